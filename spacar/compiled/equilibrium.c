@@ -13,7 +13,7 @@ typedef struct {
     const int64_t *x, *e;      /* (nxe, n), (nee, n) places */
     double *V;                 /* (nee, nxe, n) */
     const double *S;           /* (nee, nee, n) stiffness; NULL: none */
-    int64_t curved, heavy;     /* V depends on x; gravity depends on x */
+    int64_t curved, heavy, moving; /* V depends on x; gravity depends on x; the mass matrix depends on x */
 } Group;
 
 /* Coordinates: the first `x_free` and the n_x_input from `x_input` on are not free. Deformations: the first e_input and the n_e_input

@@ -162,8 +162,9 @@ class Dynamics(EquationsOfMotion):
         return lambda: condition
 
     def position_matrix(self) -> PositionMatrix:
-        k = self.kinematics
-        return PositionMatrix(k.mechanism, lambda: k, k.kind == "dense" or (k.kind is None and is_dense(len(k.E))))
+        n = self.numbering.e_class["dynamic"].stop
+        dense = self.kind == "dense" or (self.kind is None and is_dense(n))
+        return PositionMatrix(self.mechanism, lambda: self.kinematics, dense)
 
     def in_range(self) -> bool:
         return False  # not known: the elements have to be asked

@@ -8,6 +8,7 @@ Gravity on a family is minus the inertia force of the acceleration -g at its pos
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,6 +16,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.kinematics.element_sweep import ElementSweep
+from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import Loads, Mechanism, UserForces
 
 
@@ -70,11 +72,7 @@ class AppliedForces:
         self.loads = loads
         self.field = gravity_field(mechanism, loads)
         self.heavy = bool(self.field.any())
-        self.constant_gravity = np.zeros(mechanism.numbering.nx)
-        for b in sweep.massive:
-            if b.family.constant_mass:
-                M, g = sweep.M[b.index], self.field[b.x]
-                np.add.at(self.constant_gravity, b.x, (M * g[None]).sum(axis=1))
+        self.constant_gravity = constant_gravity(self.field, sweep.constant_masses() if self.heavy else ())
         self.constant = loads.force + self.constant_gravity
         self.user = mechanism.user_signal
 
@@ -119,6 +117,14 @@ def moment_entries(rows: Index, moments: Array) -> tuple[Index, Index, Array]:
     block = moment_gradient(moments)
     i, j = (np.broadcast_to(r, block.shape).ravel() for r in (rows[:, None, :], rows[None, :, :]))
     return i, j, block.ravel()
+
+
+def constant_gravity(field: Array, masses: Iterable[tuple[Batch, Array]]) -> Array:
+    """M g of the field g (nx,) and of mass matrices (n_coordinates, n_coordinates, n) that never change, (nx,)."""
+    force = np.zeros(len(field))
+    for b, M in masses:
+        np.add.at(force, b.x, (M * field[b.x][None]).sum(axis=1))
+    return force
 
 
 def gravity_field(mechanism: Mechanism, loads: Loads) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,18 +21,22 @@ STILL = 64.0 * float(np.finfo(float).eps)  # way in a step, in model lengths or 
 
 @dataclass(frozen=True)
 class LoadedMechanism:
-    """A mechanism under loads and prescribed motion, with the stress law of its active deformations."""
+    """A mechanism under loads and prescribed motion. `own_law`: another stress law of its active deformations than that
+    of mechanism and loads."""
 
     mechanism: Mechanism
     loads: Loads
     drive: Drive
-    law: StressLaw
+    own_law: StressLaw | None = None
 
     @classmethod
     def of(cls, mechanism: Mechanism, loads: Loads | None = None, drive: Drive | None = None) -> LoadedMechanism:
         """`loads` and `drive` replace those of the mechanism."""
-        loads = loads or mechanism.loads
-        return cls(mechanism, loads, drive or mechanism.drive, StressLaw.of(mechanism, loads))
+        return cls(mechanism, loads or mechanism.loads, drive or mechanism.drive)
+
+    @cached_property
+    def law(self) -> StressLaw:
+        return self.own_law or StressLaw.of(self.mechanism, self.loads)
 
 
 @dataclass(frozen=True, slots=True)

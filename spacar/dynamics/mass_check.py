@@ -135,13 +135,14 @@ def require_inertia_of_many(mechanism: Mechanism, saddle: SaddlePoint, condition
 
 
 def linearized_doubt(
-    mechanism: Mechanism, sweep: ElementSweep, M: Array, condition: Conditioning, everything: bool = False
-) -> str | None:
-    """What linearized equations at the configuration of the sweep are warned of, None: nothing.
+    mechanism: Mechanism, elements: Callable[[], ElementSweep], masses: Array, M: Array, condition: Conditioning,
+    everything: bool = False,
+) -> str | None:  # fmt: skip
+    """What linearized equations at the configuration of the sweep `elements` are warned of, None: nothing.
 
-    M: as for `is_doubtful`; condition: of D. A degree of freedom without any entry is not looked at: who needs its
-    inertia refuses it. Neither is a large model: its lowest modes come from the sparse pencil, which keeps all
-    coordinates.
+    masses: (nx,) diagonal of the mass matrix of the coordinates; M: as for `is_doubtful`; condition: of D. A degree of
+    freedom without any entry is not looked at: who needs its inertia refuses it. Neither is a large model: its lowest
+    modes come from the sparse pencil, which keeps all coordinates.
     `everything`: M is that of all degrees of freedom, prescribed ones too (mode 3).
     """
     if everything:
@@ -150,13 +151,13 @@ def linearized_doubt(
     if not is_checked(n) or not M.diagonal().all():
         return None
     with np.errstate(over="ignore"):
-        largest = largest_mass(mechanism, sweep)
+        largest = float(np.max(masses * mechanism.scale**2, initial=0.0))
     if not np.isfinite(largest) or not is_doubtful(mechanism, M, condition.at_most, largest):
         return None
     number = condition.number
     if not is_doubtful(mechanism, M, number, largest):
         return None
-    massless, doubtful = _motions_of_rounding(mechanism, SaddlePoint(mechanism, sweep), number)
+    massless, doubtful = _motions_of_rounding(mechanism, SaddlePoint(mechanism, elements()), number)
     if not (massless or doubtful):
         return None
     return (

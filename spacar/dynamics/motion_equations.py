@@ -18,6 +18,7 @@ Without degrees of freedom the accelerations follow from the second row alone, a
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -28,6 +29,7 @@ from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.dynamics.saddle_point import DeformationInertia, SaddlePoint
 from spacar.errors import AnalysisError
 from spacar.kinematics import Kinematics
+from spacar.kinematics.element_sweep import ElementSweep, SweepArrays
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.predictor import State, extrapolated
 from spacar.linear_systems import SingularMatrixError
@@ -45,21 +47,23 @@ class Accelerations(NamedTuple):
 class EquationsOfMotion:
     """The equations of one loaded mechanism, in the configuration of `kinematics` with the velocity `xd`.
 
-    `kind` forces the storage of the linear systems. `place` must come before `accelerate`.
+    `kind` forces the storage of the linear systems. `place` must come before `accelerate`. The elements and their
+    matrices are made when something is evaluated.
+
+    Raises AnalysisError 'mechanism.count' when the numbers of unknowns and equations differ.
     """
 
     def __init__(self, model: LoadedMechanism, kind: str | None = None) -> None:
         self.kind = kind
-        self.kinematics = Kinematics(model.mechanism, kind)
-        self.sweep = self.kinematics.sweep
-        self.sweep.constant_mass()
-        self.coupling = DeformationInertia(model.mechanism, self.sweep)
         self.saddle: SaddlePoint | None = None
         self.use(model)
         self.numbering = n = model.mechanism.numbering
+        if not n.is_square:
+            Kinematics(model.mechanism, kind)  # says what is wrong
         self.xs, self.es = n.x_class, n.e_class
         self.n_positions = n.nddof + n.nk
-        self.n_xm, self.n_em, self.n_xk = int(n.nxp[3]), int(n.nep[3]), int(n.nxp[4])
+        places = self.xs["dynamic"], self.es["dynamic"], self.xs["kinematic"]
+        self.n_xm, self.n_em, self.n_xk = (part.stop - part.start for part in places)
         self.xd, self.ed = np.zeros(n.nx), np.zeros(n.ne)
         self.convected = np.zeros(n.nx)  # h minus gravity on moving families, of the last accelerations
         self.last: State | None = None  # t, x, xd, xdd of the last accelerated state: the next guess starts there
@@ -69,7 +73,29 @@ class EquationsOfMotion:
     def use(self, model: LoadedMechanism) -> None:
         """Put other loads, another prescribed motion or another stress law on the same mechanism."""
         self.model = model
-        self.forces = AppliedForces(model.mechanism, model.loads, self.sweep)
+        vars(self).pop("forces", None)  # of other loads
+
+    @cached_property
+    def kinematics(self) -> Kinematics:
+        return self._made()
+
+    @cached_property
+    def sweep(self) -> ElementSweep:
+        return self.kinematics.sweep
+
+    @cached_property
+    def coupling(self) -> DeformationInertia:
+        return DeformationInertia(self.mechanism, self.sweep)
+
+    @cached_property
+    def forces(self) -> AppliedForces:
+        return AppliedForces(self.mechanism, self.loads, self.sweep)
+
+    def _made(self, arrays: SweepArrays | None = None) -> Kinematics:
+        """New kinematics; `arrays` that its elements share."""
+        sweep = ElementSweep(self.mechanism, arrays)
+        sweep.constant_mass()
+        return Kinematics(self.mechanism, self.kind, sweep)
 
     @property
     def mechanism(self) -> Mechanism:
@@ -146,7 +172,7 @@ class EquationsOfMotion:
         if sigma.any():
             force -= sweep.rate_transposed(sigma)
         force -= self._coupling_force(xdd, convective) if self.coupling.present else 0.0
-        if self.numbering.nxp[2]:
+        if self.xs["input"].stop > self.xs["input"].start:
             force -= sweep.mass_times(xdd)
             strain -= sweep.rate(xdd)
         if self.saddle is None:

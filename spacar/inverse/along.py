@@ -126,7 +126,9 @@ class Along:
         L = self._at(linearize, dynamics, frame, u0)
         if k == 0:
             condition = Conditioning.of(dynamics.kinematics)
-            doubt = linearized_doubt(self.mechanism, dynamics.sweep, L.m0, condition, everything=True)
+            doubt = linearized_doubt(
+                self.mechanism, lambda: dynamics.sweep, L.M.diagonal(), L.m0, condition, everything=True
+            )
             if doubt:
                 self.report.add(f"warning: {doubt}")
         for name in MATRICES:
@@ -160,7 +162,7 @@ class Along:
         if dynamics is None:
             dynamics = self.models[id(model)] = Dynamics(replace(model, drive=self.drive))
             if self.nominal.stationary:  # elastic deformations are prescribed here, and act on the released ones
-                dynamics.use(replace(dynamics.model, law=self._elastic(dynamics.loads)))
+                dynamics.use(replace(dynamics.model, own_law=self._elastic(dynamics.loads)))
         kinematics = dynamics.kinematics
         # The configuration of mode 2 is the solution: from there Newton's method stays on its branch.
         e = np.where(self.e_columns >= 0, self.nominal.e[k, self.e_columns], 0.0)

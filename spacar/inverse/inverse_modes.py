@@ -53,7 +53,7 @@ def inverse(run: Run) -> Iterator[Sequence[Frame]]:
         nominal.apply(dynamics, frame, u0)
         frame.state_space["u0"] = u0
         frame.state_space["y0"] = ports.reference(frame)
-        yield (output.add(frame, dynamics.kinematics),)
+        yield (output.add(frame, dynamics),)
     nominal.finish()
 
 
@@ -82,7 +82,7 @@ def along(run: Run) -> Iterator[Sequence[Frame]]:
     for k in range(len(given.t)):
         frame = work.frame(k)
         limits.check(work.dynamics, frame)
-        yield (output.add(frame, work.dynamics.kinematics),)
+        yield (output.add(frame, work.dynamics),)
         if k == 0:
             run.header["condition"] = condition_number(work.dynamics.kinematics)
     work.finish()

@@ -18,12 +18,12 @@ from spacar.mechanism.mechanism import Mechanism
 
 
 class ConstraintMatrices:
-    """Those of one mechanism; `kind` of storage as `spacar.linear_systems.assemble`."""
+    """Those of one mechanism; `kind` of storage as `spacar.linear_systems.assemble`; `sweep`: of its elements."""
 
-    def __init__(self, mechanism: Mechanism, kind: str | None) -> None:
+    def __init__(self, mechanism: Mechanism, kind: str | None, sweep: ElementSweep | None = None) -> None:
         self.mechanism = mechanism
         n = self.numbering = mechanism.numbering
-        self.sweep = ElementSweep(mechanism)
+        self.sweep = sweep or ElementSweep(mechanism)
         self.E, self.U = n.velocity_equations, n.velocity_unknowns
         self.h, self.c = n.position_equations, n.position_unknowns
         self.kind = kind

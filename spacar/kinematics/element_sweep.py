@@ -7,36 +7,49 @@ assembled from this array with index maps that are made once. Nothing here alloc
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements.family import Configuration, Family
-from spacar.mechanism.layout import Layout, Place
+from spacar.mechanism.layout import Batch, Layout, Place
 from spacar.mechanism.mechanism import Mechanism
 
 
-class ElementSweep:
-    """Evaluation of all batches at the current configuration."""
+class SweepArrays(NamedTuple):
+    """What an evaluation in C may share with a sweep: the entries of V, then of M; e and `near` (ne,)."""
 
-    def __init__(self, mechanism: Mechanism) -> None:
+    entries: Array
+    e: Array
+    near: Array
+
+    @classmethod
+    def of(cls, mechanism: Mechanism) -> SweepArrays:
+        ne = mechanism.numbering.ne
+        return cls(np.zeros(sum(mechanism.layout.sizes)), np.zeros(ne), np.zeros(ne))
+
+
+class ElementSweep:
+    """Evaluation of all batches at the current configuration; `arrays`: those that it shares."""
+
+    def __init__(self, mechanism: Mechanism, arrays: SweepArrays | None = None) -> None:
         numbering = mechanism.numbering
         self.nx, self.ne = numbering.nx, numbering.ne
         self.batches = mechanism.batches
         self.layout = layout = mechanism.layout
         self.strained, self.massive = layout.strained, layout.massive
         self.moving, self.curved = layout.moving, layout.curved
+        self.entries, self.e, self.near = arrays or SweepArrays.of(mechanism)
         self._allocate(layout)
         self.configuration: dict[int, Configuration] = {}
-        self.e = np.zeros(self.ne)
-        self.near = np.zeros(self.ne)
         self.count = 0  # evaluations of D, for the log and the benchmarks
 
     def _allocate(self, layout: Layout) -> None:
         self.v_rows, self.v_columns = layout.v_rows, layout.v_columns
         self.m_rows, self.m_columns = layout.m_rows, layout.m_columns
         self.x_index, self.e_index, self.f_index = layout.x_index, layout.e_index, layout.f_index
-        nv, nm = len(self.v_rows), len(self.m_rows)
-        self.entries = np.zeros(nv + nm)
+        nv = len(self.v_rows)
         self.v_entries, self.m_entries = self.entries[:nv], self.entries[nv:]
         self.V, self.M = _views(self.v_entries, layout.V), _views(self.m_entries, layout.M)
         self._x, self._v, self._a = np.zeros((3, len(self.x_index)))
@@ -91,6 +104,10 @@ class ElementSweep:
         for b in self.massive:
             if b.family.constant_mass:
                 b.family.mass(None, self.M[b.index])
+
+    def constant_masses(self) -> list[tuple[Batch, Array]]:
+        """Those, (n_coordinates, n_coordinates, n) each."""
+        return [(b, self.M[b.index]) for b in self.massive if b.family.constant_mass]
 
     def mass(self) -> None:
         """M of the configuration-dependent families into `entries`."""

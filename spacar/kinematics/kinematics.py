@@ -44,6 +44,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import AnalysisError
 from spacar.kinematics.constraint_matrices import ConstraintMatrices
+from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.fold import is_single_root
 from spacar.linear_systems import SingularMatrixError
 from spacar.linear_systems.matrix import DENSE_LIMIT, matrix
@@ -81,8 +82,8 @@ class Kinematics(ConstraintMatrices):
     Raises AnalysisError 'mechanism.count' when the numbers of unknowns and equations differ.
     """
 
-    def __init__(self, mechanism: Mechanism, kind: str | None = None) -> None:
-        super().__init__(mechanism, kind)
+    def __init__(self, mechanism: Mechanism, kind: str | None = None, sweep: ElementSweep | None = None) -> None:
+        super().__init__(mechanism, kind, sweep)
         n = self.numbering
         if not n.is_square:
             from spacar.kinematics.failure import count_failure

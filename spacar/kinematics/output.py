@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
 from spacar.arrays import Array
@@ -33,6 +34,29 @@ class FirstOrder(Protocol):
     def Ge(self) -> Array: ...
 
 
+class Placed(Protocol):
+    """What is at a configuration, such as an evaluator."""
+
+    @property
+    def kinematics(self) -> Kinematics: ...
+
+
+class _Transfer:
+    """Those of the present configuration."""
+
+    def __init__(self, k: Kinematics) -> None:
+        self._k, self.W = k, velocity_transfer(k)
+        self.G = configuration_transfer(k, self.W)
+
+    @cached_property
+    def We(self) -> Array:
+        return self._k.sweep_rates(self.W)
+
+    @cached_property
+    def Ge(self) -> Array:
+        return self._k.sweep_rates(self.G)
+
+
 class TransferOutput:
     """Adds dx, de (flag 1) and d2x, d2e (flag 2) to frames; stationary modes have flag 1 by default.
 
@@ -60,20 +84,22 @@ class TransferOutput:
         """Whether anything is added."""
         return bool(self.level or self.log & (FIRST | SECOND | THIRD | GLOBAL_DEFORMATION))
 
-    def add(self, frame: Frame, k: Kinematics, known: FirstOrder | None = None) -> Frame:
+    def add(self, frame: Frame, placed: Placed, known: FirstOrder | None = None) -> Frame:
         """The same frame with the transfer functions of the present configuration; `known` of a linearization there."""
         if self.log & GLOBAL_DEFORMATION:
-            frame.log["bigd"] = k.sweep.gradient()
+            frame.log["bigd"] = placed.kinematics.sweep.gradient()
         if not self.level and not self.log & (FIRST | SECOND | THIRD):
             return frame
-        W = velocity_transfer(k) if known is None else known.W
-        G = configuration_transfer(k, W) if known is None else known.G
+        if known is None:
+            known = _Transfer(placed.kinematics)
+        W, G = known.W, known.G
         if (self.level | self.log) & FIRST:
-            frame.log["dx"], frame.log["de"] = G, k.sweep_rates(G) if known is None else known.Ge
+            frame.log["dx"], frame.log["de"] = G, known.Ge
         if self.level & FIRST:
-            frame.dx, frame.de = frame.log["dx"], frame.log["de"]
-            frame.dxc, frame.dec = W, frame.de if G is W else k.sweep_rates(W) if known is None else known.We
+            frame.dx, frame.de = G, known.Ge
+            frame.dxc, frame.dec = W, frame.de if G is W else known.We
         if self.level & SECOND or self.log & (SECOND | THIRD):
+            k = placed.kinematics
             d2x, d2e = second_order_transfer(k, G)
             flat = [A.reshape(len(A), -1, order="F") for A in (d2x, d2e)]
             if self.level & SECOND:

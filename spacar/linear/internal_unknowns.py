@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
+from spacar.elements.family import Family
 from spacar.linearization.contractions import geometric_rounding
 from spacar.linearization.matrices import Linearization
 from spacar.linearization.state_matrix import selected, selected_columns
@@ -43,9 +44,12 @@ class ElementUnknowns(NamedTuple):
 def element_unknowns(dynamics: Dynamics, sigma: Array, other: Array | None = None) -> list[ElementUnknowns]:
     """Unknowns of all batches that have any, at the stresses sigma (ne,), also of elements in which only the stresses
     `other` (ne,) couple them."""
-    sweep, found = dynamics.sweep, []
-    for b in sweep.curved:
-        configuration = sweep.configuration[b.index]
+    found = []
+    for b in dynamics.mechanism.layout.curved:
+        family: Family = getattr(b.family, "general", b.family)
+        if type(family).internal is Family.internal:
+            continue  # no elements need to be evaluated to say so
+        configuration = dynamics.sweep.configuration[b.index]
         internal = b.family.internal(configuration, sigma[b.e])
         if internal is None:
             continue

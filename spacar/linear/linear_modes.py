@@ -37,6 +37,7 @@ from spacar.stream import Run
 # Dynamic degrees of freedom above which no dense matrices are formed: measured, docs/performance.md "Sizes".
 LARGE = 200
 SHARE = 4  # all modes together cost less than the lowest ones if these are more than one in four
+MASS_AND_DAMPING, STIFFNESS = ("m0", "c0", "d0"), ("k0", "n0", "g0")
 LOST = 1e-6  # chosen: relative error of the matrices above which there is a warning
 
 
@@ -53,7 +54,7 @@ def forward(run: Run) -> Iterator[Sequence[Frame]]:
         L = linearize(dynamics, frame.xdd, frame.sig, t=frame.t)
         _store_matrices(frame, L, dynamics)
         store.add(frame, L, dynamics)
-        yield (output.add(frame, dynamics.kinematics, L),)
+        yield (output.add(frame, dynamics, L),)
     run.report.lines.extend(store.idle.lines())
 
 
@@ -158,13 +159,12 @@ def stationary(
             if lost_digits(condition.at_most) > LOST:
                 say_lost_digits(run, reduced or descriptor)
         limits = limits or Limits(dynamics, run.report)
-        if about is None or dynamics.forces.heavy:
+        if about is None:
+            found = Accelerations(state.xdd, state.sigma, state.convective)
             convected = dynamics.forces.inertia(dynamics.sweep, dynamics.xd)
+            frame = dynamics.complete(float(stored), found, convected)
         else:
-            convected = np.zeros(n.nx)  # C takes no flow: nothing else has such forces at rest
-        frame = dynamics.complete(
-            float(stored), Accelerations(state.xdd, state.sigma, state.convective), convected
-        )
+            frame = about.frame(float(stored), state.sigma, dynamics.loads)
         limits.check_elements(dynamics, frame)
         singular = not _is_surely_regular(solver, condition) and _is_dead_point(run, solver, level, frame.t, reducible)
         frame.statistics = {"iterations": iterations, "residual": state.norm}
@@ -184,7 +184,7 @@ def stationary(
             continue
         L = linearize(dynamics, state.xdd, state.sigma) if about is None else about.linearization()
         _store_matrices(frame, L, dynamics)
-        frame = output.add(frame, dynamics.kinematics, L)
+        frame = output.add(frame, dynamics, L)
         yield LinearizedSolution(frame, dynamics, L, None, wanted, reduced, condition)
 
 
@@ -215,7 +215,8 @@ def _say_doubtful_inertia(run: Run, solution: LinearizedSolution) -> None:
     if L is None or not len(dynamic) or solution.frame.t:
         return
     M = selected(L.m0, dynamic, dynamic)
-    doubt = linearized_doubt(run.mechanism, solution.dynamics.sweep, M, solution.condition)
+    masses = L.M.diagonal()
+    doubt = linearized_doubt(run.mechanism, lambda: solution.dynamics.sweep, masses, M, solution.condition)
     if doubt:
         run.report.add(f"warning: {doubt}")
 
@@ -223,7 +224,8 @@ def _say_doubtful_inertia(run: Run, solution: LinearizedSolution) -> None:
 def _is_surely_regular(solver: StationarySolver, condition: Conditioning) -> bool:
     """Does the bound tell that the reciprocal condition, which is that of the 1-norm, is above zero?"""
     matrix = solver.dynamics.position_matrix()
-    return solver.determined and len(matrix.columns) * condition.at_most * matrix.zero < 1.0
+    unknowns = solver.mechanism.numbering.e_class["dynamic"].stop
+    return solver.determined and unknowns * condition.at_most * matrix.zero < 1.0
 
 
 def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: float, reducible: bool) -> bool:
@@ -248,12 +250,11 @@ def _store_matrices(frame: Frame, L: Linearization, dynamics: Dynamics) -> None:
     q, s = chosen_rows(L, dynamics)
     if not len(q):
         return
-    for name in ("m0", "c0", "d0"):
-        frame.matrices[name] = selected(getattr(L, name), q, q)
-    for name in ("k0", "n0", "g0"):
-        frame.matrices[name] = selected(getattr(L, name), q, s)
-    frame.matrices["ak0"] = selected(L.ak0, s, q)
-    frame.matrices["bk0"] = selected(L.bk0, s, s)
+    whole = len(q) == dynamics.numbering.ndof
+    for names, rows, columns in (MASS_AND_DAMPING, q, q), (STIFFNESS, q, s), (("ak0",), s, q), (("bk0",), s, s):
+        for name in names:
+            A = getattr(L, name)
+            frame.matrices[name] = A if whole else selected(A, rows, columns)
 
 
 def _store_vibration(run: Run, solution: LinearizedSolution) -> None:

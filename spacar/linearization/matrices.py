@@ -108,7 +108,7 @@ def reduced(
     """The linearized equations of these coefficients and transfer functions; G is W itself for holonomic systems."""
     n, M, Me = dynamics.numbering, c.M, c.deformation_inertia
     Ge = We if G is W else c.V @ G
-    rates = _rates(dynamics, c, W, G) if c.moving else _no_rates(n.ne, n.nx, n.ndof, n.nkdof)
+    rates = _rates(dynamics, c, W, G) if c.moving else no_rates(n.ne, n.nx, n.ndof, n.nkdof)
     Z, Ze, Y, Ye, Yv, Yev = rates
     ak0, bk0 = _kinematic(dynamics, W, We, Z, Ze)
     m0, c0 = _between((W, M, W), (We, Me, We)), _between((W, c.inertia_v, W))
@@ -148,7 +148,7 @@ def _rates(dynamics: Dynamics, c: Coefficients, W: Array, G: Array) -> tuple[Arr
     return Z, Ze, Y, Ye, Yv, V @ Yv + swept
 
 
-def _no_rates(ne: int, nx: int, ndof: int, nkdof: int) -> tuple[Matrix, ...]:
+def no_rates(ne: int, nx: int, ndof: int, nkdof: int) -> tuple[Matrix, ...]:
     """At rest Z, Y and Yv vanish."""
     xs, es = zero_matrix((nx, nkdof)), zero_matrix((ne, nkdof))
     return xs, es, xs, es, zero_matrix((nx, ndof)), zero_matrix((ne, ndof))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import prod
 from typing import NamedTuple
 
@@ -33,48 +34,76 @@ class Batch(NamedTuple):
 @quickly_made
 @dataclass(frozen=True, eq=False, repr=False)
 class Layout:
-    """Batches by what they have, and the index arrays of all of them together."""
+    """Batches by what they have. The index arrays of all of them together are made when an evaluation asks for them."""
 
+    batches: tuple[Batch, ...]
     strained: tuple[Batch, ...]
     massive: tuple[Batch, ...]
     moving: tuple[Batch, ...]  # mass matrix depends on the configuration
     curved: tuple[Batch, ...]  # V depends on the configuration
-    v_rows: Index
-    v_columns: Index
-    m_rows: Index
-    m_columns: Index
-    x_index: Index  # coordinates of all batches
-    e_index: Index  # deformations of all strained batches
-    f_index: Index  # coordinates of all moving batches
-    V: tuple[Place, ...]
-    M: tuple[Place, ...]
-    x: tuple[Place, ...]
-    e: tuple[Place, ...]
-    f: tuple[Place, ...]
 
     @classmethod
     def of(cls, batches: Sequence[Batch]) -> Layout:
         strained = tuple(b for b in batches if b.family.n_deformations)
         massive = tuple(b for b in batches if b.family.has_mass)
         moving = tuple(b for b in massive if not b.family.constant_mass)
-        return cls(
-            strained=strained,
-            massive=massive,
-            moving=moving,
-            curved=tuple(b for b in strained if not b.family.constant_gradient),
-            v_rows=_join([b.e.repeat(len(b.x), 0) for b in strained]),
-            v_columns=_join([b.x[None].repeat(len(b.e), 0) for b in strained]),
-            m_rows=_join([b.x.repeat(len(b.x), 0) for b in massive]),
-            m_columns=_join([b.x[None].repeat(len(b.x), 0) for b in massive]),
-            x_index=_join([b.x for b in batches]),
-            e_index=_join([b.e for b in strained]),
-            f_index=_join([b.x for b in moving]),
-            V=_places(strained, [(len(b.e), len(b.x)) for b in strained]),
-            M=_places(massive, [(len(b.x), len(b.x)) for b in massive]),
-            x=_places(batches, [(len(b.x),) for b in batches]),
-            e=_places(strained, [(len(b.e),) for b in strained]),
-            f=_places(moving, [(len(b.x),) for b in moving]),
-        )
+        curved = tuple(b for b in strained if not b.family.constant_gradient)
+        return cls(tuple(batches), strained, massive, moving, curved)
+
+    # -- entries of V and M ---------------------------------------------------------------------------------------
+    @cached_property
+    def v_rows(self) -> Index:
+        return _join([b.e.repeat(len(b.x), 0) for b in self.strained])
+
+    @cached_property
+    def v_columns(self) -> Index:
+        return _join([b.x[None].repeat(len(b.e), 0) for b in self.strained])
+
+    @cached_property
+    def m_rows(self) -> Index:
+        return _join([b.x.repeat(len(b.x), 0) for b in self.massive])
+
+    @cached_property
+    def m_columns(self) -> Index:
+        return _join([b.x[None].repeat(len(b.x), 0) for b in self.massive])
+
+    @cached_property
+    def V(self) -> tuple[Place, ...]:
+        return _places(self.strained, [(len(b.e), len(b.x)) for b in self.strained])
+
+    @cached_property
+    def M(self) -> tuple[Place, ...]:
+        return _places(self.massive, [(len(b.x), len(b.x)) for b in self.massive])
+
+    @cached_property
+    def sizes(self) -> tuple[int, int]:
+        """How many entries V and M have."""
+        return sum(len(b.e) * b.x.size for b in self.strained), sum(len(b.x) * b.x.size for b in self.massive)
+
+    # -- coordinates of all batches, deformations of the strained ones, coordinates of the moving ones ---------------
+    @cached_property
+    def x_index(self) -> Index:
+        return _join([b.x for b in self.batches])
+
+    @cached_property
+    def e_index(self) -> Index:
+        return _join([b.e for b in self.strained])
+
+    @cached_property
+    def f_index(self) -> Index:
+        return _join([b.x for b in self.moving])
+
+    @cached_property
+    def x(self) -> tuple[Place, ...]:
+        return _places(self.batches, [(len(b.x),) for b in self.batches])
+
+    @cached_property
+    def e(self) -> tuple[Place, ...]:
+        return _places(self.strained, [(len(b.e),) for b in self.strained])
+
+    @cached_property
+    def f(self) -> tuple[Place, ...]:
+        return _places(self.moving, [(len(b.x),) for b in self.moving])
 
 
 def _join(parts: list[Index]) -> Index:

@@ -1,25 +1,25 @@
-"""What the linearized equations about a small equilibrium at rest consist of, in one call of C (compiled/linearized.c).
+"""The linearized equations about a small equilibrium at rest, in one call of C (compiled/linearized.c).
 
-The counterpart of `spacar.linearization.coefficients`, of the velocity transfer and of the bound of the condition
-number, for what `Equilibrium` takes; `spacar.linearization.matrices` makes the reduced equations of it. Dense, up to
-the size to which all matrices of a linearization are; zeros in the factors are passed over.
+The counterpart of `spacar.linearization`, of the velocity transfer, of the bound of the condition number and of
+`Dynamics.complete`, for what `Equilibrium` takes. Dense, up to the size to which all matrices of a linearization are;
+zeros in the factors are passed over.
 """
 
 from __future__ import annotations
 
 import ctypes
-from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.dynamics.array_evaluator import Dynamics
-from spacar.kinematics.constraint_condition import Conditioning, of_entries
+from spacar.dynamics.forces import active_entries, gravity_field
+from spacar.frame import Frame
+from spacar.kinematics.constraint_condition import Conditioning, of_gradient
 from spacar.linear_systems.matrix import DENSE_LIMIT, matrix, zero_matrix
-from spacar.linearization.coefficients import Coefficients
-from spacar.linearization.contractions import mass_matrix
-from spacar.linearization.matrices import Linearization, reduced
+from spacar.linearization.matrices import Linearization, no_rates
+from spacar.mechanism.mechanism import Loads, Mechanism
 from spacar.stationary.equilibrium import DOUBLES, NUMBER, WHOLE, Equilibrium
 
 
@@ -27,68 +27,125 @@ class CLinearized(ctypes.Structure):
     """`Linearized` of linearized.c."""
 
     _fields_ = [
-        *((name, DOUBLES) for name in ("row", "column", "W", "We", "V", "geometric", "gravity", "sigma")),
-        *((name, WHOLE) for name in ("n", "first", "q_x", "n_q_x", "q_e", "n_q_e")),
-        ("bound", NUMBER), ("terms", NUMBER),
+        *((name, DOUBLES) for name in (
+            "row", "column", "W", "We", "m0", "k0", "g0", "V", "S", "geometric", "mass", "gravity", "sigma",
+        )),
+        *((name, WHOLE) for name in ("n", "first", "q_x", "n_q_x", "q_e", "n_q_e", "n_groups")),
+        ("bound", NUMBER), ("terms", NUMBER), ("guard", NUMBER),
     ]  # fmt: skip
 
 
-@dataclass(frozen=True)
-class AboutRest:
-    """W (nx, ndof), We (ne, ndof), V (ne, nx), the geometric stiffness and the gradient of gravity (nx, nx) and the
-    stresses (ne,) of a state at rest; `bound` of the condition number; `terms` of the geometric stiffness."""
+class AboutRest(NamedTuple):
+    """A state at rest: x (nx,), its deformations e (ne,), all stresses sigma (ne,), and about it
 
-    dynamics: Dynamics
+    W (nx, ndof), We (ne, ndof)      transfer functions
+    m0, k0, g0 (ndof, ndof)          of the elements; m0 without the inertia of deformations
+    V (ne, nx), S (ne, ne)           S of the deformations that are not given
+    mass, geometric, gravity (nx, nx)
+    bound, terms, guard              of the condition number; of the geometric stiffness; the smallest of all elements
+    """
+
+    mechanism: Mechanism
+    x: Array
+    e: Array
+    sigma: Array
     W: Array
     We: Array
+    m0: Array
+    k0: Array
+    g0: Array
     V: Array
+    S: Array
     geometric: Array
+    mass: Array
     gravity: Array
-    sigma: Array
     bound: float
     terms: float
+    guard: float
 
     @classmethod
-    def of(cls, equations: Equilibrium, d: Dynamics, x: Array, sigma: Array) -> AboutRest | None:
+    def of(cls, equations: Equilibrium, x: Array, sigma: Array) -> AboutRest | None:
         """At x (nx,) with the stresses sigma (ne,), at the loads of the equations. None: for NumPy."""
         from spacar.compiled.library import address_of
 
-        n, m = d.numbering, d.mechanism
-        U = n.velocity_unknowns
-        if n.nk or max(n.nx, n.ne) > DENSE_LIMIT:
+        m = equations.mechanism
+        n = m.numbering
+        nx, ne, ndof = n.nx, n.ne, n.ndof
+        if n.nk or max(nx, ne) > DENSE_LIMIT:
             return None
         xs, es = n.x_class, n.e_class
-        W, We, V = np.zeros((n.nx, n.ndof)), np.zeros((n.ne, n.ndof)), np.zeros((n.ne, n.nx))
-        geometric, stresses, column = np.zeros((n.nx, n.nx)), sigma.copy(), m.scale[U]
-        gravity = np.zeros((n.nx, n.nx)) if equations.heavy else None
+        # what results keep, and what is forgotten with the linearization, lie apart
+        shapes = [(nx, ndof), (ne, ndof), *3 * [(ndof, ndof)]], [(ne, nx), (ne, ne), (nx, nx), (nx, nx)]
+        (kept, at_kept), (others, at_others) = map(_zeros, shapes)
+        (W, We, m0, k0, g0), (V, S, geometric, mass) = kept, others
+        stresses, column = sigma.copy(), m.scale[xs["calculable"]]  # nothing is kinematic
+        gravity = np.zeros((nx, nx)) if equations.heavy else None
+        for b, M in equations.constant_masses:
+            np.add.at(mass, (b.x[:, None], b.x), M)
         c = CLinearized(
-            *map(address_of, (m.deformation_scale, column, W, We, V, geometric)),
-            None if gravity is None else address_of(gravity), address_of(stresses),
+            address_of(m.deformation_scale), address_of(column), *at_kept, *at_others,
+            None if gravity is None else address_of(gravity), address_of(stresses), len(column),
+            xs["calculable"].start, *_input_and_dynamic(xs), *_input_and_dynamic(es), equations.n_groups,
         )  # fmt: skip
-        c.n, c.first = len(U), xs["calculable"].start
-        c.q_x, c.n_q_x, c.q_e, c.n_q_e = xs["input"].start, len(n.q_x), es["input"].start, len(n.q_e)
         if not equations.linearize(x, sigma, c):
             return None
-        gravity = zero_matrix((n.nx, n.nx)) if gravity is None else gravity
-        return cls(d, W, We, V, geometric, gravity, stresses, c.bound, c.terms)
+        gravity = zero_matrix((nx, nx)) if gravity is None else gravity
+        e = equations.arrays.e.copy()
+        return cls(
+            m, x, e, stresses, W, We, m0, k0, g0, V, S, geometric, mass, gravity, c.bound, c.terms, c.guard
+        )  # fmt: skip
 
     @property
     def condition(self) -> Conditioning:
         """Of the choice of the degrees of freedom."""
-        s = self.dynamics.sweep
-        entries = s.v_rows, s.v_columns, s.v_entries.copy()
-        return Conditioning(self.bound, partial(of_entries, self.dynamics.mechanism, *entries))
+        return Conditioning(self.bound, partial(of_gradient, self.mechanism, self.V))
+
+    def frame(self, t: float, sigma: Array, loads: Loads) -> Frame:
+        """What is stored of the state with the stresses sigma (ne,) under these loads. Gravity and what holds it up are
+        the same, so that the total forces are those of the stresses."""
+        nx, ne = self.mechanism.numbering.nx, self.mechanism.numbering.ne
+        weighs = loads.gravity.any()
+        return Frame(
+            t=t, x=self.x.copy(), xd=np.zeros(nx), xdd=np.zeros(nx), e=self.e, ed=np.zeros(ne), edd=np.zeros(ne),
+            sig=sigma, fx=loads.force.copy(), fxtot=sigma @ self.V,
+            fxgrav=self.mass @ gravity_field(self.mechanism, loads) if weighs else np.zeros(nx),
+        )  # fmt: skip
 
     def linearization(self) -> Linearization:
-        """The linearized equations, while the sweep of `dynamics` is at this state, with its mass matrices."""
-        d = self.dynamics
-        n, sweep, law = d.numbering, d.sweep, d.law
-        by_rates, by_x = zero_matrix((n.ne, n.nx)), zero_matrix((n.nx, n.nx))
-        S, Sd, Me = (matrix(*entries, (n.ne, n.ne))
-                     for entries in (law.stiffness, law.damping, d.mechanism.deformation_inertia))  # fmt: skip
-        c = Coefficients(
-            V=self.V, M=mass_matrix(sweep), rate_x=by_rates, second_v=by_rates, second_x=by_rates, inertia_x=by_x,
-            inertia_v=by_x, geometric=self.geometric, gravity_x=self.gravity, user_x=by_x, user_v=by_x, S=S, Sd=Sd,
-            deformation_inertia=Me, sigma=self.sigma, moving=False,
+        """The linearized equations."""
+        m, n = self.mechanism, self.mechanism.numbering
+        W, We, m0, of_e = self.W, self.We, self.m0, (n.ne, n.ne)
+        nothing = zero_matrix((n.nx, n.nx))
+        Sd = matrix(*active_entries(m.damping, n.e_class["input"].stop), of_e)
+        c0, d0, n0, bk0 = np.zeros((4, n.ndof, n.ndof))
+        if len(m.damping[0]):
+            d0 = We.T @ Sd @ We
+        if len(m.deformation_inertia[0]):
+            m0 = m0 + We.T @ matrix(*m.deformation_inertia, of_e) @ We
+        Z, Ze, Y, Ye, Yv, Yev = no_rates(n.ne, n.nx, n.ndof, n.nkdof)
+        return Linearization(
+            m0=m0, c0=c0, d0=d0, k0=self.k0, n0=n0, g0=self.g0, ak0=np.eye(n.ndof), bk0=bk0,
+            W=W, We=We, G=W, Ge=We, Z=Z, Ze=Ze, Y=Y, Ye=Ye, Yv=Yv, Yev=Yev,
+            sigma=self.sigma, V=self.V, M=self.mass, inertia_x=self.geometric, inertia_v=nothing,
+            load_x=self.gravity, load_v=nothing, S=self.S, Sd=Sd, geometric_terms=self.terms,
         )  # fmt: skip
-        return reduced(d, c, self.W, self.We, self.W, self.terms)
+
+
+def _input_and_dynamic(classes: dict[str, slice]) -> tuple[int, int]:
+    """The first degree of freedom, and how many there are: they follow each other."""
+    first, last = classes["input"].start, classes["dynamic"].stop
+    return first, last - first
+
+
+def _zeros(shapes: list[tuple[int, int]]) -> tuple[list[Array], list[int]]:
+    """Arrays of zeros behind each other, and their addresses."""
+    from spacar.compiled.library import address_of
+
+    sizes = [a * b for a, b in shapes]
+    room = np.zeros(sum(sizes))
+    at, arrays, addresses, first = 0, [], [], address_of(room)
+    for shape, size in zip(shapes, sizes, strict=True):
+        arrays.append(room[at : at + size].reshape(shape))
+        addresses.append(first + 8 * at)
+        at += size
+    return arrays, addresses

@@ -10,15 +10,17 @@ narrow band. It answers None where something is unusual: a singular matrix, a gr
 from __future__ import annotations
 
 import ctypes
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.dynamics.forces import AppliedForces
-from spacar.kinematics.element_sweep import ElementSweep
+from spacar.dynamics.forces import constant_gravity, gravity_field
+from spacar.kinematics.element_sweep import SweepArrays
 from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.linear_systems import BAND_LIMIT, DENSE_LIMIT
+from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stationary.contract import NO_DIGITS, SINGULAR, SPREAD, Astray
 from spacar.stationary.definite import SAFE, WEIGHT, WIDEST
@@ -49,7 +51,7 @@ class CGroup(ctypes.Structure):
 
     _fields_ = [
         ("elements", POINTER), ("x", INTEGERS), ("e", INTEGERS), ("V", DOUBLES), ("S", DOUBLES), ("curved", WHOLE),
-        ("heavy", WHOLE),
+        ("heavy", WHOLE), ("moving", WHOLE),
     ]  # fmt: skip
 
 
@@ -78,33 +80,35 @@ class CEquilibrium(ctypes.Structure):
 
 
 class Equilibrium:
-    """The equations of one mechanism in C. They share `near`, `e` and V with the sweep, whose configurations they leave
-    as they were, and keep its arrays alive.
+    """The equations of one mechanism in C. They keep `arrays` alive, which a sweep of its elements may share.
 
     Raises NotCompiled where the engine does not take the mechanism, or a stiffness is singular.
     """
 
-    def __init__(self, m: Mechanism, sweep: ElementSweep) -> None:
+    def __init__(self, m: Mechanism) -> None:
         from spacar.compiled.library import address_of, element_functions
 
         if not takes(m):
             raise NotCompiled
         self._call, n = element_functions(), m.numbering
+        self.mechanism, self.arrays = m, SweepArrays.of(m)
         xs, es = n.x_class["input"], n.e_class["input"]
         first, count = n.x_class["calculable"].start, xs.stop - xs.start
         self.nx, self.ne, self.nf = n.nx, n.ne, n.nx - first - count
         limit = max(m.settings.max_iterations, 1)
-        loads, self.heavy = _loads(m, sweep)
+        loads, weighs = self._loads()
+        self.heavy = weighs and bool(m.layout.moving)
         least = np.ones(n.nx)
         least[n.positions] = 0.0
         sizes = n.nx, n.ne, n.nx + n.ne + 2 * (self.nf + n.ne), limit
         own = self._x, self._sigma, self._out, self._sizes = [np.empty(size) for size in sizes]
-        self._keep: list[Any] = [m.x0, m.scale, m.deformation_scale, least, loads, sweep]
-        groups = _groups(m, sweep, self.heavy, self._keep)
+        self._keep: list[Any] = [m.x0, m.scale, m.deformation_scale, least, loads]
+        groups, n_groups = self._groups()
+        self.n_groups = len(groups)
         self.c = c = CEquilibrium(
-            ctypes.addressof(groups), *map(address_of, self._keep[:5]), None, address_of(sweep.near),
-            address_of(sweep.e), n.nx, n.ne, self.nf, len(groups), first, xs.start, count, es.start, es.stop - es.start,
-            self.heavy, BAND_LIMIT, DENSE_LIMIT,
+            ctypes.addressof(groups), *map(address_of, self._keep[:5]), None, address_of(self.arrays.near),
+            address_of(self.arrays.e), n.nx, n.ne, self.nf, n_groups, first, xs.start, count, es.start,
+            es.stop - es.start, self.heavy, BAND_LIMIT, DENSE_LIMIT,
         )  # fmt: skip
         c.x, c.sigma, c.out, c.sizes = map(address_of, own)
         c.floor, c.singular, c.no_digits, c.spread = FLOOR, SINGULAR, NO_DIGITS, SPREAD
@@ -193,6 +197,69 @@ class Equilibrium:
             0.0, None, None,
         )  # fmt: skip
 
+    # -- what C is given ------------------------------------------------------------------------------------------
+    def _loads(self) -> tuple[Array, bool]:
+        """Both parts of the loading, of which a level takes fractions: forces (nx,), gravity (nx,), stresses (ne,),
+        steps of the prescribed coordinates and deformations. And is there any gravity?"""
+        m, n = self.mechanism, self.mechanism.numbering
+        xs, es, more = n.x_class["input"], n.e_class["input"], m.additional_drive
+        a, b, c = n.nx, 2 * n.nx, 2 * n.nx + n.ne
+        d = c + xs.stop - xs.start
+        table, weighs = np.zeros((2, d + es.stop - es.start)), False
+        for row, loads in zip(table, (m.loads, m.additional), strict=True):
+            if loads is None:
+                continue
+            row[:a], row[b:c] = loads.force, loads.preload
+            if loads.gravity.any():
+                row[a:b] = field = gravity_field(m, loads)
+                row[:a] += constant_gravity(field, self.constant_masses)
+                weighs = weighs or bool(field.any())
+        if d > c or len(table[0]) > d:
+            start = m.drive.at(0.0)
+            table[0, c:d], table[0, d:] = start.x - m.x0[xs], start.e
+            if more is not None:
+                table[1, c:d], table[1, d:] = more.x, more.e
+        return table, weighs
+
+    def _groups(self) -> tuple[Any, int]:
+        """What C needs of the batches, and how many of them are in the equations: they come before those that have mass
+        only."""
+        from spacar.compiled.library import address_of
+
+        layout, heavy, keep = self.mechanism.layout, self.heavy, self._keep
+        moving, curved = {b.index for b in layout.moving}, {b.index for b in layout.curved}
+        batches, others = list(layout.strained), [b for b in layout.moving if not b.family.n_deformations]
+        count = len(batches) + heavy * len(others)
+        groups = (CGroup * (len(batches) + len(others)))()
+        keep.append(groups)
+        gradient = address_of(self.arrays.entries)
+        for group, b in zip(groups, batches + others, strict=True):
+            family: Any = b.family
+            x, e = np.ascontiguousarray(b.x), np.ascontiguousarray(b.e)
+            keep += family, x, e
+            group.elements, group.x, group.e = ctypes.addressof(family.elements), address_of(x), address_of(e)
+            group.curved, group.moving = b.index in curved, b.index in moving
+            group.heavy = heavy and group.moving
+            if family.n_deformations:
+                group.V = gradient
+                gradient += 8 * len(b.e) * b.x.size
+                S = np.ascontiguousarray(family.stiffness()[0])
+                if S.any():
+                    keep.append(S)
+                    group.S = S.ctypes.data
+        return groups, count
+
+    @cached_property
+    def constant_masses(self) -> list[tuple[Batch, Array]]:
+        """Mass matrices that never change, (n_coordinates, n_coordinates, n) of each batch that has one."""
+        found = []
+        for b in self.mechanism.layout.massive:
+            if b.family.constant_mass:
+                M = np.zeros((len(b.x), *b.x.shape))
+                b.family.mass(None, M)
+                found.append((b, M))
+        return found
+
 
 class NotCompiled(Exception):
     """The engine does not take this mechanism."""
@@ -206,48 +273,3 @@ def takes(m: Mechanism) -> bool:
     if any(loads.moment_rows.size or loads.flow for loads in parts) or any(map(is_tube, m.layout.moving)):
         return False
     return all(b.family.compiled for b in (*m.layout.strained, *m.layout.moving))
-
-
-def _loads(m: Mechanism, sweep: ElementSweep) -> tuple[Array, bool]:
-    """Both parts of the loading, of which a level takes fractions: forces (nx,), gravity (nx,), stresses (ne,), steps
-    of the prescribed coordinates and deformations. And does any gravity depend on the configuration?"""
-    n, more = m.numbering, m.additional_drive
-    xs, es = n.x_class["input"], n.e_class["input"]
-    a, b, c = n.nx, 2 * n.nx, 2 * n.nx + n.ne
-    d = c + xs.stop - xs.start
-    table, heavy = np.zeros((2, d + es.stop - es.start)), False
-    for row, loads in zip(table, (m.loads, m.additional), strict=True):
-        if loads is not None:
-            forces = AppliedForces(m, loads, sweep)
-            row[:a], row[a:b], row[b:c] = forces.constant, forces.field, loads.preload
-            heavy = heavy or forces.heavy
-    if d > c or len(table[0]) > d:
-        start = m.drive.at(0.0)
-        table[0, c:d], table[0, d:] = start.x - m.x0[xs], start.e
-        if more is not None:
-            table[1, c:d], table[1, d:] = more.x, more.e
-    return table, heavy and bool(sweep.moving)
-
-
-def _groups(m: Mechanism, sweep: ElementSweep, heavy: bool, keep: list[Any]) -> Any:
-    """What C needs of the batches; `keep` holds the arrays that it reads."""
-    from spacar.compiled.library import address_of
-
-    moving, curved = ({b.index for b in some} for some in (sweep.moving if heavy else (), sweep.curved))
-    batches = [b for b in m.batches if b.family.n_deformations or b.index in moving]
-    groups = (CGroup * len(batches))()
-    keep.append(groups)
-    entries, gradients = address_of(sweep.entries), {key: part.start for key, part, _ in sweep.layout.V}
-    for group, b in zip(groups, batches, strict=True):
-        family: Any = b.family
-        x, e = np.ascontiguousarray(b.x), np.ascontiguousarray(b.e)
-        keep += family, x, e
-        group.elements, group.x, group.e = ctypes.addressof(family.elements), address_of(x), address_of(e)
-        group.curved, group.heavy = b.index in curved, b.index in moving
-        if family.n_deformations:
-            group.V = entries + 8 * gradients[b.index]
-            S = np.ascontiguousarray(family.stiffness()[0])
-            if S.any():
-                keep.append(S)
-                group.S = S.ctypes.data
-    return groups

@@ -9,14 +9,13 @@ from dataclasses import replace
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
-from spacar.kinematics.element_sweep import ElementSweep
 from spacar.mechanism.mechanism import Loads, Mechanism
 from spacar.stationary.about_rest import AboutRest
 from spacar.stationary.contract import Tangent
 from spacar.stationary.equilibrium import Equilibrium, NotCompiled
 from spacar.stationary.flexibility import Flexibility
+from spacar.stationary.level_dynamics import LevelDynamics
 from spacar.stationary.loading import WITHOUT_N0, LoadLevel, SteadyDrive, loads_at, with_flow
 from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import Converged, Demand, newton
@@ -33,8 +32,9 @@ class LevelEvaluator:
     `y` (state vector) holds the kinematic values and the rates that non-holonomic systems keep; `hold` (nx,) are forces
     that hold a start state which is no equilibrium; they fade out until the first level is reached.
 
-    Where C has the equations (`spacar.stationary.equilibrium`) iterations and proofs of stability run there, on the
-    sweep of `dynamics`. What Python needs of loads and elements is put in place when it asks for one of the three.
+    Where C has the equations (`spacar.stationary.equilibrium`) iterations and proofs of stability run there. What
+    Python needs of loads and elements is made, or put in place, when it asks for one of the three; the elements share
+    deformations and V with C.
     """
 
     def __init__(self, mechanism: Mechanism) -> None:
@@ -42,10 +42,9 @@ class LevelEvaluator:
         self._level = LoadLevel(0.0, 0.0)
         self._in_place = 1.0, 0.0  # fractions of both parts of the loading that `_dynamics` has
         self.whole = SteadyDrive.at_level(mechanism, LoadLevel(1.0, 0.0))  # prescribed values of the initial loading
-        self._dynamics = Dynamics(with_flow(mechanism, mechanism.loads), drive=self.whole)
+        self._dynamics = LevelDynamics(with_flow(mechanism, mechanism.loads), mechanism.loads, self.whole)
         n = mechanism.numbering
-        self.y = self._dynamics.start_values()
-        rates = self.y[self._dynamics.n_positions :]
+        rates = self._dynamics.y[self._dynamics.n_positions :]
         self.leaves_rates = bool(n.holonomic and rates.any())  # those of degrees of freedom, which do not move then
         if self.leaves_rates:
             rates[:] = 0.0
@@ -60,7 +59,8 @@ class LevelEvaluator:
         self._engine: Equilibrium | None = None
         if self.plain and mechanism.layout.strained:
             with suppress(NotCompiled):
-                self._engine = Equilibrium(mechanism, self._dynamics.sweep)
+                self._engine = Equilibrium(mechanism)
+                self._dynamics.arrays = self._engine.arrays
 
     def _forget(self) -> None:
         """What NumPy evaluates is made when it is asked for."""
@@ -102,7 +102,7 @@ class LevelEvaluator:
             self._use(loads_at(self.mechanism, self._level), SteadyDrive.at_level(self.mechanism, self._level))
         if self._at is not None:
             x, self._at = self._at, None
-            self._dynamics.sweep.strain(x)
+            self._dynamics.evaluate(x)
 
     def _use(self, loads: Loads, drive: SteadyDrive) -> None:
         mechanism = with_flow(self.mechanism, loads)
@@ -112,15 +112,20 @@ class LevelEvaluator:
             preload[: law.first] = 0.0
             self._dynamics.use(LoadedMechanism(mechanism, loads, drive, replace(law, preload=preload)))
         else:
-            following = Dynamics(mechanism, loads=loads, drive=drive)
+            following = LevelDynamics(mechanism, loads, drive)
+            following.y = self._dynamics.y
             following.kinematics.start_from(self._dynamics.kinematics)
             self._dynamics = following
             self._forget()
 
     @property
-    def dynamics(self) -> Dynamics:
+    def dynamics(self) -> LevelDynamics:
         self._settle()
         return self._dynamics
+
+    @property
+    def y(self) -> Array:
+        return self._dynamics.y
 
     @property
     def equations(self) -> StationaryEquations:
@@ -151,17 +156,19 @@ class LevelEvaluator:
     def given(self) -> Given:
         """Prescribed values of the level."""
         if self._given is None:
-            d = self.dynamics
-            x, e = d.given(d.drive.at(0.0), self.y)  # y holds the kinematic ones
-            e[d.es["dynamic"]] = 0.0
-            self._given = Given(x, e)
+            self._given = Given(*self.dynamics.prescribed())
         return self._given
 
     # -- what stays the same --------------------------------------------------------------------------------------
     @property
-    def sweep(self) -> ElementSweep:
-        """The sweep, whose configurations may be those of another state than its deformations."""
-        return self._dynamics.sweep
+    def e(self) -> Array:
+        """The deformations that were evaluated last, (ne,)."""
+        return self._dynamics.sweep.e if self._engine is None else self._engine.arrays.e
+
+    @property
+    def near(self) -> Array:
+        """The deformations that those of the next state are near to, (ne,)."""
+        return self._dynamics.sweep.near if self._engine is None else self._engine.arrays.near
 
     @property
     def scale(self) -> Array:
@@ -174,10 +181,12 @@ class LevelEvaluator:
         prescribed = n.x_class["input"]
         return n.nx - n.x_class["calculable"].start - (prescribed.stop - prescribed.start) + n.ne
 
-    def at(self, x: Array) -> Dynamics:
-        """`dynamics` under the loads of the level, its sweep at x (nx,)."""
-        self._at = x
-        return self.dynamics
+    def stand_at(self, x: Array) -> LevelDynamics:
+        """`dynamics` under the loads of the level, at its solution x (nx,)."""
+        self._at = None
+        self._settle()
+        self._dynamics.stand_at(x)
+        return self._dynamics
 
     # -- states of the level --------------------------------------------------------------------------------------
     def newton(self, x: Array, sigma: Array, demand: Demand) -> Converged:
@@ -246,7 +255,10 @@ class LevelEvaluator:
 
     def about(self, x: Array, sigma: Array) -> AboutRest | None:
         """The linearized equations at a state of this level, where C has them."""
-        return None if self._engine is None else AboutRest.of(self._engine, self.dynamics, x, sigma)
+        found = None if self._engine is None else AboutRest.of(self._engine, x, sigma)
+        if found is not None:
+            self._dynamics.guard = found.guard
+        return found
 
     def place(self) -> None:
         """A mechanism without dynamic degrees of freedom: the configuration of the prescribed values."""

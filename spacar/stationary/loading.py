@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,8 +19,7 @@ WITHOUT_N0 = (1, 3)  # ITERSTEP types whose Newton iteration leaves N0 out
 WITH_ADDITIONAL = (2, 3)
 
 
-@dataclass(frozen=True)
-class LoadLevel:
+class LoadLevel(NamedTuple):
     """Fractions of the initial and of the additional loading; `store` says whether the solution is a result.
 
     `step` of `steps` is what messages call it; a level inside a cut step has the number of the whole step.
@@ -40,7 +40,7 @@ class LoadLevel:
         """The level between this and the other one."""
         a = self.initial + fraction * (other.initial - self.initial)
         b = self.additional + fraction * (other.additional - self.additional)
-        return replace(other, initial=a, additional=b, store=False)
+        return other._replace(initial=a, additional=b, store=False)
 
     def __str__(self) -> str:
         extra = f" + {self.additional:.6g} x additional" if self.additional else ""
@@ -124,7 +124,7 @@ class SteadyDrive:
     def at_level(cls, mechanism: Mechanism, level: LoadLevel) -> SteadyDrive:
         """Values measured from the reference configuration and rates, both scaled with the level."""
         n = mechanism.numbering
-        if not len(n.rheonomic):
+        if n.ndof == n.nddof:
             return cls(DriveState(*6 * (np.zeros(0),)))
         start = mechanism.drive.at(0.0)
         x_reference = mechanism.x0[n.x_class["input"]]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,8 +22,7 @@ RETURNED = 0.02  # of the motion of a part: last correction on the way back; it 
 WIDE = 0.01  # model lengths or rad: shorter parts are not walked back
 
 
-@dataclass(frozen=True)
-class Known:
+class Known(NamedTuple):
     """A state of the path: its place on the way (0 to 1 initial, 1 to 2 additional loading), x, sigma."""
 
     path: float
@@ -31,8 +30,7 @@ class Known:
     sigma: Array
 
 
-@dataclass(frozen=True)
-class PassedLevels:
+class PassedLevels(NamedTuple):
     """How many levels were passed, with how many iterations; the path there, its last state, what rounding is in it."""
 
     levels: int

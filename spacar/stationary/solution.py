@@ -32,10 +32,11 @@ SINGULAR_SLIP = 1e-8  # relative: the stress of a slip that its law does not giv
 class StationarySolution:
     """The state of a level.
 
-    xdd (nx,), convective (ne,)   of steady motion;  sigma  (ne,) all stresses
+    x (nx,);  xdd (nx,), convective (ne,)   of steady motion;  sigma  (ne,) all stresses
     norm         largest out-of-balance force [N, N m]
     """
 
+    x: Array
     xdd: Array
     convective: Array
     sigma: Array
@@ -56,7 +57,7 @@ class StationarySolver:
 
     def __post_init__(self) -> None:
         m, n = self.mechanism, self.mechanism.numbering
-        start = m.drive.at(0.0) if len(n.rheonomic) else None
+        start = m.drive.at(0.0) if n.ndof > n.nddof else None
         if start is not None and (start.xdd.any() or start.edd.any()):
             self.report.add("warning: prescribed accelerations are ignored in a stationary solution")
         self._evaluator = e = LevelEvaluator(m)
@@ -77,7 +78,7 @@ class StationarySolver:
     @property
     def sparse(self) -> bool:
         """Does the sparse tangent hold everything that the linearized equations contain?"""
-        return self._evaluator.plain and not self.dynamics.coupling.present
+        return self._evaluator.plain and not len(self.mechanism.deformation_inertia[0])
 
     def sparse_tangent(self) -> SparseTangent:
         """The sparse tangent of the present evaluator."""
@@ -97,7 +98,7 @@ class StationarySolver:
     def about(self) -> AboutRest | None:
         """What the linearized equations at the solution that was stored last consist of, where C gives it. It has to
         be used before the next level."""
-        found = self._evaluator.about(self.dynamics.kinematics.x, self.solution.sigma)
+        found = self._evaluator.about(self.solution.x, self.solution.sigma)
         self._determined = found is not None
         return found
 
@@ -203,26 +204,20 @@ class StationarySolver:
         if not n.nddof:
             e.dynamics.kinematics.begin()  # it finds the positions of all levels
         p = e.point(m.x0.copy(), np.zeros(n.ne))
-        e.sweep.near[:] = e.sweep.e
+        e.near[:] = e.e
         return p if p.gap <= LENGTHS else None
 
     def _place(self, p: Iterate, level: LoadLevel) -> None:
         """The evaluator at the point, in terms of the degrees of freedom as far as they determine it."""
         e, n = self._evaluator, self.mechanism.numbering
-        d = e.at(p.x)
-        d.sweep.mass()
-        fixed = ~n.slips
-        fixed[n.e_class["input"].stop :] = False
-        d.sweep.e[fixed] = e.given.e[fixed]  # exact, while S times the rounding of e is not small
-        d.kinematics.stand_at(p.x, d.sweep.e)
-        if not n.nddof:
-            d.kinematics.factor_waiting()  # for the prediction of the next position
+        d = e.stand_at(p.x)
         self._determined = False
-        still = np.zeros(n.nx)
-        m = p.motion or Motion(still, still, np.zeros(n.ne), np.zeros(n.ne), np.zeros(n.ne))
+        still_x, still_e, sigma = np.zeros(n.nx), np.zeros(n.ne), p.sigma.copy()
+        m = p.motion or Motion(still_x, still_x, still_e, still_e, still_e)
         d.xd, d.ed = m.v, m.ed
-        sigma = p.sigma - (d.coupling.stress(m.edd) if d.coupling.present else 0.0)
-        self.solution = StationarySolution(m.a, m.convective, sigma, p.force)
+        if p.motion and d.coupling.present:
+            sigma -= d.coupling.stress(m.edd)
+        self.solution = StationarySolution(p.x, m.a, m.convective, sigma, p.force)
         if p.slip > SINGULAR_SLIP * p.work_size:
             text = f"no stationary solution at {level}: a slip that is a degree of freedom is not in equilibrium"
             raise AnalysisError(f"{text} with its rate", "statics.no-solution")

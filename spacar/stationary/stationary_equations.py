@@ -25,6 +25,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
+from typing import NamedTuple
 
 import numpy as np
 
@@ -58,8 +59,7 @@ class Given:
     e: Array
 
 
-@dataclass(frozen=True)
-class Iterate:
+class Iterate(NamedTuple):
     """A state and how far it is from a solution.
 
     right (nf + ne,) the right-hand side of the correction, rounding the size of its rounding errors;

@@ -74,7 +74,7 @@ class Walk:
         while place < 1.0:
             following = min(1.0, place + part)
             level = target if following == 1.0 else origin.towards(target, following)
-            before, near = (self.point, self.stable, self.path), self.evaluator.sweep.near.copy()
+            before, near = (self.point, self.stable, self.path), self.evaluator.near.copy()
             try:
                 reached = origin.towards(target, place) if place else origin
                 steps = self._advance(reached, level, target.store and following == 1.0)
@@ -139,10 +139,10 @@ class Walk:
         e = self.evaluator
         e.load(level)
         demand = Demand.of(self.limit, self.tolerance, stored)
-        near = e.sweep.near.copy()
+        near = e.near.copy()
         reason: Exception = Astray("no start")
         for start in self._starts(level.path):
-            e.sweep.near[:] = near
+            e.near[:] = near
             try:
                 known = start()
                 found = e.newton(known.x, known.sigma, demand)
@@ -168,9 +168,9 @@ class Walk:
         free = self._arbitrary or not n.holonomic or not n.nddof
         if free or moved < WIDE or self._steady(level, moved):
             return False
-        near = e.sweep.near.copy()
+        near = e.near.copy()
         e.load(reached)  # with other equations, where the flow in tubes changes
-        e.sweep.near[:] = near
+        e.near[:] = near
         try:
             demand = Demand.of_return(self.limit, RETURNED * moved)
             back = e.newton(point.x, point.sigma, demand)
@@ -179,7 +179,7 @@ class Walk:
         except (Astray, SingularMatrixError):  # tells nothing: a step back may be as hard as one forward
             pass
         e.load(level)
-        e.sweep.near[:] = near
+        e.near[:] = near
         e.stand(point)
         return False
 
@@ -220,10 +220,10 @@ class Walk:
         self._factored = found.iterations > 0
         p = found.point
         self.path = [*self.path, Known(path, p.x, p.sigma)][-REMEMBERED:]
-        self.evaluator.sweep.near[:] = self.evaluator.sweep.e
+        self.evaluator.near[:] = self.evaluator.e
 
     def _back(self, near: Array) -> None:
-        self.evaluator.sweep.near[:] = near
+        self.evaluator.near[:] = near
 
     def _predicted(self, path: float) -> Known:
         """Lagrange's polynomial through the known states; fewer of them if they are close together."""

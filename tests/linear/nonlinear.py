@@ -67,7 +67,8 @@ class Nonlinear:
         nxr = int(n.nxp[2])
         s, v, a = state.s[r], state.qd[r], state.qdd[r]
         drive = DriveState(s[:nxr], v[:nxr], a[:nxr], s[nxr:], v[nxr:], a[nxr:])
-        self.d.model = replace(self.d.model, drive=SteadyDrive(drive))  # the forces keep what a test has put on them
+        # forces and law keep what a test has put on them
+        self.d.model = replace(self.d.model, drive=SteadyDrive(drive), own_law=self.d.law)
         return drive
 
     def _place(self, state: State) -> DriveState:

@@ -8,11 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import spacar
 from spacar.compiled.compiled_elements import with_compiled_elements
 from spacar.compiled.library import why_off
 from spacar.deck import parse_deck, read_deck
+from spacar.dynamics.motion_equations import Accelerations
 from spacar.errors import Report
 from spacar.kinematics.constraint_condition import Conditioning
+from spacar.kinematics.element_sweep import ElementSweep
 from spacar.linearization import linearize
 from spacar.mechanism import build
 from spacar.stationary import StationarySolver, load_program
@@ -119,6 +122,34 @@ def test_the_linearized_equations_are_those_of_numpy(name):
     here, there = about.condition, Conditioning.of(d.kinematics)
     assert here.at_most == pytest.approx(there.at_most, rel=1e-9)
     assert here.number == pytest.approx(there.number, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", [*TEXTS, *FILES])
+def test_the_stored_state_is_that_of_numpy(name):
+    solver = solved(model(name))
+    state, d = solver.solution, solver.dynamics
+    frame = solver.about().frame(1.0, state.sigma, d.loads)
+    found = Accelerations(state.xdd, state.sigma, state.convective)
+    expected = d.complete(1.0, found, d.forces.inertia(d.sweep, d.xd))
+    for field in ("x", "xd", "xdd", "e", "ed", "edd", "sig", "fx", "fxgrav", "fxtot"):
+        value, wanted = getattr(frame, field), getattr(expected, field)
+        # e within some eps of the lengths; forces are sums of a few terms of the size of the largest stress
+        size = max(spread(wanted), spread(frame.sig) if field.startswith("fx") else 1.0)
+        np.testing.assert_allclose(value, wanted, rtol=0.0, atol=1e-13 * size, err_msg=field)
+    given = slice(0, d.numbering.e_class["input"].stop)
+    assert (frame.e[given] == expected.e[given]).all()
+
+
+# nothing is said of these: no step is cut, no element is near the end of its range, no inertia is doubtful
+@pytest.mark.parametrize(("name", "mode"), [("heavy", 7), ("heavy", 8), ("mixed", 8)])
+def test_an_ordinary_run_evaluates_no_elements_in_numpy(name, mode, monkeypatch, tmp_path):
+    """They cost a tenth of the run of a small model."""
+    path, made = tmp_path / "model.dat", []
+    path.write_text(TEXTS[name])
+    evaluate = ElementSweep.strain
+    monkeypatch.setattr(ElementSweep, "strain", lambda *its: made.append(1) or evaluate(*its))
+    spacar.run(mode, path)
+    assert not made
 
 
 @pytest.mark.parametrize("name", ["cantilever", "heavy"])
