@@ -41,7 +41,7 @@ def python() -> ctypes.Array[ctypes.c_void_p] | None:
     return (POINTER * (len(FUNCTIONS) + len(TYPES)))(*found, *map(id, TYPES))
 
 
-class Answering(Protocol):
+class AnsweringLaw(Protocol):
     """`spacar.mechanism.user_functions.Answering`."""
 
     function: Callable[..., Any]
@@ -62,7 +62,7 @@ class Asking:
     """
 
     def __init__(
-        self, answering: Answering, table: ctypes.Array[ctypes.c_void_p], user: CUser, lost: list[dict[int, str]]
+        self, answering: AnsweringLaw, table: ctypes.Array[ctypes.c_void_p], user: CUser, lost: list[dict[int, str]]
     ) -> None:
         self.answering, self.user, self.lost = answering, user, lost
         self.caught: list[BaseException] = []

@@ -17,7 +17,7 @@ from typing import Any, cast
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.asking import Answering, Asking, python
+from spacar.compiled.asking import AnsweringLaw, Asking, python
 from spacar.compiled.library import CForeign, CUser, address_of
 from spacar.compiled.numbers import Elements
 from spacar.elements.family import Configuration, Family
@@ -66,7 +66,7 @@ def law(
     """
     answering = getattr(user, "answering", None)  # USERSIG: numbers, no arrays
     if answering is not None:
-        written: Answering = answering(told, sigma.data, force.data)
+        written: AnsweringLaw = answering(told, sigma.data, force.data)
         return written
 
     def answer(t: float) -> dict[int, str]:
@@ -127,7 +127,7 @@ class Slots:
             ])  # fmt: skip
             table = python()
             if lanes == 1 and table is not None and hasattr(users[0], "answering"):
-                self.asking = Asking(cast(Answering, self.laws[0]), table, c, self.lost)
+                self.asking = Asking(cast(AnsweringLaw, self.laws[0]), table, c, self.lost)
 
     def called(self) -> tuple[Any, ...]:
         """What C calls, for the model to keep (kept here it would be a circle of references): first the callback for

@@ -4,6 +4,7 @@ nothing stays behind."""
 from __future__ import annotations
 
 import gc
+import subprocess
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
@@ -164,6 +165,30 @@ def test_nobody_is_asked_after_ctrl_c_until_it_was_raised(tmp_path: Path) -> Non
         solver.slots.interrupted()
     assert rates(0.6) >= 0
     assert times[-1] == 0.6
+
+
+INTERRUPTED = """
+import _thread, sys, threading
+import spacar
+
+for k in range(8):
+    threading.Timer(0.1 + 0.01 * k, _thread.interrupt_main).start()
+    try:
+        spacar.run(1, sys.argv[1])
+        print("went on")
+    except KeyboardInterrupt:
+        print("interrupted")
+"""
+
+
+def test_ctrl_c_between_the_questions_is_heard(tmp_path: Path) -> None:
+    """Python notices it where the function begins: a callback of ctypes writes 'Exception ignored' then and goes on."""
+    body = "    return t, [[1, 1, np.sin(1e4 * t)]], []\n"
+    text = ARM.replace("TIMESTEP 0.1 5", "TIMESTEP 1e4 10")
+    command = [sys.executable, "-c", INTERRUPTED, str(model(tmp_path, body, text))]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+    assert done.stdout == 8 * "interrupted\n"
+    assert done.stderr == ""
 
 
 def test_the_traceback_shows_the_function(tmp_path: Path) -> None:
