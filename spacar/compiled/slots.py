@@ -4,6 +4,8 @@ batches of a new element that has no functions in C yet (its NumPy family, all e
 Everything else stays in C, so one such element or one user function costs its own share only. Arrays are shared: C
 writes the state into them, Python the answer. An exception is kept, ends the evaluation in C and is raised after it.
 
+C asks through one callback of ctypes (`_answer`); the user function of a single case it asks itself (`asking`).
+
 Several cases have a function each, loaded for it as for a run of its own: functions are called once a lane, with what
 they get alone. Lanes that only fill a vector up have the answer of the last case.
 """
