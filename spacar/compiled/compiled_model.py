@@ -134,12 +134,12 @@ class CompiledModel:
         self._e_end = e_end = x_end + 3 * cases * len(numbers.e_motion)
         motions = self._values[:x_end].reshape(-1, 3, cases), self._values[x_end:e_end].reshape(-1, 3, cases)
         self.slots = slots = Slots(numbers.elements, drives, motions, users, (n.nx, n.ne, cases))
-        self._callback = slots.callback()
+        self._called = slots.called()
         self._whole = self._whole_numbers()
         self.handle = ctypes.c_void_p(
             self.engine.begin(
                 address_of(self._whole), address_of(self._values), _at(slots.foreign_c), _at(slots.user_c),
-                self._callback,
+                self._called[0],
             )
         )
         if not self.handle:

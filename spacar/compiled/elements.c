@@ -20,8 +20,9 @@ typedef struct {
     const Foreign *foreign;
 } Batch;
 
-/* What a user function is told, and what it answers: forces (nx), stresses (ne). */
-typedef struct { real *x, *xd, *e, *ed, *force, *sigma; } User;
+/* What a user function is told, and what it answers: forces (nx), stresses (ne). asking: how it is asked, NULL: as the rest.
+   lost: whether there have been sentences about stresses that cannot act: then Python is asked at outputs. */
+typedef struct { real *x, *xd, *e, *ed, *force, *sigma; Asking *asking; int lost; } User;
 
 /* 0, or another number after which the evaluation ends: Python keeps the error. */
 typedef int (*Ask)(int what, int batch, double t);

@@ -3,6 +3,7 @@
 #include "memory.c"
 #include "kernels.c"
 #include "sparse.c"
+#include "asking.c"
 #include "elements.c"
 #include "motion.c"
 #include "given.c"

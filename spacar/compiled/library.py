@@ -45,7 +45,20 @@ class CForeign(ctypes.Structure):
 class CUser(ctypes.Structure):
     """`User` of elements.c."""
 
-    _fields_ = [(name, DOUBLES) for name in ("x", "xd", "e", "ed", "force", "sigma")]
+    _fields_ = [
+        *((name, DOUBLES) for name in ("x", "xd", "e", "ed", "force", "sigma")),
+        ("asking", ctypes.c_void_p), ("lost", ctypes.c_int),
+    ]  # fmt: skip
+
+
+class CAsking(ctypes.Structure):
+    """`Asking` of asking.c."""
+
+    _fields_ = [
+        ("python", ctypes.c_void_p), ("function", ctypes.c_void_p), ("told", ctypes.c_void_p * 8),
+        ("read", ctypes.c_void_p), ("keep", ctypes.c_void_p), ("rows", ctypes.c_void_p * 2), ("values", DOUBLES * 2),
+        ("t", ctypes.c_double), ("n", ctypes.c_int * 2), ("reading", ctypes.c_int), ("stopped", ctypes.c_int),
+    ]  # fmt: skip
 
 
 class CState(ctypes.Structure):

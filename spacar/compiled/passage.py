@@ -123,6 +123,9 @@ class Passage:
         """Those of the last call; `before`: what the integrator had counted before it. The last one is on its own when
         it has to be looked at."""
         first, n = self.used, self.held + self.c.done
+        lost = self.shown.solver.slots.outputs
+        if lost:  # C asks for them when there have been any
+            lost[:0] = [{}] * (n - (self.c.last == NOT_SHOWN) - len(lost))
         self.used, self.held = first + n, 0
         harmless = n if self.c.last == HARMLESS else n - 1
         found = []

@@ -4,6 +4,8 @@ batches of a new element that has no functions in C yet (its NumPy family, all e
 Everything else stays in C, so one such element or one user function costs its own share only. Arrays are shared: C
 writes the state into them, Python the answer. An exception is kept, ends the evaluation in C and is raised after it.
 
+C asks through one callback of ctypes (`_answer`); the user function of a single case it asks itself (`asking`).
+
 Several cases have a function each, loaded for it as for a run of its own: functions are called once a lane, with what
 they get alone. Lanes that only fill a vector up have the answer of the last case.
 """
@@ -12,12 +14,13 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.library import CForeign, CUser
+from spacar.compiled.asking import AnsweringLaw, Asking, python
+from spacar.compiled.library import CForeign, CUser, address_of
 from spacar.compiled.numbers import Elements
 from spacar.elements.family import Configuration, Family
 from spacar.mechanism.mechanism import Drive, Polynomial, UserSignal
@@ -65,7 +68,7 @@ def law(
     """
     answering = getattr(user, "answering", None)  # USERSIG: numbers, no arrays
     if answering is not None:
-        written: Callable[[float], dict[int, str]] = answering(told, sigma.data, force.data)
+        written: AnsweringLaw = answering(told, sigma.data, force.data)
         return written
 
     def answer(t: float) -> dict[int, str]:
@@ -108,39 +111,49 @@ class Slots:
             for b, batch in self.foreign.items():
                 self.foreign_c[b] = ctypes.addressof(batch.c)
         self.user_c: CUser | None = None
+        self.asking: Asking | None = None
         if users:
-            self.x, self.xd, self.force = np.zeros((3, nx, lanes))
-            self.e, self.ed, self.sigma = np.zeros((3, ne, lanes))
-            arrays = self.x, self.xd, self.e, self.ed, self.force, self.sigma
-            guarded = tuple(zip((self.e, self.ed, self.x, self.xd), ("e", "ep", "x", "xp"), strict=True))
-            self.laws = tuple(
+            self.user_c = c = CUser()
+            (x, xd, self.force), of_x = _shared((3, nx, lanes))
+            (e, ed, self.sigma), of_e = _shared((3, ne, lanes))
+            (c.x, c.xd, c.force), (c.e, c.ed, c.sigma) = of_x, of_e
+            guarded = (e, "e"), (ed, "ep"), (x, "x"), (xd, "xp")
+            self.laws = tuple([
                 law(
                     user,
-                    tuple(placed(values[:, lane], name) for values, name in guarded),
+                    tuple([placed(values[:, lane], name) for values, name in guarded]),
                     self.sigma[:, lane],
                     self.force[:, lane],
                 )
                 for lane, user in enumerate(users)
-            )
-            self.user_c = CUser(*(a.ctypes.data for a in arrays))
+            ])  # fmt: skip
+            table = python()
+            if lanes == 1 and table is not None and hasattr(users[0], "answering"):
+                self.asking = Asking(cast(AnsweringLaw, self.laws[0]), table, c, self.lost)
 
-    def callback(self) -> Any:
-        """What C calls, for the model to keep (kept here it would be a circle of references); None: C asks nothing."""
-        return None if self.polynomial and not (self.foreign or self.laws) else ASK(self._answer)
+    def called(self) -> tuple[Any, ...]:
+        """What C calls, for the model to keep (kept here it would be a circle of references): first the callback for
+        all questions, None where C has none."""
+        if self.polynomial and not (self.foreign or self.laws):
+            return (None,)
+        return ASK(self._answer), *(self.asking.functions() if self.asking else ())
 
     def _answer(self, what: int, batch: int, t: float) -> int:
-        if self.error is not None and not isinstance(self.error, Exception):
+        stopped = self.asking is not None and self.asking.c.stopped
+        if stopped or (self.error is not None and not isinstance(self.error, Exception)):
             return NOT_ANSWERED  # Ctrl-C: nobody is asked any more
         try:
             if what == STRESS:
                 if self.lanes == 1:
                     self.lost[0] = self.laws[0](t)
-                    return ANSWERED
-                for lane, answer in enumerate(self.laws):
-                    self.failed = lane
-                    self.lost[lane] = answer(t)
-                if len(self.laws) < self.lanes:
-                    self._fill(len(self.laws), self.sigma, self.force)
+                else:
+                    for lane, answer in enumerate(self.laws):
+                        self.failed = lane
+                        self.lost[lane] = answer(t)
+                    if len(self.laws) < self.lanes:
+                        self._fill(len(self.laws), self.sigma, self.force)
+                if self.user_c is not None and any(self.lost):
+                    self.user_c.lost = 1
             elif what == STRAIN:
                 self.foreign[batch].strain()
             elif what == CONVECTIVE:
@@ -180,12 +193,26 @@ class Slots:
 
     def raise_error(self) -> None:
         """Raise what happened in the last call, if anything did."""
-        error, self.error = self.error, None
+        error, raised = self._kept()
+        if raised is not None and self.asking is not None:
+            error = self.asking.explained(raised)
         if error is not None:
             raise error
 
     def interrupted(self) -> None:
         """Raise what is no failure of the state, such as Ctrl-C. A failure is forgotten, because it will come again."""
+        for error in self._kept():
+            if error is not None and not isinstance(error, Exception):
+                raise error
+
+    def _kept(self) -> tuple[BaseException | None, BaseException | None]:
+        """What was kept here and what by `asking`; both keep nothing then."""
         error, self.error = self.error, None
-        if error is not None and not isinstance(error, Exception):
-            raise error
+        return error, None if self.asking is None else self.asking.raised()
+
+
+def _shared(shape: tuple[int, int, int]) -> tuple[Array, list[int]]:
+    """Arrays (k, n, lanes) of zeros and the addresses of its k parts."""
+    together = np.zeros(shape)
+    first, size = address_of(together), together[0].nbytes
+    return together, [first + k * size for k in range(shape[0])]

@@ -18,15 +18,12 @@ WHOLE = {int, np.int64}
 class PlacedVector(np.ndarray):
     """A vector whose entries are read by places from 0 on. Raises IndexError for a negative place."""
 
-    name = ""
-
-    def __array_finalize__(self, obj: Any) -> None:
-        self.name = getattr(obj, "name", "")
+    name = ""  # in messages; of the class, so that what is made of a vector has it for nothing
 
     def __getitem__(self, key: Any) -> Any:
         if type(key) in WHOLE and key >= 0:  # the usual question, without a further view of the vector
             entry = np.ndarray.__getitem__(self, key)
-            return np.asarray(entry) if type(entry) is PlacedVector else entry
+            return np.asarray(entry) if isinstance(entry, PlacedVector) else entry
         if _negative(key):
             raise IndexError(
                 f"a place in {self.name} is negative: le and lnp hold -1 for a mode or coordinate that does not exist"
@@ -39,14 +36,36 @@ class PlacedVector(np.ndarray):
             options["out"] = tuple(np.asarray(o) if isinstance(o, PlacedVector) else o for o in options["out"])
         return getattr(ufunc, method)(*plain, **options)
 
+    def __repr__(self) -> str:
+        return repr(np.asarray(self))  # NumPy asks a vector for its last entries when it writes it
+
+    def __str__(self) -> str:
+        return str(np.asarray(self))
+
+
+class _E(PlacedVector):
+    name = "e"
+
+
+class _Ep(PlacedVector):
+    name = "ep"
+
+
+class _X(PlacedVector):
+    name = "x"
+
+
+class _Xp(PlacedVector):
+    name = "xp"
+
+
+KINDS = {kind.name: kind for kind in (_E, _Ep, _X, _Xp)}
+
 
 def placed(values: Array, name: str) -> PlacedVector:
-    """A guarded view of a vector; `name` is that in messages. One that is guarded already is given back."""
-    if type(values) is PlacedVector and values.name == name:
-        return values
-    view = values.view(PlacedVector)
-    view.name = name
-    return view
+    """A guarded view of a vector; `name`: e, ep, x or xp. One that is guarded already is given back."""
+    kind = KINDS[name]
+    return values if type(values) is kind else values.view(kind)
 
 
 def _negative(key: Any) -> bool:

@@ -1,6 +1,9 @@
 """The files of user functions beside the input file: found, listed without running them, loaded.
 
 What their functions are asked and answer is in `user_functions`. A missing file or function raises InputError.
+
+A file is read for every model. The code made of its text is kept in the process for a few files, as an import keeps it:
+the very same bytes at the same place are not compiled again. They are executed again, in a module of its own.
 """
 
 from __future__ import annotations
@@ -8,6 +11,8 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from os.path import basename, dirname, join, splitext
 from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
@@ -101,12 +106,12 @@ def load_function(deck: Deck, statement: Statement) -> Loaded:
     def refuse(reason: str) -> InputError:
         return _refusal(deck, statement, reason)
 
-    path = function_file(deck, statement)
-    code = _compiled(path, refuse)
+    path, text = _found(deck, statement, refuse)
+    code = _compiled(path, text, refuse)
 
     def anew() -> Loaded:
         module = _executed(code, path, refuse)
-        function = getattr(module, path.stem, None) or getattr(module, name, None)
+        function = getattr(module, _stem(path), None) or getattr(module, name, None)
         if not callable(function):
             raise refuse(f"{path} does not define a function {name}")
         return Loaded(function, load_function, (deck, statement), _breaks(module, path, refuse), anew)
@@ -114,7 +119,29 @@ def load_function(deck: Deck, statement: Statement) -> Loaded:
     return anew()
 
 
-def _breaks(module: ModuleType, path: Path, refuse: Callable[[str], Exception]) -> tuple[float, ...]:
+def _found(deck: Deck, statement: Statement, refuse: Callable[[str], Exception]) -> tuple[str, bytes]:
+    """Path and text of `function_file`, which is looked for when it cannot be read under the name that was given."""
+    path = join(dirname(str(deck.path)) if deck.path else str(Path.cwd()), f"{statement.values[0]}.py")
+    try:
+        with open(path, "rb", buffering=0) as stream:
+            return path, stream.read()
+    except (OSError, ValueError):
+        path = str(function_file(deck, statement))
+    return path, _text(path, refuse)
+
+
+def _text(path: str, refuse: Callable[[str], Exception]) -> bytes:
+    try:
+        return Path(path).read_bytes()
+    except Exception as error:
+        raise refuse(f"{path} cannot be loaded: {one_line(error)}") from error
+
+
+def _stem(path: str) -> str:
+    return splitext(basename(path))[0]
+
+
+def _breaks(module: ModuleType, path: str, refuse: Callable[[str], Exception]) -> tuple[float, ...]:
     """The times of jumps that a module declares."""
     if not hasattr(module, "breaks"):
         return ()
@@ -137,19 +164,25 @@ def one_line_of(value: object) -> str:
 def import_file(path: Path, refuse: Callable[[str], Exception]) -> ModuleType:
     """The module in a user's Python file, from its text as it stands now: no bytecode is kept beside a model. Raises
     what `refuse` makes of the reason why it cannot be loaded."""
-    return _executed(_compiled(path, refuse), path, refuse)
+    name = str(path)
+    return _executed(_compiled(name, _text(name, refuse), refuse), name, refuse)
 
 
-def _compiled(path: Path, refuse: Callable[[str], Exception]) -> CodeType:
+def _compiled(path: str, text: bytes, refuse: Callable[[str], Exception]) -> CodeType:
     try:
-        return compile(path.read_bytes(), str(path), "exec", dont_inherit=True)
+        return _code(path, text)
     except Exception as error:  # a user's file may fail in any way
         raise refuse(f"{path} cannot be loaded: {one_line(error)}") from error
 
 
-def _executed(code: CodeType, path: Path, refuse: Callable[[str], Exception]) -> ModuleType:
-    module = ModuleType(f"spacar_user_{path.stem}")
-    module.__file__ = str(path)
+@lru_cache(16)
+def _code(path: str, text: bytes) -> CodeType:
+    return compile(text, path, "exec", dont_inherit=True)
+
+
+def _executed(code: CodeType, path: str, refuse: Callable[[str], Exception]) -> ModuleType:
+    module = ModuleType(f"spacar_user_{_stem(path)}")
+    module.__file__ = path
     try:
         exec(code, vars(module))
     except Exception as error:

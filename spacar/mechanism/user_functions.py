@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from math import isfinite, nan
 from typing import Any
 
@@ -166,8 +165,9 @@ def _added(rows: Any, places: dict[tuple[Any, Any], int], values: Any) -> float:
 def load_user_signal(deck: Deck, statement: Statement, numbering: Numbering) -> UserSignal:
     """USERSIG as a function (t, e, ed, x, xd) -> UserForces."""
     function, name = load_function(deck, statement), str(statement.values[0])
+    le, lnp = numbering.e_places[1:].copy(), numbering.x_places[1:].copy()
     along = isinstance(deck.mode, int) and find_mode(deck.mode).takes_setpoints
-    return UserLaw(function, name, numbering, numbering.le - 1, numbering.lnp - 1, along, function.breaks)
+    return UserLaw(function, name, numbering, le, lnp, along, function.breaks)
 
 
 @dataclass(frozen=True)
@@ -203,45 +203,10 @@ class UserLaw:
 
     def answering(
         self, told: tuple[PlacedVector, ...], sigma: memoryview[float], force: memoryview[float]
-    ) -> Callable[[float], dict[int, str]]:
-        """Gives what writes for a time what the function returns at the guarded vectors e, ed, x, xd into sigma and
-        force, which are zero then, and returns the sentences of `UserForces.lost`.
-        """
-        function, (ne, le, e, ed, nx, lnp, x, xd) = self._function, self._given(*told)
-        of_sig: Form = []
-        of_f: Form = []
-        first = True
-
-        def answer(t: float) -> dict[int, str]:
-            nonlocal of_sig, of_f, first
-            try:
-                _, sig, f = function(t, ne, le, e, ed, nx, lnp, x, xd)
-            except Exception as error:  # a user's function may fail in any way
-                raise _failed(self.name, t, error) from error
-            total = _again(sig, of_sig, sigma)
-            if of_f or type(f) is not list or f:
-                total += _again(f, of_f, force)
-            if isfinite(total):
-                return {}
-            for form, values in (of_sig, sigma), (of_f, force):  # a part may have been written
-                for i in form[2::3]:
-                    values[i] = 0.0
-            lost: dict[int, str] = {}
-            if not isfinite(_added(sig, self.stresses, sigma) + _added(f, self.forces, force)):
-                *found, lost = self._rows(t, sig, f)
-                for rows, values in zip(found, (sigma, force), strict=True):
-                    for i in range(len(values)):
-                        values[i] = 0.0
-                    for i, row in rows:
-                        values[i] += row[2]
-            elif not first:
-                return lost
-            first = False
-            if not lost:
-                of_sig, of_f = _form(sig, self.stresses), _form(f, self.forces)
-            return lost
-
-        return answer
+    ) -> Answering:
+        """What asks the function at the guarded vectors e, ed, x, xd and writes what it returns into sigma and force,
+        which are zero then."""
+        return Answering(self, told, sigma, force)
 
     def anew(self) -> UserLaw:
         """The same for another case: a function that remembers something remembers it for each. Raises InputError."""
@@ -261,9 +226,9 @@ class UserLaw:
         """Rows of sig and f with their places in e and x, checked, and the sentences of `UserForces.lost`."""
         n = self.numbering
         stresses, forces = self._found(n.e_index, sig, "sig", t), self._found(n.x_index, f, "f", t)
-        lost = {}
+        lost, first = {}, self._first
         for i, row in stresses:
-            if i >= self._first:
+            if i >= first:
                 self.stresses[row[0], row[1]] = i
             elif any(row[2:]):
                 text = f"the stress of {n.e_name(i)} has no effect: {self._without_effect(i)}"
@@ -277,7 +242,7 @@ class UserLaw:
         read = read_rows(self.name, what, rows, (3, 5), t)
         return [(self._place(find, row, what, k, t), row) for k, row in enumerate(read)]
 
-    @cached_property
+    @property
     def _first(self) -> int:
         """First row of e on which a stress can act."""
         return int(self.numbering.e_class["fixed" if self.prescribed_act else "input"].stop)
@@ -301,6 +266,67 @@ class UserLaw:
             f"the deformation is {kind}, so that its stress follows from equilibrium alone; a stress law needs DYNE or"
             " RLSE"
         )
+
+
+class Answering:
+    """The answers of a law for the engine, at vectors that change: written into sigma (ne,) and force (nx,).
+
+    function, told   what is called with the time and with these
+    forms            of the last answer that was read anew, of stresses and forces: `_form`
+    """
+
+    def __init__(
+        self, law: UserLaw, told: tuple[PlacedVector, ...], sigma: memoryview[float], force: memoryview[float]
+    ) -> None:
+        self.law, self.function, self.told = law, law._function, law._given(*told)
+        self.values = sigma, force
+        self.forms: tuple[Form, Form] | None = None
+
+    def __call__(self, t: float) -> dict[int, str]:
+        """Write the answer at a time where zeros are. Returns the sentences of `UserForces.lost`."""
+        try:
+            _, sig, f = self.function(t, *self.told)
+        except Exception as error:  # a user's function may fail in any way
+            raise self.failed(t, error) from error
+        if self.forms:
+            (of_sig, of_f), (sigma, force) = self.forms, self.values
+            total = _again(sig, of_sig, sigma)
+            if of_f or type(f) is not list or f:
+                total += _again(f, of_f, force)
+            if isfinite(total):
+                return {}
+        return self._read(t, sig, f)
+
+    def read(self, t: float, given: Any) -> dict[int, str]:
+        """The same with what the function gave. Some values may have been written."""
+        try:
+            _, sig, f = given
+        except Exception as error:
+            raise self.failed(t, error) from error
+        return self._read(t, sig, f)
+
+    def failed(self, t: float, error: Exception) -> AnalysisError:
+        """What is raised when the function raises something."""
+        return _failed(self.law.name, t, error)
+
+    def _read(self, t: float, sig: Any, f: Any) -> dict[int, str]:
+        law, (sigma, force) = self.law, self.values
+        if self.forms:
+            for form, values in zip(self.forms, self.values, strict=True):  # a part may have been written
+                for i in form[2::3]:
+                    values[i] = 0.0
+            if isfinite(_added(sig, law.stresses, sigma) + _added(f, law.forces, force)):
+                return {}
+        *found, lost = law._rows(t, sig, f)
+        for rows, values in zip(found, self.values, strict=True):
+            if self.forms:
+                for i in range(len(values)):
+                    values[i] = 0.0
+            for i, row in rows:
+                values[i] += row[2]
+        if not lost:
+            self.forms = _form(sig, law.stresses), _form(f, law.forces)
+        return lost
 
 
 @dataclass(frozen=True)

@@ -127,3 +127,10 @@ def test_entries_of_a_placed_vector() -> None:
             x[place]
     with pytest.raises(IndexError, match="out of bounds"):
         x[6]
+
+
+def test_a_placed_vector_can_be_printed_and_copied() -> None:
+    x = placed(np.arange(3.0), "x")
+    assert (str(x), repr(x), f"{x}") == ("[0. 1. 2.]", "array([0., 1., 2.])", "[0. 1. 2.]")
+    with pytest.raises(IndexError, match="a place in x is negative"):
+        x.copy()[-1]

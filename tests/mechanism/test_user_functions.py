@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import warnings
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -226,3 +229,34 @@ def test_exceptions_that_end_the_program_are_not_swallowed(tmp_path: Path) -> No
     body = "def myfun(t, step):\n    raise KeyboardInterrupt\n"
     with pytest.raises(KeyboardInterrupt):
         spacar.run(1, model(tmp_path, "USERINP myfun", body))
+
+
+def test_the_same_text_is_compiled_once_and_executed_for_every_model(tmp_path: Path) -> None:
+    """An edited file counts, and what a file remembers is that of one model."""
+    path = model(tmp_path, "USERSIG myfun", SPRING)
+
+    def loaded() -> Callable[..., Any]:
+        return spacar.frames(1, path).mechanism.user_signal.function.function
+
+    first, second = loaded(), loaded()
+    assert first.__code__ is second.__code__
+    assert first.__globals__ is not second.__globals__
+    stat = (tmp_path / "myfun.py").stat()
+    (tmp_path / "myfun.py").write_text(SPRING.replace("8.0 * e[i]", "9.0 * e[i]"))
+    os.utime(tmp_path / "myfun.py", ns=(stat.st_atime_ns, stat.st_mtime_ns))  # of the same time and size
+    assert 9.0 in loaded().__code__.co_consts
+    assert 9.0 not in first.__code__.co_consts
+    (tmp_path / "other").mkdir()
+    elsewhere = model(tmp_path / "other", "USERSIG myfun", SPRING)
+    other = spacar.frames(1, elsewhere).mechanism.user_signal.function.function
+    assert other.__code__.co_filename == str(tmp_path / "other" / "myfun.py")
+    assert other.__globals__["__file__"] == other.__code__.co_filename
+
+
+def test_a_file_in_small_letters_serves(tmp_path: Path) -> None:
+    path = model(tmp_path, "USERSIG MyFun", "")
+    (tmp_path / "myfun.py").write_text(SPRING)
+    assert spacar.frames(1, path).mechanism.user_signal is not None
+    (tmp_path / "myfun.py").unlink()
+    (tmp_path / "MyFun.py").mkdir()
+    assert "cannot be loaded: IsADirectoryError" in failure(path, InputError)

@@ -1,0 +1,269 @@
+"""C asks the user function of a single case itself: what it takes is what Python reads, what is raised is kept, and
+nothing stays behind."""
+
+from __future__ import annotations
+
+import gc
+import subprocess
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar.compiled import asking
+from spacar.compiled.compiled_evaluator import CompiledDynamics
+from spacar.compiled.library import why_off
+from spacar.deck import read_deck
+from spacar.errors import AnalysisError
+from spacar.mechanism import build
+
+pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
+
+ARM = """PLBEAM 1 1 2 3 4
+X 1 0. 0.
+X 3 1. 0.
+FIX 1
+FIX 2
+DYNE 1 1
+DYNE 1 2 3
+END HALT
+XM 3 1.
+EM 1 1.
+ESTIFF 1 100. 100.
+USERSIG law
+TIMESTEP 0.1 5
+END END
+"""
+HEAD = "import json, numpy as np\ndef law(t, ne, le, e, ep, nx, lnp, x, xp):\n"
+USUAL = "    return t, [[1, 1, -0.3 * ep[0]], (1, 2, 0.1)], [[3, 1, 0.5 + t]]\n"
+
+
+def model(folder: Path, body: str, text: str = ARM) -> Path:
+    (folder / "law.py").write_text(HEAD + body)
+    (folder / "model.dat").write_text(text)
+    return folder / "model.dat"
+
+
+def evaluator(path: Path) -> CompiledDynamics:
+    made = CompiledDynamics(build(read_deck(path, 1), 1))
+    made.start()
+    return made
+
+
+def tip(path: Path) -> Any:
+    return spacar.run(1, path).node(3, 2)
+
+
+@pytest.fixture
+def called_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A Python without the functions that C calls."""
+    monkeypatch.setattr("spacar.compiled.slots.python", lambda: None)
+
+
+def asked(path: Path, times: int = 8) -> list[Any]:
+    """Derivatives at some times, or what was raised instead."""
+    made = evaluator(path)
+    y, found = np.zeros(made.n_positions + made.numbering.nddof), []
+    for k in range(times):
+        try:
+            status = made._derivative(0.01 * k, y, 1e-11)
+            found.append((status, made._out.tolist(), dict(made.solver.slots.lost[0])))
+        except (AnalysisError, KeyboardInterrupt, SystemExit) as error:
+            found.append((type(error), str(error), type(error.__cause__), str(error.__cause__)))
+    return found
+
+
+BODIES = {
+    "usual": USUAL,
+    "no force": "    return t, [[1, 1, 0.1]], []\n",
+    "nothing": "    return t, None, None\n",
+    "list": "    return [t, [[1, 1, 0.1]], []]\n",
+    "whole": "    return t, [[1, 1, 2], [1, 2, np.float64(0.25)]], []\n",
+    "minus one": "    return t, [[1, 1, -1.0], [1, 2, -1]], []\n",
+    "large": "    return t, [[1, 1, 10**400 if t > 0.03 else 2]], []\n",
+    "not finite": "    return t, [[1, 1, np.nan if t > 0.03 else 2.0]], []\n",
+    "other rows": "    return (t, [[1, 1, 0.1]], []) if t < 0.03 else (t, [[1, 2, 0.2], [1, 3, 0.1]], [[3, 2, 1.0]])\n",
+    "array": "    return t, np.array([[1.0, 1.0, 0.1]]), np.zeros((0, 3))\n",
+    "equal numbers": "    return t, [[1.0, True, 0.1]], []\n",
+    "several rows on a place": "    return t, [[1, 1, 0.1], [1, 1, 0.1]], []\n",
+    "short": "    return t, [[1, 1, 0.1]]\n",
+    "number": "    return 3.0\n",
+    "text": "    return t, [[1, 1, 'a' if t > 0.03 else 2.0]], []\n",
+    "raised": "    return t, [[1, 1, 1.0 if t < 0.03 else [][0]]], []\n",
+    "raised at first": "    raise RuntimeError('two\\nlines')\n",
+    "raised once": "    if round(t, 9) == 0.03: raise ValueError\n" + USUAL,
+    "no such place": "    return t, [[1, 1, 1.0], [9, 1, 0.0]][: 1 + (t > 0.03)], []\n",
+    "end of the program": "    if round(t, 9) == 0.03: raise SystemExit(3)\n" + USUAL,
+    "Ctrl-C": "    if round(t, 9) == 0.03: raise KeyboardInterrupt('here')\n" + USUAL,
+    "json": "    return t, json.loads('[[1, 1, 0.5], [1, 2, 1e-3]]'), []\n",
+}
+
+
+def outcomes(path: Path) -> Any:
+    try:
+        return asked(path)
+    except AnalysisError as error:
+        return str(error), error.code
+
+
+@pytest.mark.parametrize("which", BODIES)
+def test_answers_are_those_that_are_called_back(tmp_path: Path, which: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = model(tmp_path, BODIES[which])
+    assert asking.python() is not None
+    found = outcomes(path)
+    assert isinstance(found, list) or found[1].startswith("user-function.")
+    monkeypatch.setattr("spacar.compiled.slots.python", lambda: None)
+    assert found == outcomes(path)
+
+
+def test_python_reads_only_the_first_of_usual_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Else C would be asking for nothing."""
+    times: list[float] = []
+    read = asking.Asking.read
+    monkeypatch.setattr(asking.Asking, "read", lambda self, t, given: (times.append(t), read(self, t, given))[1])
+    spacar.run(1, model(tmp_path, USUAL))
+    assert times == [0.0]
+
+
+def test_sentences_come_and_go_as_when_called_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A stress on a fixed deformation at some outputs only: where it was, not where it was not."""
+    body = "    return t, [[1, 1, 0.1 if 0.03 < t < 0.07 else 0.0], [1, 2, 0.1]], []\n"
+    path = model(tmp_path, body, ARM.replace("DYNE 1 1\n", ""))
+
+    def lost() -> tuple[list[list[Any]], list[str]]:
+        blocks = list(spacar.frames(1, path).blocks())
+        return [[dict(frame.lost) for frame in block] for block in blocks], spacar.run(1, path).report
+
+    found, report = lost()
+    sentences = [sentence for block in found for sentence in block]
+    assert [bool(s) for s in sentences] == [False, False, True, True, False, False]
+    assert sum("has no effect" in line for line in report) == 1
+    monkeypatch.setattr("spacar.compiled.slots.python", lambda: None)
+    assert (found, report) == lost()
+
+
+def test_nobody_is_asked_after_ctrl_c_until_it_was_raised(tmp_path: Path) -> None:
+    body = "    law.times.append(t)\n    if t == 0.5: raise KeyboardInterrupt\n" + USUAL + "law.times = []\n"
+    made = evaluator(model(tmp_path, body))
+    solver, y = made.solver, np.zeros(made.n_positions + made.numbering.nddof)
+    times = made.model.mechanism.user_signal.function.function.times
+    del times[:]
+    evaluate = [made.state.address, *made._addresses]
+
+    def rates(t: float) -> int:
+        return int(solver.engine.rhs(solver.handle, evaluate[0], t, evaluate[1], evaluate[2], 1e-11, 1e9))
+
+    made._y[:] = y
+    assert [rates(t) < 0 for t in (0.1, 0.5, 0.6)] == [False, True, True]
+    assert times == [0.1, 0.5]
+    with pytest.raises(KeyboardInterrupt):
+        solver.slots.interrupted()
+    assert rates(0.6) >= 0
+    assert times[-1] == 0.6
+
+
+INTERRUPTED = """
+import _thread, sys, threading
+import spacar
+
+for k in range(8):
+    threading.Timer(0.1 + 0.01 * k, _thread.interrupt_main).start()
+    try:
+        spacar.run(1, sys.argv[1])
+        print("went on")
+    except KeyboardInterrupt:
+        print("interrupted")
+"""
+
+
+def test_ctrl_c_between_the_questions_is_heard(tmp_path: Path) -> None:
+    """Python notices it where the function begins: a callback of ctypes writes 'Exception ignored' then and goes on."""
+    body = "    return t, [[1, 1, np.sin(1e4 * t)]], []\n"
+    text = ARM.replace("TIMESTEP 0.1 5", "TIMESTEP 1e4 10")
+    command = [sys.executable, "-c", INTERRUPTED, str(model(tmp_path, body, text))]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+    assert done.stdout == 8 * "interrupted\n"
+    assert done.stderr == ""
+
+
+def test_the_traceback_shows_the_function(tmp_path: Path) -> None:
+    with pytest.raises(AnalysisError) as caught:
+        asked_once(model(tmp_path, "    return 1 / 0\n"))
+    cause = caught.value.__cause__
+    assert isinstance(cause, ZeroDivisionError)
+    trace = cause.__traceback__
+    while trace is not None and trace.tb_frame.f_code.co_name != "law":
+        trace = trace.tb_next
+    assert trace is not None
+
+
+def asked_once(path: Path) -> None:
+    spacar.run(1, path)
+
+
+def test_questions_leave_nothing_behind(tmp_path: Path) -> None:
+    """Blocks of memory and references after many questions: taken, read in Python, and raised."""
+    for body in (
+        USUAL,
+        "    return t, np.array([[1.0, 1.0, 0.1]]), []\n",
+        "    law.n = getattr(law, 'n', 0) + 1\n    if law.n > 5: raise ValueError(le)\n" + USUAL,
+    ):
+        made = evaluator(model(tmp_path, body))
+        solver, slots = made.solver, made.solver.slots
+        told = slots.asking.answering.told
+        made._y[:] = 0.0
+
+        def many(n: int, made: CompiledDynamics = made) -> None:
+            for k in range(n):
+                solver = made.solver
+                solver.engine.rhs(solver.handle, made.state.address, k / n, *made._addresses, 1e-11, 1e9)
+                solver.slots.interrupted()
+
+        many(500)
+        gc.collect()
+        counts, blocks = [sys.getrefcount(o) for o in (*told, float, list, tuple)], sys.getallocatedblocks()
+        many(20_000)
+        gc.collect()
+        after = [sys.getrefcount(o) for o in (*told, float, list, tuple)]
+        assert max(abs(a - b) for a, b in zip(after, counts, strict=True)) < 50, body
+        assert abs(sys.getallocatedblocks() - blocks) < 500, body
+        assert slots is solver.slots
+
+
+def test_threads_ask_each_their_own(tmp_path: Path) -> None:
+    """ctypes lets go of the interpreter during a run, so that questions of several runs mix."""
+    paths = []
+    for k in range(4):
+        (tmp_path / str(k)).mkdir()
+        paths.append(model(tmp_path / str(k), USUAL.replace("0.5 + t", f"{k}.0 + t")))
+    alone = [tip(path) for path in paths]
+    begun = threading.Barrier(4)
+
+    def run(path: Path) -> list[Any]:
+        begun.wait()
+        return [tip(path) for _ in range(5)]
+
+    with ThreadPoolExecutor(4) as pool:
+        for expected, found in zip(alone, pool.map(run, paths), strict=True):
+            for x in found:
+                np.testing.assert_array_equal(x, expected)
+
+
+@pytest.mark.usefixtures("called_back")
+def test_a_run_without_the_functions_of_python_is_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = model(tmp_path, USUAL)
+    expected = tip(path)
+    monkeypatch.undo()
+    np.testing.assert_array_equal(tip(path), expected)
+
+
+def test_a_python_that_lacks_a_function(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(asking, "FUNCTIONS", (*asking.FUNCTIONS, "PyNothing_OfTheKind"))
+    asking.python.cache_clear()
+    assert asking.python() is None
+    asking.python.cache_clear()
