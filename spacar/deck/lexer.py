@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from functools import cached_property
+from math import hypot
 from typing import NamedTuple
 
 LONGEST_LINE = 160
@@ -151,7 +152,8 @@ def numbers(words: list[str]) -> list[float]:
     """Words of lines that are not odd as numbers. Raises ValueError for a word that is none, and for numbers that are
     infinite or so large that not every integer is one."""
     values = list(map(float, words))
-    if values and not -LARGEST_INTEGER <= min(values) <= max(values) <= LARGEST_INTEGER:
+    # the length of the vector of all of them, which is soon found, is no smaller than any
+    if not hypot(*values) <= LARGEST_INTEGER and not -LARGEST_INTEGER <= min(values) <= max(values) <= LARGEST_INTEGER:
         raise ValueError
     return values
 

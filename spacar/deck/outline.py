@@ -11,24 +11,26 @@ from typing import cast
 from spacar.deck.findings import ranges
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import ElementType, coordinates_of, independent_of, twins_of
+from spacar.deck.table_types import ElementType, coordinates_of, independent_of, traits_of, twins_of
 
 
 @dataclass(slots=True, eq=False)
 class Outline:
     """Elements by number with their types, nodes by number with their roles, in the order of the file.
 
-    `kinds` are the types that occur; `regular` is true while every element has a number of its own and every node one
-    role, no element has the same node at both ends, and all are planar or all spatial. `space` is planar, spatial or ""
-    (no element). `complete` is false when some element statement could not be read, so that nodes may be missing here;
-    `broken` holds keyword and first number of the other statements that could not be read, `broken_blocks` their
-    blocks: what follows from their absence is not reported then. `metre` is the unit of length of the file in metres.
+    `kinds` are the types that occur, `traits` what any of them has (`traits_of`); `regular` is true while every element
+    has a number of its own and every node one role, no element has the same node at both ends, and all are planar or
+    all spatial. `space` is planar, spatial or "" (no element). `complete` is false when some element statement could
+    not be read, so that nodes may be missing here; `broken` holds keyword and first number of the other statements that
+    could not be read, `broken_blocks` their blocks: what follows from their absence is not reported then. `metre` is
+    the unit of length of the file in metres.
     """
 
     elements: dict[int, Statement] = field(default_factory=dict)
     types: dict[int, ElementType] = field(default_factory=dict)
     roles: dict[int, str] = field(default_factory=dict)
     kinds: dict[ElementType, None] = field(default_factory=dict)
+    traits: set[str] = field(default_factory=set)
     regular: bool = True
     space: str = ""
     complete: bool = True
@@ -89,6 +91,7 @@ class Outline:
         self.elements.update(new)
         self.types.update(dict.fromkeys(new, kind))
         self.kinds[kind] = None
+        self.traits |= traits_of(kind)
         space = "planar" if kind.planar else "spatial"
         self.space = self.space or space
         self.regular &= self.space == space
