@@ -125,6 +125,8 @@ def _odd_lines(lines: list[str], capitals: str, longest: int) -> set[int]:
     what the lines, and perhaps others behind them, say in capitals, `longest` the longest line with its comment."""
     suspect: set[int] = set()
     for sign in _SUSPECT:
+        if sign not in capitals:
+            continue
         line, since, at = 1, 0, capitals.find(sign)
         while at >= 0:
             line += capitals.count("\n", since, at)
@@ -132,7 +134,7 @@ def _odd_lines(lines: list[str], capitals: str, longest: int) -> set[int]:
             since, at = at, capitals.find(sign, at + 1)
     if longest >= _SHORT or not capitals.isascii():
         suspect.update([n for n, line in enumerate(lines, 1) if len(line) >= _SHORT or not line.isascii()])
-    return {n for n in suspect if n <= len(lines) and _PLAIN.match(lines[n - 1]) is None}
+    return {n for n in suspect if n <= len(lines) and _PLAIN.match(lines[n - 1]) is None} if suspect else suspect
 
 
 def lines_not_plain(words: list[str], lines: list[int]) -> set[int]:

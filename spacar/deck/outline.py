@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import chain, cycle
 from operator import eq
-from typing import cast
+from typing import Any
 
 from spacar.deck.findings import ranges
 from spacar.deck.statement import Statement
@@ -78,8 +78,8 @@ class Outline:
     def add(self, statements: Sequence[Statement]) -> None:
         """Take in statements of one element type whose arguments are right; first definitions win."""
         kind = ELEMENT_TYPES[statements[0].keyword]
-        width = 1 + len(kind.nodes)
-        numbers, *columns = cast("Iterable[tuple[int, ...]]", zip(*[s.values[:width] for s in statements]))  # noqa: B905
+        columns: list[tuple[Any, ...]] = list(zip(*[s.values for s in statements]))  # noqa: B905 (as below)
+        numbers, columns = columns[0], columns[1 : 1 + len(kind.nodes)]
         new = dict(zip(numbers, statements))  # noqa: B905 (of equal lengths; `strict` doubles the time of a call)
         if len(new) < len(statements) or not self.elements.keys().isdisjoint(new):
             self.regular = False
@@ -87,7 +87,8 @@ class Outline:
                 if s.values[0] not in self.elements:
                     self.add([s])
             return
-        self._users.clear()
+        if self._users:
+            self._users.clear()
         self.elements.update(new)
         self.types.update(dict.fromkeys(new, kind))
         self.kinds[kind] = None

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from itertools import repeat
 from operator import le
 from typing import Any
@@ -22,7 +22,6 @@ from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import COORDINATES, Keyword, Parameter, Variant, coordinates_of, subject_of
 
 NUMBERED_PARTS = ("coordinate", "mode")
-_STATEMENT = partial(tuple.__new__, Statement)  # of its five fields, without a call of Python for each
 _INTEGER = float.__trunc__  # as `int`, which looks at the type of what it is given first
 
 
@@ -86,24 +85,30 @@ def _references(
 def plain_statements(lines: PlainLines, keyword: Keyword, outline: Outline) -> list[Statement] | None:
     """The statements of plain lines when nothing about any of them needs a message, else None."""
     count, given = lines.count - 1, lines.values
+    values: list[Any]  # of several statements; those of an argument are `values[i::count]`
     for form in _forms(keyword, outline.space, count):
-        values: list[Any] = given.copy()  # of several statements; those of an argument are `values[i::count]`
-        for i in form.integers:
-            values[i::count] = map(_INTEGER, given[i::count])
+        if len(form.integers) == count:
+            values = list(map(_INTEGER, given))
+        else:
+            values = given.copy()
+            for i in form.integers:
+                values[i::count] = map(_INTEGER, given[i::count])
         if values == given and (_in_range(values, count, form) if form.named else _known(values, count, form, outline)):
-            rows = zip(*[iter(values)] * count) if count else repeat(())  # noqa: B905 (`strict` takes time)
-            parts = zip(repeat(lines.keyword), rows, repeat(lines.block), lines.lines, lines.texts)
-            return list(map(_STATEMENT, parts))
+            # `strict` takes time, and so does the call of Python that `Statement` is
+            rows = zip(*[iter(values)] * count) if count else repeat(())  # noqa: B905
+            new, name, block = tuple.__new__, lines.keyword, lines.block
+            found = zip(rows, lines.lines, lines.texts)  # noqa: B905
+            return [new(Statement, (name, row, block, line, text)) for row, line, text in found]
     return None
 
 
-def _in_range(values: Sequence[int], count: int, form: _Form) -> bool:
+def _in_range(values: Sequence[Any], count: int, form: _Form) -> bool:
     """Whether the numbers of elements and of their nodes are some that may be used."""
     numbers = values if form.named == count else [n for i in range(form.named) for n in values[i::count]]
     return min(numbers) >= 1 and max(numbers) <= LARGEST_NUMBER
 
 
-def _known(values: Sequence[int], count: int, form: _Form, outline: Outline) -> bool:
+def _known(values: Sequence[Any], count: int, form: _Form, outline: Outline) -> bool:
     """Whether everything that the values of plain lines refer to exists and is of the right kind; `arguments` says what
     does not."""
     most: Sequence[Any] = ()  # number of parts of what the value before refers to
