@@ -58,7 +58,8 @@ class CheckMaterial:
         if what == "node":
             default = "dynamic" if self.outline.roles.get(number) == "warping" else "calculable"
             return self.coordinates.get((number, index), (default, None))
+        given = self.deformations.get((number, index))
+        if given is not None:
+            return given
         kind = self.outline.types.get(number)
-        if kind is not None and index in kind.released:
-            return "calculable", None
-        return self.deformations.get((number, index), ("fixed", None))
+        return ("calculable" if kind is not None and index in kind.released else "fixed"), None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import cast
 
 from spacar.deck.check_material import CheckMaterial, Classes
 from spacar.deck.statement import Statement
@@ -59,12 +60,12 @@ def _put(
     for group in scene.index.groups_of(*names, block=1):
         name = names[group[0].keyword]
         for s in group:
-            this, indices = (name, s), s.integers()
+            this, indices = (name, s), cast("tuple[int, ...]", s.values)
             number = indices[0]
             for index in indices[1:] or every(number):
                 classes[number, index] = this
                 count += 1
-    if len(classes) == count and not (noun == "mode" and any([kind.released for kind in scene.outline.kinds])):
+    if len(classes) == count and not (noun == "mode" and "released" in scene.outline.traits):
         return
     classes.clear()
     for s in scene.of(*names, block=1):
@@ -118,7 +119,7 @@ def _check_euler_parameters(scene: CheckMaterial) -> None:
 
 
 def _check_kinematic(scene: CheckMaterial) -> None:
-    if not (scene.has(("KINX", "KINE"), 1) and scene.outline.complete) or any(k.slips for k in scene.outline.kinds):
+    if not (scene.has(("KINX", "KINE"), 1) and scene.outline.complete) or "slips" in scene.outline.traits:
         return
     for s in scene.of("KINX", "KINE"):
         wheels = ", ".join(t.keyword for t in ELEMENT_TYPES.values() if t.slips)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import chain
+
 from spacar.deck.check_material import CheckMaterial
 from spacar.deck.checks_references import at_least, one_of, positive
 from spacar.deck.statement import Statement
@@ -15,21 +17,16 @@ _ADDITIONAL = ("DELXF", "DELGRAV", "DELOMF", "DELESIG", "DELINPX", "DELINPE")
 
 def check_dynamics(scene: CheckMaterial) -> None:
     """Everything that concerns the dynamics block beyond single statements; only what it has is looked at."""
-    given, classed, kinds = scene.index.keywords(2), scene.index.keywords(1), scene.outline.kinds
-    axial = flow = warping = False
-    for kind in kinds:
-        axial, flow, warping = axial or kind.axial, flow or kind.carries_flow, warping or bool(kind.warping)
+    given, classed, traits = scene.index.keywords(2), scene.index.keywords(1), scene.outline.traits
     for group in scene.index.groups_of(*_SIGNS, block=2):
         if _may_have_signs(group):
             for s in group:
                 _check_signs(scene, s)
-    settings = (*_SETTINGS, "EM") if flow else _SETTINGS
-    if not given.isdisjoint(settings):
-        for s in scene.of(*settings, block=2):
-            _check_settings(scene, s)
-    if axial and "DYNE" in classed:
+    for s in scene.of(*((*_SETTINGS, "EM") if "carries flow" in traits else _SETTINGS), block=2):
+        _check_settings(scene, s)
+    if "axial" in traits and "DYNE" in classed:
         _check_stiffness(scene)
-    if warping:
+    if "warping" in traits:
         _check_warping(scene)
     if not given.isdisjoint(("ESIG", "DELESIG")):
         _check_preload(scene)
@@ -44,7 +41,7 @@ def check_dynamics(scene: CheckMaterial) -> None:
 def _may_have_signs(group: Group) -> bool:
     """Whether some number is negative, or an inertia tensor may be none without that (all values are numbers)."""
     first = group[0]
-    return (first.keyword == "XM" and len(first.values) > 2) or min([min(s.values) for s in group]) < 0  # type: ignore
+    return (first.keyword == "XM" and len(first.values) > 2) or min(chain.from_iterable([s.values for s in group])) < 0  # type: ignore
 
 
 def _check_signs(scene: CheckMaterial, s: Statement) -> None:
@@ -159,13 +156,11 @@ def _check_preload(scene: CheckMaterial) -> None:
     acts = scene.analysis is None or scene.analysis.takes_setpoints
     lost = ("fixed",) if acts else ("fixed", "prescribed")
     for s in scene.of("ESIG", "DELESIG", block=2):
-        element = s.integer(0)
-        found = [
-            (place, scene.class_of("element", element, place)[0])
-            for place, stress in enumerate(s.values[1:], 1)
-            if stress != 0.0
-        ]
-        if not any([name in lost for _, name in found]) or scene.doubtful("element", element):
+        element, found = s.integer(0), []
+        for place, stress in enumerate(s.values[1:], 1):
+            if stress != 0.0 and (name := scene.class_of("element", element, place)[0]) in lost:
+                found.append((place, name))
+        if not found or scene.doubtful("element", element):
             continue
         for name in lost:
             modes = [place for place, given in found if given == name]

@@ -5,14 +5,15 @@ from __future__ import annotations
 from spacar.deck.check_material import CheckMaterial
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import ElementType
 from spacar.modes import MODES
+
+_HARM = ("not supported", "slips")  # what a type may have that speaks against its elements, at least in some modes
 
 
 def check_elements(scene: CheckMaterial) -> None:
     """Everything that concerns the element statements as such."""
     outline, findings = scene.outline, scene.findings
-    elements = scene.of(*ELEMENT_TYPES) if not outline.regular or not all(map(_harmless, outline.kinds)) else []
+    elements = scene.of(*ELEMENT_TYPES) if not outline.regular or not outline.traits.isdisjoint(_HARM) else []
     if not outline.elements and outline.complete and not findings.errors:
         findings.add("error", None, "", "the kinematics block defines no element", "no-element")
     first_of_kind: dict[bool, Statement] = {}
@@ -40,11 +41,6 @@ def check_elements(scene: CheckMaterial) -> None:
                 )
                 findings.error(s, None, text, "planar-and-spatial")
         _check_nodes(s, scene)
-
-
-def _harmless(kind: ElementType) -> bool:
-    """Whether the type says nothing against its elements, whatever the mode."""
-    return kind.supported and not kind.slips
 
 
 def _check_nodes(s: Statement, scene: CheckMaterial) -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from itertools import chain
 from math import asin, degrees, dist, hypot, inf
-from typing import cast
+from typing import Any, cast
 
 from spacar.deck.check_material import CheckMaterial
 from spacar.deck.statement import Statement
@@ -30,8 +32,8 @@ def least_length(s: Statement) -> float:
 def check_geometry(scene: CheckMaterial) -> None:
     """Positions given once, elements with a length, directions that define a frame."""
     positions = _positions(scene)
-    places = [positions.get(n, ORIGIN) for n, role in scene.outline.roles.items() if role == "position"]
-    size = max([max(axis) - min(axis) for axis in zip(*places)], default=0.0)  # noqa: B905 (three in each)
+    most = 2.0 * max(map(abs, chain.from_iterable(positions.values())), default=0.0)  # no smaller than the model is
+    size: float | None = None
     elements = scene.outline.elements
     if scene.outline.regular:
         groups = scene.index.groups_of(*[kind.keyword for kind in scene.outline.kinds], block=1)
@@ -39,7 +41,8 @@ def check_geometry(scene: CheckMaterial) -> None:
         groups = [[elements[number]] for number in scene.outline.types]
     for group in groups:
         kind = ELEMENT_TYPES[group[0].keyword]
-        if not _ordinary(group, kind, positions, size):
+        if not _ordinary(group, kind, positions, most):
+            size = _size(scene, positions) if size is None else size
             for s in group:
                 _check_element(scene, s, kind, positions, size)
     if not scene.has(("ORPINBOD", "ORTUBE"), 1):
@@ -56,26 +59,30 @@ def check_geometry(scene: CheckMaterial) -> None:
             )
 
 
+def _size(scene: CheckMaterial, positions: dict[int, Vector]) -> float:
+    """Largest extent of the model along an axis."""
+    places = [positions.get(n, ORIGIN) for n, role in scene.outline.roles.items() if role == "position"]
+    return max([max(axis) - min(axis) for axis in zip(*places)], default=0.0)  # noqa: B905 (three in each)
+
+
 def _positions(scene: CheckMaterial) -> dict[int, Vector]:
     """Positions of the nodes with an X statement; nodes without X are at the origin."""
     positions: dict[int, Vector] = {}
-    given: dict[int, Statement] = {}
-    for group in scene.index.groups_of("X", block=1):
-        _add_positions(scene, group, given, positions)
+    groups, roles = scene.index.groups_of("X", block=1), scene.outline.roles
+    for group in groups:
+        zeros = (0.0,) * (4 - len(group[0].values))
+        new = cast("dict[int, Vector]", {s.values[0]: s.values[1:] + zeros for s in group})
+        if not _all_new(new, group, positions) or set(map(roles.get, new)) != {"position"}:
+            return _positions_one_by_one(scene, chain.from_iterable(groups))
+        positions.update(new)
     return positions
 
 
-def _add_positions(
-    scene: CheckMaterial, group: list[Statement], given: dict[int, Statement], positions: dict[int, Vector]
-) -> None:
-    """Add the positions of X statements; positions of other nodes and repeated ones are reported."""
-    roles, new = scene.outline.roles, cast("dict[int, Statement]", {s.values[0]: s for s in group})
-    if _all_new(new, group, given) and all([roles.get(node) == "position" for node in new]):
-        given.update(new)
-        zeros = (0.0,) * (4 - len(group[0].values))
-        positions.update(cast("dict[int, Vector]", {s.values[0]: s.values[1:] + zeros for s in group}))
-        return
-    for s in group:
+def _positions_one_by_one(scene: CheckMaterial, statements: Iterable[Statement]) -> dict[int, Vector]:
+    """The positions of X statements; positions of other nodes and repeated ones are reported."""
+    positions: dict[int, Vector] = {}
+    given: dict[int, Statement] = {}
+    for s in statements:
         node, place = s.integer(0), s.reals(1, 3)
         if scene.outline.roles.get(node) == "orientation":
             text = f"node {node} is an orientation node; initial orientations cannot be chosen"
@@ -97,9 +104,10 @@ def _add_positions(
                 scene.findings.error(s, None, text, "repeated")
             continue
         given[node], positions[node] = s, place
+    return positions
 
 
-def _all_new(new: dict[int, Statement], group: list[Statement], given: dict[int, Statement]) -> bool:
+def _all_new(new: dict[int, Vector], group: list[Statement], given: dict[int, Vector]) -> bool:
     """Whether every statement of a group, of which `new` are those of different nodes, is the first of its node."""
     return len(new) == len(group) and given.keys().isdisjoint(new)
 
@@ -108,18 +116,20 @@ def _ordinary(group: list[Statement], kind: ElementType, positions: dict[int, Ve
     """Whether elements are clearly long enough and their directions clearly good, so that none needs a closer look."""
     if kind.keyword in _WITH_RADII:
         return False
-    given, directions = kind.direction, cast("list[Vector]", [])
-    if given is not None and len(group[0].values) >= given[0] - 1 + given[1]:
+    rows: list[Any] = [s.values for s in group]
+    given, directions = kind.direction, []
+    if given is not None:
         start, end = given[0] - 1, given[0] - 1 + given[1]
-        directions = cast("list[Vector]", [s.values[start:end] for s in group])
-        if not all(map(any, directions)):
-            return False
+        if len(rows[0]) >= end:
+            directions = [values[start:end] for values in rows]
+            if not all(map(any, directions)):
+                return False
     ends = position_places(kind)
     if len(ends) < 2:
         return True
     p, q = ends
-    starts = [positions.get(s.integer(p), ORIGIN) for s in group]
-    stops = [positions.get(s.integer(q), ORIGIN) for s in group]
+    starts = [positions.get(values[p], ORIGIN) for values in rows]
+    stops = [positions.get(values[q], ORIGIN) for values in rows]
     if not min(map(dist, starts, stops)) > 2.0 * ZERO_LENGTH * size:
         return False
     return not directions or given is None or given[2] == "axis" or all(map(_oblique, starts, stops, directions))

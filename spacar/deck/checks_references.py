@@ -19,7 +19,9 @@ def check_once(scene: CheckMaterial, block: int) -> None:
     once = _ONCE[kind_of(block, scene.third)]
     for name, statements in scene.index.block(block).items():
         many = len(statements)
-        if many == 1 or (count := once[name]) is None or len({s.values[:count] for s in statements}) == many:
+        if many == 1 or (count := once[name]) is None:
+            continue
+        if len({s.values[0] for s in statements} if count == 1 else {s.values[:count] for s in statements}) == many:
             continue
         given: dict[tuple[object, ...], Statement] = {}
         for s in statements:

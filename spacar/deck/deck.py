@@ -215,20 +215,21 @@ def parse(
     added = drawn if drawn and not _drawn_already(drawn, visualization or ()) else ()
     if added:
         visualization = (*drawn, *(visualization or ()))
-    deck = Deck(
-        contents.statements,
-        source,
-        path,
-        text if text.isascii() else NOT_UTF8.sub("\ufffd", text),
-        text.encode("utf-8", "surrogateescape") if data is None else data,
-        tuple([NOT_UTF8.sub("\ufffd", line) for line in visualization or ()]),
-        contents.messages,
-        mode,
-        contents.third,
-        contents.spans,
-        contents.shorthand,
-        contents.expansion.sections,
-        len(added),
+    deck = Deck.__new__(Deck)
+    vars(deck).update(  # as `Deck` does, which makes a call for each field as it is frozen
+        statements=contents.statements,
+        source=source,
+        path=path,
+        text=text if text.isascii() else NOT_UTF8.sub("\ufffd", text),
+        data=text.encode("utf-8", "surrogateescape") if data is None else data,
+        visualization=tuple([NOT_UTF8.sub("\ufffd", line) for line in visualization]) if visualization else (),
+        messages=contents.messages,
+        mode=mode,
+        third=contents.third,
+        spans=contents.spans,
+        shorthand=contents.shorthand,
+        sections=contents.expansion.sections,
+        drawn=len(added),
     )
     if not contents.shorthand:
         vars(deck)["index"] = contents.found  # the checks have made it

@@ -97,9 +97,10 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
     check(index, outline, mode, third, told)
     for block, found in skipped.items():
         _report_skipped(block, parts.statements, mode, found, findings)
-    findings.messages.sort(key=lambda m: m.line or 0)
-    if findings.errors:
-        raise InputError(findings.messages)
+    if findings.messages:
+        findings.messages.sort(key=lambda m: m.line or 0)
+        if findings.errors:
+            raise InputError(findings.messages)
     shorthand = tuple([s for s in given if s.keyword in WORDS]) if by_geometry else ()
     return Contents(
         statements, scanned.visualization, tuple(findings.messages), third, parts.spans, shorthand, expansion,

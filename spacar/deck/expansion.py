@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement
@@ -29,8 +29,7 @@ class BeamSection:
     material: Material
 
 
-@dataclass(frozen=True)
-class Expansion:
+class Expansion(NamedTuple):
     """Plain statements, the outline of their model, what was expanded, and lines for pictures."""
 
     statements: tuple[Statement, ...]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from functools import cached_property
+from math import hypot
 from typing import NamedTuple
 
 LONGEST_LINE = 160
@@ -124,6 +125,8 @@ def _odd_lines(lines: list[str], capitals: str, longest: int) -> set[int]:
     what the lines, and perhaps others behind them, say in capitals, `longest` the longest line with its comment."""
     suspect: set[int] = set()
     for sign in _SUSPECT:
+        if sign not in capitals:
+            continue
         line, since, at = 1, 0, capitals.find(sign)
         while at >= 0:
             line += capitals.count("\n", since, at)
@@ -131,7 +134,7 @@ def _odd_lines(lines: list[str], capitals: str, longest: int) -> set[int]:
             since, at = at, capitals.find(sign, at + 1)
     if longest >= _SHORT or not capitals.isascii():
         suspect.update([n for n, line in enumerate(lines, 1) if len(line) >= _SHORT or not line.isascii()])
-    return {n for n in suspect if n <= len(lines) and _PLAIN.match(lines[n - 1]) is None}
+    return {n for n in suspect if n <= len(lines) and _PLAIN.match(lines[n - 1]) is None} if suspect else suspect
 
 
 def lines_not_plain(words: list[str], lines: list[int]) -> set[int]:
@@ -151,7 +154,8 @@ def numbers(words: list[str]) -> list[float]:
     """Words of lines that are not odd as numbers. Raises ValueError for a word that is none, and for numbers that are
     infinite or so large that not every integer is one."""
     values = list(map(float, words))
-    if values and not -LARGEST_INTEGER <= min(values) <= max(values) <= LARGEST_INTEGER:
+    # the length of the vector of all of them, which is soon found, is no smaller than any
+    if not hypot(*values) <= LARGEST_INTEGER and not -LARGEST_INTEGER <= min(values) <= max(values) <= LARGEST_INTEGER:
         raise ValueError
     return values
 

@@ -2,33 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import chain, cycle
 from operator import eq
-from typing import cast
+from typing import Any
 
 from spacar.deck.findings import ranges
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import ElementType, coordinates_of, independent_of, twins_of
+from spacar.deck.table_types import ElementType, coordinates_of, independent_of, traits_of, twins_of
 
 
 @dataclass(slots=True, eq=False)
 class Outline:
     """Elements by number with their types, nodes by number with their roles, in the order of the file.
 
-    `kinds` are the types that occur; `regular` is true while every element has a number of its own and every node one
-    role, no element has the same node at both ends, and all are planar or all spatial. `space` is planar, spatial or ""
-    (no element). `complete` is false when some element statement could not be read, so that nodes may be missing here;
-    `broken` holds keyword and first number of the other statements that could not be read, `broken_blocks` their
-    blocks: what follows from their absence is not reported then. `metre` is the unit of length of the file in metres.
+    `kinds` are the types that occur, `traits` what any of them has (`traits_of`); `regular` is true while every element
+    has a number of its own and every node one role, no element has the same node at both ends, and all are planar or
+    all spatial. `space` is planar, spatial or "" (no element). `complete` is false when some element statement could
+    not be read, so that nodes may be missing here; `broken` holds keyword and first number of the other statements that
+    could not be read, `broken_blocks` their blocks: what follows from their absence is not reported then. `metre` is
+    the unit of length of the file in metres.
     """
 
     elements: dict[int, Statement] = field(default_factory=dict)
     types: dict[int, ElementType] = field(default_factory=dict)
     roles: dict[int, str] = field(default_factory=dict)
     kinds: dict[ElementType, None] = field(default_factory=dict)
+    traits: set[str] = field(default_factory=set)
     regular: bool = True
     space: str = ""
     complete: bool = True
@@ -76,8 +78,8 @@ class Outline:
     def add(self, statements: Sequence[Statement]) -> None:
         """Take in statements of one element type whose arguments are right; first definitions win."""
         kind = ELEMENT_TYPES[statements[0].keyword]
-        width = 1 + len(kind.nodes)
-        numbers, *columns = cast("Iterable[tuple[int, ...]]", zip(*[s.values[:width] for s in statements]))  # noqa: B905
+        columns: list[tuple[Any, ...]] = list(zip(*[s.values for s in statements]))  # noqa: B905 (as below)
+        numbers, columns = columns[0], columns[1 : 1 + len(kind.nodes)]
         new = dict(zip(numbers, statements))  # noqa: B905 (of equal lengths; `strict` doubles the time of a call)
         if len(new) < len(statements) or not self.elements.keys().isdisjoint(new):
             self.regular = False
@@ -85,10 +87,12 @@ class Outline:
                 if s.values[0] not in self.elements:
                     self.add([s])
             return
-        self._users.clear()
+        if self._users:
+            self._users.clear()
         self.elements.update(new)
         self.types.update(dict.fromkeys(new, kind))
         self.kinds[kind] = None
+        self.traits |= traits_of(kind)
         space = "planar" if kind.planar else "spatial"
         self.space = self.space or space
         self.regular &= self.space == space

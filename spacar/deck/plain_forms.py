@@ -7,9 +7,9 @@ them word by word.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from itertools import repeat
 from operator import le
 from typing import Any
@@ -19,121 +19,106 @@ from spacar.deck.outline import Outline
 from spacar.deck.raw_statements import PlainLines
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import COORDINATES, Keyword, Parameter, coordinates_of, subject_of
+from spacar.deck.table_types import COORDINATES, Keyword, Parameter, Variant, coordinates_of, subject_of
 
 NUMBERED_PARTS = ("coordinate", "mode")
-ELEMENT, NODE, PART = range(3)  # what a value refers to
-_STATEMENT = partial(tuple.__new__, Statement)  # of its five fields, without a call of Python for each
+_INTEGER = float.__trunc__  # as `int`, which looks at the type of what it is given first
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Form:
-    """A form of a statement with a certain number of arguments: the places (from 0) of those that are integers, and of
-    those that refer to something, with what that is (ELEMENT, NODE or PART), of nodes the role that is asked for, and
-    whether a part of it follows.
+    """What statements with a certain number of arguments are like.
+
+    `integers`: the places (from 0) of those that are integers; `named`: how many from the first name an element and its
+    nodes; `references`: the places of those that refer to something, whether it is an element, and how many parts it
+    has by its type or role, only of those that the statement is for; a dictionary that is None: to the part of it.
     """
 
     integers: tuple[int, ...]
-    references: tuple[tuple[int, int, str, bool], ...]
+    named: int
+    references: tuple[tuple[int, bool, Mapping[Any, int] | None], ...]
 
 
 @cache
-def _form(keyword: Keyword, space: str, role: str, kind: str, count: int) -> _Form | None:
-    """The form that so many ordinary numbers take, None when there is none or when it has names."""
-    for variant in keyword.variants:
-        if variant.fits(space, role, kind) and count in variant.counts:
-            parameters = variant.parameters[:count]
-            if any(p.kind == "name" for p in parameters):
-                return None
-            integers = tuple([i for i, p in enumerate(parameters) if p.kind == "integer"])
-            return _Form(integers, tuple(_references(parameters)))
-    return None
-
-
-@cache
-def _same_form(keyword: Keyword, space: str, count: int) -> _Form | None:
-    """The form that so many numbers take whatever node or element they are about, None when it depends on that."""
-    _, of_element = subject_of(keyword)
+def _forms(keyword: Keyword, space: str, count: int) -> tuple[_Form, ...]:
+    """The forms that so many ordinary numbers take in such a model; none with names. Several differ in what they are
+    about."""
+    subject, of_element = subject_of(keyword)
+    things: list[tuple[Any, str, str]] = [(role, role, "") for role in COORDINATES]
     if of_element:
-        forms = {_form(keyword, space, "", kind, count) for kind in ELEMENT_TYPES}
-    else:
-        forms = {_form(keyword, space, role, "", count) for role in COORDINATES}
-    return forms.pop() if len(forms) == 1 else None
-
-
-def _references(parameters: Sequence[Parameter]) -> Iterator[tuple[int, int, str, bool]]:
-    with_part = False
+        things = [(kind, "", name) for name, kind in ELEMENT_TYPES.items()]
+    if subject is None or subject >= count or keyword.name in ELEMENT_TYPES:
+        things = [(None, "", "")]
+    about: dict[tuple[Parameter, ...], list[Any]] = {}
+    for thing, role, kind in things:
+        fitting = (v for v in keyword.variants if v.fits(space, role, kind) and count in v.counts)
+        variant: Variant | None = next(fitting, None)
+        if variant is not None and all(p.kind != "name" for p in variant.parameters[:count]):
+            about.setdefault(variant.parameters[:count], []).append(thing)
     found = []
-    for i, p in reversed(list(enumerate(parameters))):
+    for parameters, takers in about.items():
+        integers = tuple([i for i, p in enumerate(parameters) if p.kind == "integer"])
+        if keyword.name in ELEMENT_TYPES:
+            found.append(_Form(integers, 1 + len(ELEMENT_TYPES[keyword.name].nodes), ()))
+        else:
+            references = _references(parameters, space, subject, takers)
+            found.append(_Form(integers, 0, tuple(references)))
+    return tuple(found)
+
+
+def _references(
+    parameters: Sequence[Parameter], space: str, subject: int | None, things: list[Any]
+) -> Iterator[tuple[int, bool, Mapping[Any, int] | None]]:
+    """Those of a form; `things`: the types or roles that its subject may have."""
+    modes = {kind: len(kind.modes) for kind in ELEMENT_TYPES.values()}
+    coordinates = {role: coordinates_of(role, space == "planar") for role in COORDINATES}
+    for i, p in enumerate(parameters):
         if p.of in NUMBERED_PARTS:
-            with_part = True
-            found.append((i, PART, "", False))
+            yield i, False, None
         elif p.of == "element" or p.of.endswith("node"):
-            what = ELEMENT if p.of == "element" else NODE
-            found.append((i, what, p.of.removesuffix("node").strip() if what == NODE else "", with_part))
-            with_part = False
-    return reversed(found)
+            parts: Mapping[Any, int] = modes if p.of == "element" else coordinates
+            wanted = p.of.removesuffix("node").strip() if p.of != "element" else ""
+            fits = [t for t in parts if (i != subject or t in things) and wanted in ("", t)]
+            yield i, p.of == "element", {t: parts[t] for t in fits}
 
 
 def plain_statements(lines: PlainLines, keyword: Keyword, outline: Outline) -> list[Statement] | None:
     """The statements of plain lines when nothing about any of them needs a message, else None."""
-    element, count, values = ELEMENT_TYPES.get(lines.keyword), lines.count - 1, lines.values
-    form = _same_form(keyword, "" if element else outline.space, count) or _form_of(lines, keyword, outline)
-    if form is None:
-        return None
-    columns: list[Any] = [values[i::count] for i in range(count)]  # of several statements, by argument
-    for i in form.integers:
-        given = columns[i]
-        columns[i] = numbers = list(map(int, given))
-        if numbers != given:
-            return None
-    if element is not None:
-        for numbers in columns[: 1 + len(element.nodes)]:
-            if min(numbers) < 1 or max(numbers) > LARGEST_NUMBER:
-                return None
-    elif form.references and not _known(columns, form, outline):
-        return None
-    rows = zip(*columns) if count else repeat(())  # noqa: B905 (of equal lengths; `strict` doubles the time of a call)
-    parts = zip(repeat(lines.keyword), rows, repeat(lines.block), lines.lines, lines.texts)
-    return list(map(_STATEMENT, parts))
-
-
-def _form_of(lines: PlainLines, keyword: Keyword, outline: Outline) -> _Form | None:
-    """The form of statements about nodes and elements that exist; None when it is not the same for all."""
-    subject, of_element = subject_of(keyword)
-    count = lines.count - 1
-    if subject is None or subject >= count:
-        return _form(keyword, outline.space, "", "", count)
-    about: list[Any] = lines.values[subject::count]  # 3. finds what is known as 3
-    if of_element:
-        kinds = set(map(outline.types.get, about))
-        forms = [_form(keyword, outline.space, "", kind.keyword, count) if kind else None for kind in kinds]
-    else:
-        roles = set(map(outline.roles.get, about))
-        forms = [_form(keyword, outline.space, role, "", count) if role else None for role in roles]
-    return forms[0] if len(forms) == 1 or all(form == forms[0] for form in forms) else None
-
-
-def _known(columns: Sequence[Sequence[int]], form: _Form, outline: Outline) -> bool:
-    """Whether everything that the values of plain lines refer to exists; `arguments` says what does not."""
-    most: Sequence[int] = ()  # number of parts of what the value before refers to
-    for i, what, wanted, with_part in form.references:
-        numbers = columns[i]
-        if what == PART:
-            if most and (min(numbers) < 1 or not all(map(le, numbers, most))):
-                return False
-        elif what == ELEMENT:
-            kinds = list(map(outline.types.get, numbers))
-            if None in kinds:
-                return False
-            most = [len(kind.modes) for kind in kinds if kind] if with_part else ()
+    count, given = lines.count - 1, lines.values
+    values: list[Any]  # of several statements; those of an argument are `values[i::count]`
+    for form in _forms(keyword, outline.space, count):
+        if len(form.integers) == count:
+            values = list(map(_INTEGER, given))
         else:
-            roles = list(map(outline.roles.get, numbers))
-            if None in roles or (wanted and roles.count(wanted) < len(roles)):
+            values = given.copy()
+            for i in form.integers:
+                values[i::count] = map(_INTEGER, given[i::count])
+        if values == given and (_in_range(values, count, form) if form.named else _known(values, count, form, outline)):
+            # `strict` takes time, and so does the call of Python that `Statement` is
+            rows = zip(*[iter(values)] * count) if count else repeat(())  # noqa: B905
+            new, name, block = tuple.__new__, lines.keyword, lines.block
+            found = zip(rows, lines.lines, lines.texts)  # noqa: B905
+            return [new(Statement, (name, row, block, line, text)) for row, line, text in found]
+    return None
+
+
+def _in_range(values: Sequence[Any], count: int, form: _Form) -> bool:
+    """Whether the numbers of elements and of their nodes are some that may be used."""
+    numbers = values if form.named == count else [n for i in range(form.named) for n in values[i::count]]
+    return min(numbers) >= 1 and max(numbers) <= LARGEST_NUMBER
+
+
+def _known(values: Sequence[Any], count: int, form: _Form, outline: Outline) -> bool:
+    """Whether everything that the values of plain lines refer to exists and is of the right kind; `arguments` says what
+    does not."""
+    most: Sequence[Any] = ()  # number of parts of what the value before refers to
+    for i, of_element, parts in form.references:
+        numbers = values[i::count]
+        if parts is not None:
+            things: Any = outline.types if of_element else outline.roles
+            most = list(map(parts.get, map(things.get, numbers)))
+            if None in most:
                 return False
-            if with_part:
-                planar = outline.space == "planar"
-                most = [coordinates_of(role, planar) for role in roles if role]
-            else:
-                most = ()
+        elif most and (min(numbers) < 1 or not all(map(le, numbers, most))):
+            return False
     return True

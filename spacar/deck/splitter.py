@@ -78,7 +78,7 @@ class _Splitter:
         odd, alike = self.source.odd, self.alike
         for number, line in enumerate(self.source.lines, 1):
             words = line.split()
-            if number in odd:
+            if odd and number in odd:
                 lines = None
             elif not words:
                 continue
@@ -120,12 +120,14 @@ class _Splitter:
             if self._take(word):
                 return True
         # what follows a single END or stands where a name is due is no keyword
-        self.names = {} if self.end is not None or self._wants_first_name() else _PLAIN[self.block]
+        wanted = self.end is not None or (self.current is not None and self._wants_first_name(self.current))
+        self.names = {} if wanted else _PLAIN[self.block]
         return False
 
     def _take(self, word: Word) -> bool:
         """Take the next word; true at the end of the analysis part."""
-        self._open_since(word.line)
+        if self.fresh:
+            self._open_since(word.line)
         name = word.text.upper()
         name = ALIASES.get(name, name)
         if self.end is not None:
@@ -133,7 +135,7 @@ class _Splitter:
             taken, last = self._follows(end, word, name)
             if taken:
                 return last
-        if self._wants_name(word):
+        if self.current is not None and self._wants_name(self.current, word):
             self._append(word)
         elif name == "END":
             self.end = word
@@ -176,15 +178,13 @@ class _Splitter:
         assert self.current is not None
         self.current.words.append(word)
 
-    def _wants_first_name(self) -> bool:
+    def _wants_first_name(self, current: Raw) -> bool:
         """Whether the statement has no word yet and begins with a name, so that the next word is one on any line."""
-        current = self.current
-        return current is not None and not current.words and 0 in NAME_PLACES.get(current.keyword, ())
+        return not current.words and 0 in NAME_PLACES.get(current.keyword, ())
 
-    def _wants_name(self, word: Word) -> bool:
+    def _wants_name(self, current: Raw, word: Word) -> bool:
         """Whether the word is a name; behind other arguments a name stands on their line, else it was left out."""
-        current = self.current
-        if current is None or len(current.words) not in NAME_PLACES.get(current.keyword, ()):
+        if len(current.words) not in NAME_PLACES.get(current.keyword, ()):
             return False
         return not (current.words and word.first)
 

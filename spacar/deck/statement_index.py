@@ -48,9 +48,14 @@ class StatementIndex:
         """All groups of one of the keywords (and in the block), in the order of their first statements."""
         if block is not None and len(keywords) == 1:
             return [group for _, group in self._found[block].get(keywords[0], ())]
-        tables = self._found.values() if block is None else (self._found[block],)
-        entries = [entry for found in tables for keyword in keywords if keyword in found for entry in found[keyword]]
-        return [group for _, group in sorted(entries)] if len(entries) > 1 else [group for _, group in entries]
+        entries: list[tuple[int, Group]] = []
+        for found in self._found.values() if block is None else (self._found[block],):
+            for keyword in keywords:
+                if keyword in found:
+                    entries += found[keyword]
+        if len(entries) > 1:
+            entries.sort()
+        return [group for _, group in entries] if entries else []
 
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
         """All statements with one of the keywords (and in the block), in file order."""

@@ -236,6 +236,20 @@ class ElementType:
 
 
 @cache
+def traits_of(kind: ElementType) -> frozenset[str]:
+    """What a check asks of all elements of a model at once."""
+    found = {
+        "not supported": not kind.supported,
+        "slips": kind.slips,
+        "axial": kind.axial,
+        "warping": kind.warping,
+        "released": kind.released,
+        "carries flow": kind.carries_flow,
+    }
+    return frozenset([trait for trait, has in found.items() if has])
+
+
+@cache
 def _classed(kind: ElementType) -> tuple[int, ...]:
     return tuple(m for m in range(1, len(kind.modes) + 1) if m not in kind.released)
 
