@@ -84,7 +84,8 @@ def _relative(residual: Array | Complex, size: Array, vectors: Array | Complex) 
 
 def lengths(vectors: Array | Complex) -> Array:
     """Euclidean norms of the columns, in a third of the time of `np.linalg.norm` for a few of them."""
-    return np.asarray(np.sqrt(np.add.reduce(np.square(np.abs(vectors)))))
+    squares = np.square(vectors) if vectors.dtype == float else np.square(np.abs(vectors))
+    return np.asarray(np.sqrt(np.add.reduce(squares)))
 
 
 def norm(A: Array) -> float:

@@ -69,22 +69,29 @@ def buckling_modes(K0: Array, G0: Array, report: Report) -> BucklingModes:
     if is_symmetric(K) and is_symmetric(G):
         try:
             lower = np.linalg.cholesky(K)
-            if lower.diagonal().min() ** 2 <= n * backward_error.EPS:  # a pivot that is rounding
+            if float(np.minimum.reduce(lower.diagonal())) ** 2 <= n * backward_error.EPS:  # a pivot that is rounding
                 lower = None
         except np.linalg.LinAlgError:
             lower = None
     load = -G
     if lower is not None:
-        reduced = np.linalg.solve(lower, np.linalg.solve(lower, load).T)
+        inverse = np.linalg.inv(lower)
+        reduced = inverse @ load @ inverse.T
         mu, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
-        modes = np.linalg.solve(lower.T, vectors)
+        modes = inverse.T @ vectors
     else:
         mu, modes = _general(K, G, report)
     size = np.abs(mu)
-    infinite = size <= NOTHING * size[size < np.inf].max(initial=0.0)
-    multipliers = np.where(infinite, np.inf, 1.0 / np.where(infinite, 1.0, mu))
-    finite = np.isfinite(multipliers)
-    pairs = (multipliers, modes) if finite.all() else (multipliers[finite], modes[:, finite])
+    largest = float(np.maximum.reduce(size))
+    if largest == np.inf:
+        largest = float(size[size < np.inf].max(initial=0.0))
+    finite = size > NOTHING * largest
+    if finite.all():
+        multipliers = 1.0 / mu
+        pairs = multipliers, modes
+    else:
+        multipliers = np.where(finite, 1.0 / np.where(finite, mu, 1.0), np.inf)
+        pairs = multipliers[finite], modes[:, finite]
     backward_error.warn(report, backward_error.of_scaled_pencil(K, load, *pairs), pairs[0], "load multipliers")
     order = order_of(multipliers)
     modes = modes[:, order] * scale[:, None]
@@ -162,7 +169,7 @@ def _without(right: Array, left: Array, K: Array, G: Array, report: Report) -> t
 
 def _scale(K: Array) -> Array:
     d = np.sqrt(np.abs(K.diagonal()))
-    largest = float(d.max(initial=0.0))
+    largest = float(np.maximum.reduce(d, initial=0.0))
     return 1.0 / np.where(d > 1e-12 * largest, d, largest or 1.0)
 
 
@@ -174,7 +181,7 @@ def directional_compliances(L: Linearization, dynamic: Index, report: Report) ->
     scale = _scale(K)
     K, Ws = K * (scale[:, None] * scale), W * scale
     try:
-        own = np.linalg.solve(K, np.eye(len(K)))  # the compliances of the degrees of freedom
+        own = np.linalg.inv(K)  # the compliances of the degrees of freedom
     except np.linalg.LinAlgError:
         own = np.full_like(K, np.inf)
     # at least s_1/s_n, of which rounding may take digits: where there is a doubt singular values decide

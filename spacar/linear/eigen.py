@@ -292,10 +292,11 @@ def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, 
 
 def is_symmetric(A: Array) -> bool:
     """Symmetric to rounding, row and column scaled so that units do not matter."""
-    d = np.sqrt(np.abs(A.diagonal()))
-    least = float(d.min(initial=np.inf))
-    if 0.0 < least < np.inf and float(np.abs(A - A.T).max()) <= SYMMETRIC * least**2:
+    diagonal = np.abs(A.diagonal())
+    least = float(np.minimum.reduce(diagonal, initial=np.inf))
+    if 0.0 < least < np.inf and float(np.maximum.reduce(np.abs(A - A.T), axis=None)) <= SYMMETRIC * least:
         return True  # a bound of what follows
+    d = np.sqrt(diagonal)
     scale = np.where(d > 0.0, d, d.max(initial=0.0))
     if not scale.any():
         return not A.any() or bool(np.allclose(A, A.T, rtol=SYMMETRIC, atol=0.0))
