@@ -75,10 +75,9 @@ def buckling_modes(K0: Array, G0: Array, report: Report) -> BucklingModes:
             lower = None
     load = -G
     if lower is not None:
-        inverse = np.linalg.inv(lower)
-        reduced = inverse @ load @ inverse.T
+        reduced = np.linalg.solve(lower, np.linalg.solve(lower, load).T)
         mu, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
-        modes = inverse.T @ vectors
+        modes = np.linalg.solve(lower.T, vectors)
     else:
         mu, modes = _general(K, G, report)
     size = np.abs(mu)
@@ -181,7 +180,7 @@ def directional_compliances(L: Linearization, dynamic: Index, report: Report) ->
     scale = _scale(K)
     K, Ws = K * (scale[:, None] * scale), W * scale
     try:
-        own = np.linalg.inv(K)  # the compliances of the degrees of freedom
+        own = np.linalg.solve(K, np.eye(len(K)))  # the compliances of the degrees of freedom
     except np.linalg.LinAlgError:
         own = np.full_like(K, np.inf)
     # at least s_1/s_n, of which rounding may take digits: where there is a doubt singular values decide
