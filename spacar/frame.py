@@ -118,12 +118,42 @@ class StoredFrames(_Frames):
     def __len__(self) -> int:
         return len(self.t)
 
+    def column(self, name: str) -> Array | None:
+        """A variable of all steps; None where it is not kept as one."""
+        return self.t if name == "t" else self.variables.get(name)
+
     def _frame(self, i: int) -> Frame:
         frame = Frame(t=float(self.t[i]), **{name: array[i] for name, array in self.variables.items()})
         frame.statistics = {name: int(array[i]) for name, array in self.statistics.items()}
         if self.lost:
             frame.lost = self.lost[i]
         return frame
+
+
+class FramesInRows(StoredFrames):
+    """The same whose numbers stand in rows (steps, width): variables are cut out when somebody asks for them.
+
+    places   of the variables in a row
+    """
+
+    __slots__ = ("_cut", "places", "rows")
+
+    def __init__(
+        self, t: Array, rows: Array, places: Mapping[str, slice], lost: Sequence[dict[int, str]] = ()
+    ) -> None:
+        self.t, self.rows, self.places, self.lost = t, rows, places, lost
+        self.statistics: Mapping[str, Array] = {}
+        self._cut: dict[str, Array] | None = None
+
+    @property
+    def variables(self) -> dict[str, Array]:  # type: ignore[override]
+        if self._cut is None:
+            self._cut = {name: self.rows[:, place] for name, place in self.places.items()}
+        return self._cut
+
+    def column(self, name: str) -> Array | None:
+        place = self.places.get(name)
+        return super().column(name) if place is None else self.rows[:, place]
 
 
 class JoinedFrames(_Frames):
@@ -149,21 +179,22 @@ class JoinedFrames(_Frames):
 
 def joined(blocks: Sequence[Sequence[Frame]]) -> Sequence[Frame]:
     """The frames of all blocks in one sequence; arrays that are kept stay where they are."""
+    if len(blocks) == 1 and isinstance(blocks[0], StoredFrames):
+        return blocks[0]
     if any(isinstance(block, StoredFrames) for block in blocks):
         return JoinedFrames(blocks)
     return tuple(chain.from_iterable(blocks))
 
 
 def column(frames: Sequence[Frame], name: str) -> Array | None:
-    """A variable of all frames, step first; None where one of them does not have it."""
+    """A variable of all frames, step first, which may be a part of them; None where one of them does not have it."""
     if isinstance(frames, JoinedFrames):
         parts = [column(block, name) for block in frames.blocks]
         found = [part for part in parts if part is not None]
         return np.concatenate(found) if len(found) == len(parts) else None
     if isinstance(frames, StoredFrames):
-        if name == "t":
-            return frames.t
-        if name in frames.variables:
-            return frames.variables[name]
+        whole = frames.column(name)
+        if whole is not None:
+            return whole
     values = [frame.value(name) for frame in frames]
     return None if any(value is None for value in values) else np.array(values)

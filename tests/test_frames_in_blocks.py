@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.frame import Frame, JoinedFrames, StoredFrames, column, joined
+from spacar.frame import Frame, FramesInRows, JoinedFrames, StoredFrames, column, joined
 
 
 def block(first: int, n: int) -> StoredFrames:
@@ -53,12 +53,29 @@ def test_a_variable_that_one_frame_lacks_is_no_column(frames):
     assert (column((alone,), "m0") == np.eye(2)).all()
 
 
+def test_rows_are_cut_when_a_variable_is_asked_for():
+    rows = np.arange(12.0).reshape(3, 4)
+    block = FramesInRows(np.arange(3.0), rows, {"x": slice(0, 3), "e": slice(3, 4)})
+    assert (column(block, "e") == rows[:, 3:]).all()
+    assert (column(block, "t") == [0.0, 1.0, 2.0]).all()
+    assert block.column("eigval") is None
+    assert block.variables.keys() == {"x", "e"}
+    assert (block.variables["x"] == rows[:, :3]).all()
+
+
+def test_one_block_stays_what_it_is():
+    alone = block(0, 3)
+    assert joined([alone]) is alone
+
+
 def test_a_column_of_a_result_is_its_own(crank):
     """Changing it does not change the result."""
     result = spacar.run(1, crank)
-    x = result["x"]
-    x[:] = 0.0
-    assert result["x"].any()
+    assert isinstance(result.frames, FramesInRows)
+    for read in (lambda: result["x"], lambda: result.t, lambda: result.node(2, 1), lambda: result.element(1, 1)):
+        found, kept = read(), read().copy()
+        found[:] = np.nan
+        assert np.array_equal(read(), kept)
 
 
 @pytest.fixture

@@ -206,9 +206,7 @@ def frames(
     tolerances = Tolerances.of(settings, displaced(evaluator))
     jacobian: Jacobian | None = None
     if METHODS[settings.integrator].needs_jacobian or (settings.integrator == AUTOMATIC and has_forces(model)):
-        from spacar.linearization.state_jacobian import state_jacobian
-
-        jacobian = partial(state_jacobian, evaluator, within=ITERATED)
+        jacobian = partial(_jacobian, evaluator)
     # Outputs are interpolated inside steps that may have passed a dead point: they are placed from the start of their
     # step or the last output in it, not back from its end.
     shown = evaluator.companion()
@@ -229,7 +227,7 @@ def frames(
         for out in outputs:
             if out.passed is not None:
                 block = looked_at(shown, out.passed, limits)
-                block.statistics = dict(zip(WORK, out.passed.counts.T, strict=True))
+                block.statistics = dict(zip(WORK, out.passed.work.T, strict=True))
                 yield shown, block
             else:
                 trail.lead(shown)
@@ -240,6 +238,13 @@ def frames(
         trail.elsewhere = None
     if trail.continuity is not None:
         trail.continuity.finish()
+
+
+def _jacobian(evaluator: Evaluator, t: float, y: Array) -> tuple[Array, Array]:
+    """(dF/dy, dF/dt), which most runs do not ask for."""
+    from spacar.linearization.state_jacobian import state_jacobian
+
+    return state_jacobian(evaluator, t, y, within=ITERATED)
 
 
 def has_forces(model: LoadedMechanism) -> bool:
