@@ -11,7 +11,7 @@ from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import accumulate, chain
-from typing import Any, overload
+from typing import Any, cast, overload
 
 import numpy as np
 
@@ -131,29 +131,43 @@ class StoredFrames(_Frames):
 
 
 class FramesInRows(StoredFrames):
-    """The same whose numbers stand in rows (steps, width): variables are cut out when somebody asks for them.
+    """The same whose numbers stand in rows: variables are cut out when somebody asks for them.
 
-    places   of the variables in a row
+    rows    (steps, 6 nx + 4 ne or more) X_FIELDS, then E_FIELDS;  sizes   nx, ne
+    counts  names and numbers (steps, names) of what becomes the statistics; may be added later
     """
 
-    __slots__ = ("_cut", "places", "rows")
+    __slots__ = ("_statistics", "_variables", "counts", "rows", "sizes")
 
-    def __init__(
-        self, t: Array, rows: Array, places: Mapping[str, slice], lost: Sequence[dict[int, str]] = ()
-    ) -> None:
-        self.t, self.rows, self.places, self.lost = t, rows, places, lost
-        self.statistics: Mapping[str, Array] = {}
-        self._cut: dict[str, Array] | None = None
+    def __init__(self, t: Array, rows: Array, sizes: tuple[int, int], lost: Sequence[dict[int, str]] = ()) -> None:
+        self.t, self.rows, self.sizes, self.lost = t, rows, sizes, lost
+        self.counts: tuple[Sequence[str], Array] | None = None
+        self._variables: dict[str, Array] | None = None
+        self._statistics: dict[str, Array] | None = None
+
+    def column(self, name: str) -> Array | None:
+        nx, ne = self.sizes
+        if name in X_FIELDS:
+            first, size = X_FIELDS.index(name) * nx, nx
+        elif name in E_FIELDS:
+            first, size = len(X_FIELDS) * nx + E_FIELDS.index(name) * ne, ne
+        else:
+            return self.t if name == "t" else None
+        return self.rows[:, first : first + size]
 
     @property
     def variables(self) -> dict[str, Array]:  # type: ignore[override]
-        if self._cut is None:
-            self._cut = {name: self.rows[:, place] for name, place in self.places.items()}
-        return self._cut
+        if self._variables is None:
+            found = {name: self.column(name) for name in (*X_FIELDS, *E_FIELDS)}
+            self._variables = cast("dict[str, Array]", found)
+        return self._variables
 
-    def column(self, name: str) -> Array | None:
-        place = self.places.get(name)
-        return super().column(name) if place is None else self.rows[:, place]
+    @property
+    def statistics(self) -> dict[str, Array]:  # type: ignore[override]
+        if self._statistics is None and self.counts is not None:
+            names, numbers = self.counts
+            self._statistics = dict(zip(names, numbers.T, strict=True))
+        return self._statistics or {}
 
 
 class JoinedFrames(_Frames):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.frame import Frame, FramesInRows, JoinedFrames, StoredFrames, column, joined
+from spacar.frame import E_FIELDS, X_FIELDS, Frame, FramesInRows, JoinedFrames, StoredFrames, column, joined
 
 
 def block(first: int, n: int) -> StoredFrames:
@@ -54,13 +54,18 @@ def test_a_variable_that_one_frame_lacks_is_no_column(frames):
 
 
 def test_rows_are_cut_when_a_variable_is_asked_for():
-    rows = np.arange(12.0).reshape(3, 4)
-    block = FramesInRows(np.arange(3.0), rows, {"x": slice(0, 3), "e": slice(3, 4)})
-    assert (column(block, "e") == rows[:, 3:]).all()
+    """Of x, xd, xdd, three forces, two numbers each, and e, ed, edd, sig; behind them something else."""
+    rows = np.arange(51.0).reshape(3, 17)
+    block = FramesInRows(np.arange(3.0), rows, (2, 1), [{}] * 3)
+    assert block[1].statistics == {}
+    block.counts = ("steps", "rhs"), np.arange(6).reshape(3, 2)
+    assert (column(block, "xd") == rows[:, 2:4]).all()
+    assert (column(block, "sig") == rows[:, 15:16]).all()
     assert (column(block, "t") == [0.0, 1.0, 2.0]).all()
-    assert block.column("eigval") is None
-    assert block.variables.keys() == {"x", "e"}
-    assert (block.variables["x"] == rows[:, :3]).all()
+    assert column(block, "eigval") is None
+    assert all((block.variables[name] == block.column(name)).all() for name in (*X_FIELDS, *E_FIELDS))
+    assert block[1].statistics == {"steps": 2, "rhs": 3}
+    assert (block[-1].fxtot == rows[2, 10:12]).all()
 
 
 def test_one_block_stays_what_it_is():

@@ -23,14 +23,13 @@ from spacar.arrays import Array, Index
 from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, WIDTH, CompiledModel, State
 from spacar.compiled.element_parameters import GUARD
 from spacar.compiled.library import DOUBLES, INTEGER, INTEGERS, NUMBER, POINTER, address_of
-from spacar.frame import E_FIELDS, X_FIELDS, Frame, FramesInRows, StoredFrames
+from spacar.frame import Frame, FramesInRows
 from spacar.integrators.problem import Counts, Passed, counts
 from spacar.integrators.times import EvenTimes
 from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.mechanism.numbering import Numbering
 
 HARMLESS, LOOKED_AT, NOT_SHOWN = range(3)  # as in passage.c
-FIELDS = (*X_FIELDS, *E_FIELDS)  # in the order of a row
 LONGEST = 0.05  # s of one call, unless a single step takes longer
 ROOM = 50_000  # numbers in the rows of one array, so that a frame that is kept does not keep many others: 0.4 MB
 UNLIMITED = 2**31 - 1
@@ -85,9 +84,8 @@ class Passage:
     ) -> None:
         model, n = shown.solver, shown.numbering
         self.shown, self.times = shown, times
-        of_e, self.of_y = 6 * n.nx, 6 * n.nx + 4 * n.ne  # where they begin in a row
-        ends = *range(n.nx, of_e + 1, n.nx), *range(of_e + n.ne, self.of_y + 1, n.ne)
-        self.places = {name: slice(a, b) for name, a, b in zip(FIELDS, (0, *ends), ends, strict=False)}
+        self.sizes = n.nx, n.ne
+        self.of_y = 6 * n.nx + 4 * n.ne  # where it begins in a row
         self.width = self.of_y + shown.n_positions + n.nddof
         self.c = c = CPassage(ctypes.addressof(shown.state.c))
         if len(ground):
@@ -148,10 +146,10 @@ class Passage:
         """Some outputs of the last call, whose rows begin with the `first`."""
         at = slice(first + which.start, first + which.stop)
         rows, t = self.rows[at], self.t[at]
-        shown = FramesInRows(t, rows, self.places, self.shown.solver.slots.outputs[which])
+        shown = FramesInRows(t, rows, self.sizes, self.shown.solver.slots.outputs[which])
         return Passed(float(t[-1]), rows[-1, self.of_y :], self.work[at], begun, now, shown)
 
-    def _last(self, block: StoredFrames, y: Array) -> StoredFrames:
+    def _last(self, block: FramesInRows, y: Array) -> FramesInRows:
         """That of the last output of a call, at which Python looks; or what says why there is none."""
         if self.c.last == NOT_SHOWN:
             if self.c.status == NOT_ANSWERED:

@@ -25,7 +25,7 @@ from spacar.dynamics.loaded_mechanism import (
 from spacar.errors import AnalysisError, Report
 from spacar.forward.accepted_steps import FAR, Trail, Watched, at_time, fail_at
 from spacar.forward.displaced import displaced
-from spacar.frame import Frame, StoredFrames
+from spacar.frame import Frame, FramesInRows
 from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
 from spacar.integrators.problem import Jacobian, March, Output, Passed, Step
 from spacar.kinematics.kinematics import CONVERGED
@@ -227,7 +227,7 @@ def frames(
         for out in outputs:
             if out.passed is not None:
                 block = looked_at(shown, out.passed, limits)
-                block.statistics = dict(zip(WORK, out.passed.work.T, strict=True))
+                block.counts = WORK, out.passed.work
                 yield shown, block
             else:
                 trail.lead(shown)
@@ -260,10 +260,10 @@ def checked(evaluator: Evaluator, t: float, y: Array, limits: Limits) -> Frame:
     return frame
 
 
-def looked_at(evaluator: Evaluator, passed: Passed, limits: Limits) -> StoredFrames:
+def looked_at(evaluator: Evaluator, passed: Passed, limits: Limits) -> FramesInRows:
     """The frames of outputs that were passed together: those that nobody has to look at, or what gives a single one."""
-    shown: StoredFrames | Callable[[], StoredFrames] = passed.shown
-    if isinstance(shown, StoredFrames):
+    shown: FramesInRows | Callable[[], FramesInRows] = passed.shown
+    if isinstance(shown, FramesInRows):
         if len(limits.wheels.rows):
             limits.wheels.press(shown.variables["sig"][:, limits.wheels.rows].min(axis=0)[:, None])
         return shown

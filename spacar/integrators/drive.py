@@ -64,7 +64,7 @@ def integrate(
     row = method(code)
     state = np.array(y0, dtype=float)
     output_times = times if isinstance(times, EvenTimes) else np.asarray(times, dtype=float)
-    absolute = np.array(atol, float) if np.ndim(atol) else float(atol)
+    absolute = float(atol) if isinstance(atol, float) or not np.ndim(atol) else np.array(atol, float)
     _check(state, output_times, absolute, rtol, step)
     first, last = float(output_times[0]), float(output_times[-1])
     if row.needs_jacobian and getattr(problem, "jacobian", None) is None:
