@@ -11,7 +11,7 @@ from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import accumulate, chain
-from typing import Any, overload
+from typing import Any, cast, overload
 
 import numpy as np
 
@@ -118,12 +118,56 @@ class StoredFrames(_Frames):
     def __len__(self) -> int:
         return len(self.t)
 
+    def column(self, name: str) -> Array | None:
+        """A variable of all steps; None where it is not kept as one."""
+        return self.t if name == "t" else self.variables.get(name)
+
     def _frame(self, i: int) -> Frame:
         frame = Frame(t=float(self.t[i]), **{name: array[i] for name, array in self.variables.items()})
         frame.statistics = {name: int(array[i]) for name, array in self.statistics.items()}
         if self.lost:
             frame.lost = self.lost[i]
         return frame
+
+
+class FramesInRows(StoredFrames):
+    """The same whose numbers stand in rows: variables are cut out when somebody asks for them.
+
+    rows    (steps, 6 nx + 4 ne or more) X_FIELDS, then E_FIELDS;  sizes   nx, ne
+    counts  names and numbers (steps, names) of what becomes the statistics; may be added later
+    """
+
+    __slots__ = ("_statistics", "_variables", "counts", "rows", "sizes")
+
+    def __init__(self, t: Array, rows: Array, sizes: tuple[int, int], lost: Sequence[dict[int, str]] = ()) -> None:
+        self.t, self.rows, self.sizes, self.lost = t, rows, sizes, lost
+        self.counts: tuple[Sequence[str], Array] | None = None
+        self._variables: dict[str, Array] | None = None
+        self._statistics: dict[str, Array] | None = None
+
+    def column(self, name: str) -> Array | None:
+        nx, ne = self.sizes
+        if name in X_FIELDS:
+            first, size = X_FIELDS.index(name) * nx, nx
+        elif name in E_FIELDS:
+            first, size = len(X_FIELDS) * nx + E_FIELDS.index(name) * ne, ne
+        else:
+            return self.t if name == "t" else None
+        return self.rows[:, first : first + size]
+
+    @property
+    def variables(self) -> dict[str, Array]:  # type: ignore[override]
+        if self._variables is None:
+            found = {name: self.column(name) for name in (*X_FIELDS, *E_FIELDS)}
+            self._variables = cast("dict[str, Array]", found)
+        return self._variables
+
+    @property
+    def statistics(self) -> dict[str, Array]:  # type: ignore[override]
+        if self._statistics is None and self.counts is not None:
+            names, numbers = self.counts
+            self._statistics = dict(zip(names, numbers.T, strict=True))
+        return self._statistics or {}
 
 
 class JoinedFrames(_Frames):
@@ -149,21 +193,22 @@ class JoinedFrames(_Frames):
 
 def joined(blocks: Sequence[Sequence[Frame]]) -> Sequence[Frame]:
     """The frames of all blocks in one sequence; arrays that are kept stay where they are."""
+    if len(blocks) == 1 and isinstance(blocks[0], StoredFrames):
+        return blocks[0]
     if any(isinstance(block, StoredFrames) for block in blocks):
         return JoinedFrames(blocks)
     return tuple(chain.from_iterable(blocks))
 
 
 def column(frames: Sequence[Frame], name: str) -> Array | None:
-    """A variable of all frames, step first; None where one of them does not have it."""
+    """A variable of all frames, step first, which may be a part of them; None where one of them does not have it."""
     if isinstance(frames, JoinedFrames):
         parts = [column(block, name) for block in frames.blocks]
         found = [part for part in parts if part is not None]
         return np.concatenate(found) if len(found) == len(parts) else None
     if isinstance(frames, StoredFrames):
-        if name == "t":
-            return frames.t
-        if name in frames.variables:
-            return frames.variables[name]
+        whole = frames.column(name)
+        if whole is not None:
+            return whole
     values = [frame.value(name) for frame in frames]
     return None if any(value is None for value in values) else np.array(values)

@@ -53,7 +53,8 @@ def _types() -> dict[str, str]:
 
 def _converted(name: str, value: Any, kind: str) -> Any:
     """The value as a number of the wanted kind; NumPy's numbers are numbers too."""
-    wanted = {"bool": "True or False", "int": "a whole number", "float": "a number", "str": "a word"}[kind]
+    if kind == "float" and type(value) is float:
+        return value
     if kind == "str":
         right = isinstance(value, str)
     elif kind == "bool":
@@ -61,6 +62,7 @@ def _converted(name: str, value: Any, kind: str) -> Any:
     else:
         right = isinstance(value, Real if kind == "float" else Integral) and not isinstance(value, bool)
     if not right:
+        wanted = {"bool": "True or False", "int": "a whole number", "float": "a number", "str": "a word"}[kind]
         raise UsageError(f"the option {name} = {value!r} must be {wanted}, not {type(value).__name__}", "usage.option")
     return {"bool": bool, "int": int, "float": float, "str": str}[kind](value)
 

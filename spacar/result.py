@@ -16,7 +16,7 @@ from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.expressions.frequencies import frequencies
 from spacar.expressions.result_places import ELEMENT, NODE, place
-from spacar.frame import E_FIELDS, X_FIELDS, Frame, column, joined
+from spacar.frame import E_FIELDS, X_FIELDS, Frame, StoredFrames, column, joined
 from spacar.mechanism.result_tables import model_tables
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ class Result:
     @classmethod
     def collect(cls, run: Run) -> Result:
         """Iterate over a run to its end."""
-        frames = joined(tuple(run.blocks()))
+        frames = joined(run.together())
         return cls(run.mechanism, run.mode.number, frames, tuple(run.report.lines), run.header.copy(), run.nominal)
 
     def draw(self, path: str | Path | None = None, **options: Any) -> Any:
@@ -132,13 +132,17 @@ class Result:
 
     @property
     def t(self) -> Array:
-        return np.asarray(column(self.frames, "t"))
+        return np.asarray(self["t"])
+
+    def _column(self, name: str) -> Any:
+        """A variable of all steps, which may be a part of the frames; None where they do not have it."""
+        return column(self.frames, name) if len(self.frames) or name == "t" else None
 
     def __getitem__(self, name: str) -> Any:
         """A variable of all steps, step first, or one of `tables`. Raises UsageError for a name that is neither."""
-        found = column(self.frames, name) if len(self.frames) or name == "t" else None
+        found = self._column(name)
         if found is not None:
-            return found
+            return found.copy() if isinstance(self.frames, StoredFrames) else found
         if name in self.tables:  # made when somebody asks for one of them
             return self.tables[name]
         raise UsageError(f"the variable {name} was not computed in this run of mode {self.mode}", "result.missing")
@@ -151,7 +155,7 @@ class Result:
             raise UsageError(
                 f"{variable} is no variable of nodes; these are {', '.join(X_VARIABLES)}", "result.variable"
             )
-        return np.asarray(self[variable][:, place(self.lnp, number, coordinate, NODE)])
+        return self._entry(variable, self.lnp, number, coordinate, NODE)
 
     def element(self, number: int, mode: int, variable: str = "e") -> Array:
         """(steps,) one deformation mode (from 1) of the element `number`; variable: e, ed, edd or sig."""
@@ -159,4 +163,11 @@ class Result:
             raise UsageError(
                 f"{variable} is no variable of elements; these are {', '.join(E_VARIABLES)}", "result.variable"
             )
-        return np.asarray(self[variable][:, place(self.le, number, mode, ELEMENT)])
+        return self._entry(variable, self.le, number, mode, ELEMENT)
+
+    def _entry(self, variable: str, table: NDArray[np.int64], number: int, k: int, words: tuple[str, str]) -> Array:
+        """(steps,) what `place` finds, of its own."""
+        found = self._column(variable)
+        if found is None:
+            found = self[variable]  # says what is wrong
+        return np.array(found[:, place(table, number, k, words)])

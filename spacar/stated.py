@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import UserDict
 from collections.abc import Callable
-from typing import Any, cast
+from typing import Any
 
 
 class Later:
@@ -36,7 +36,9 @@ class Stated(UserDict[str, Any]):
 
     def copy(self) -> Stated:
         """One of the same values; what has not been asked for is not computed."""
-        return cast("Stated", self.__copy__())
+        other = Stated()
+        other.data = self.data.copy()
+        return other
 
     def __reduce__(self) -> Any:
         return Stated, (dict(self),)

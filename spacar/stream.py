@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -57,6 +58,14 @@ class Outcome:
     error: BaseException | None = None
 
 
+@cache
+def _analysis(named: str) -> Callable[[Run], Iterator[Sequence[Frame]]]:
+    """The function of an analysis, "module:function"."""
+    module, _, name = named.partition(":")
+    found: Callable[[Run], Iterator[Sequence[Frame]]] = getattr(import_module(module), name)
+    return found
+
+
 @dataclass
 class Run:
     """One analysis, ready to be iterated over. Everything but `report` and `header` is fixed from the start.
@@ -80,15 +89,23 @@ class Run:
     def blocks(self) -> Iterator[Sequence[Frame]]:
         """The frames, in blocks that became ready together. Stresses of a user function that cannot act are reported
         with the first block that has them."""
-        module, _, name = (ACCURATE if self.accuracy else self.mode.analysis).partition(":")
-        analysis: Callable[[Run], Iterator[Sequence[Frame]]] = getattr(import_module(module), name)
-        made, told = analysis(self), set[int]()
+        made = self._made()
         while True:
             # What is infinite or undefined is found where it matters, and named.
             with np.errstate(all="ignore"):
                 block = next(made, None)
             if block is None:
                 return
+            yield block
+
+    def together(self) -> tuple[Sequence[Frame], ...]:
+        """All `blocks`."""
+        with np.errstate(all="ignore"):
+            return tuple(self._made())
+
+    def _made(self) -> Iterator[Sequence[Frame]]:
+        told: set[int] = set()
+        for block in _analysis(ACCURATE if self.accuracy else self.mode.analysis)(self):
             for lost in block.lost if isinstance(block, StoredFrames) else [frame.lost for frame in block]:
                 for row, sentence in lost.items():
                     if row not in told:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.frame import Frame, JoinedFrames, StoredFrames, column, joined
+from spacar.frame import E_FIELDS, X_FIELDS, Frame, FramesInRows, JoinedFrames, StoredFrames, column, joined
 
 
 def block(first: int, n: int) -> StoredFrames:
@@ -53,12 +53,33 @@ def test_a_variable_that_one_frame_lacks_is_no_column(frames):
     assert (column((alone,), "m0") == np.eye(2)).all()
 
 
+def test_rows_are_cut_when_a_variable_is_asked_for():
+    """Of x, xd, xdd, three forces, two numbers each, and e, ed, edd, sig; behind them something else."""
+    rows = np.arange(51.0).reshape(3, 17)
+    block = FramesInRows(np.arange(3.0), rows, (2, 1), [{}] * 3)
+    assert block[1].statistics == {}
+    block.counts = ("steps", "rhs"), np.arange(6).reshape(3, 2)
+    assert (column(block, "xd") == rows[:, 2:4]).all()
+    assert (column(block, "sig") == rows[:, 15:16]).all()
+    assert (column(block, "t") == [0.0, 1.0, 2.0]).all()
+    assert column(block, "eigval") is None
+    assert all((block.variables[name] == block.column(name)).all() for name in (*X_FIELDS, *E_FIELDS))
+    assert block[1].statistics == {"steps": 2, "rhs": 3}
+    assert (block[-1].fxtot == rows[2, 10:12]).all()
+
+
+def test_one_block_stays_what_it_is():
+    alone = block(0, 3)
+    assert joined([alone]) is alone
+
+
 def test_a_column_of_a_result_is_its_own(crank):
     """Changing it does not change the result."""
     result = spacar.run(1, crank)
-    x = result["x"]
-    x[:] = 0.0
-    assert result["x"].any()
+    for read in (lambda: result["x"], lambda: result.t, lambda: result.node(2, 1), lambda: result.element(1, 1)):
+        found, kept = read(), read().copy()
+        found[:] = np.nan
+        assert np.array_equal(read(), kept)
 
 
 @pytest.fixture

@@ -2,9 +2,10 @@
 enum { MAX_ORDER = 12 };
 
 typedef struct {
+    double *memory;                           /* (2 MAX_ORDER + 8, n) of the object in Python: phi, expected, y ... behind one another */
+    const double *gamma_star;                 /* (MAX_ORDER + 2) */
     double *phi, *expected;                   /* (MAX_ORDER + 1, n) */
     double *y, *y_new, *predicted, *d, *weight; /* (n) */
-    const double *gamma_star;                 /* (MAX_ORDER + 2) */
     double psi[MAX_ORDER + 1], h_old, h_min;
     int k, order, k_old, equal, starting, rejections; /* k: of the last step; order: of the next one */
 } Adams;
@@ -65,6 +66,14 @@ static double adams_next_size(double h, int k, double error)
 /* Start at (t, y) of March, whose h is the largest first step. */
 static int spacar_adams_begin(March *r, Adams *a)
 {
+    const size_t n = r->n;
+    a->phi = a->memory;
+    a->expected = a->phi + (MAX_ORDER + 1) * n;
+    a->y = a->expected + (MAX_ORDER + 1) * n;
+    a->y_new = a->y + n;
+    a->predicted = a->y_new + n;
+    a->d = a->predicted + n;
+    a->weight = a->d + n;
     const int status = derivative(r, r->t, a->y, a->phi);
     if (status) return status;
     adams_weights(r, a);

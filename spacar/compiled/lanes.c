@@ -93,6 +93,18 @@ static inline void add_row(real *to, real a, const real *from, int width)
     for (int c = 0; c < width; c += ROW) *(row_part *)(to + c) += a * *(const row_part *)(from + c);
 }
 
+/* The scalar product of two rows. */
+static inline real times_row(const real *a, const real *b, int width)
+{
+    row_part parts = *(const row_part *)a * *(const row_part *)b;
+    for (int c = ROW; c < width; c += ROW) parts += *(const row_part *)(a + c) * *(const row_part *)(b + c);
+#if LANES == 1
+    return (parts[0] + parts[1]) + (parts[2] + parts[3]);
+#else
+    return parts;
+#endif
+}
+
 static inline double largest_lane(real a)
 {
     double m = LANE(a, 0);

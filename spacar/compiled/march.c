@@ -9,15 +9,13 @@
 enum { ARRIVED = 0, AT_OUTPUT = 1, PAUSED = 2, TOO_SMALL = 3, NOT_EVALUATED = 4, INTERRUPTED = 5 }; /* as in methods_in_c.py */
 enum { LOOK_NEVER, LOOK_AT_DETERMINANTS, LOOK_AT_VELOCITIES, LOOK_ALWAYS };
 
-/* 0; 1 when the state cannot be evaluated; 2 when all has to end: Python keeps the error. */
+/* 0; 1 when the state cannot be evaluated; 2 when all has to end: Python keeps the error. f NULL: an accepted step is told. */
 typedef int (*AskRate)(double t, const double *y, double *f);
-typedef int (*Tell)(double t, const double *y);
 
 typedef struct {
     Model *model;
     State *at;
     AskRate ask;
-    Tell tell;
     double *records;         /* (capacity, width) of the last accepted steps: t, sign, size of the determinant, known, y, x, xd, xdd, e */
     const double *scale;     /* (nx) of the coordinates whose velocities are compared */
     const double *atol;      /* (n) absolute error of every component of the state */
@@ -137,22 +135,22 @@ static int seen(March *r, double t, const double *y)
 #if LANES > 1
     return has_to_be_alone(r, before, now) ? 2 : 0;
 #else
-    if (!s->known) return r->tell(t, y);
+    if (!s->known) return r->ask(t, y, NULL);
     if (m->tree) return 0; /* it has no dead points */
     if (r->look == LOOK_AT_DETERMINANTS) {
         const double low = logarithm(s->mantissa, s->exponent);
         position_determinant(m, &now[1], &now[2]);
-        if (r->entered) return r->tell(t, y);
+        if (r->entered) return r->ask(t, y, NULL);
         if (!before) r->peak = now[2];
         else if (now[1] != before[1] || s->signs == 3 || low <= fmin(before[2], now[2]) + r->inside
                  || (now[2] > before[2] && before[2] <= r->peak + r->half)
-                 || (low <= fmax(before[2], now[2]) + r->wide && goes_far(r, before, now))) return r->tell(t, y);
+                 || (low <= fmax(before[2], now[2]) + r->wide && goes_far(r, before, now))) return r->ask(t, y, NULL);
         else if (now[2] > r->peak) r->peak = now[2];
     }
     else if (r->look == LOOK_AT_VELOCITIES) {
-        if (before && before[3] && unexplained(r, before, now)) return r->tell(t, y);
+        if (before && before[3] && unexplained(r, before, now)) return r->ask(t, y, NULL);
     }
-    else if (r->look == LOOK_ALWAYS) return r->tell(t, y);
+    else if (r->look == LOOK_ALWAYS) return r->ask(t, y, NULL);
     return 0;
 #endif
 }

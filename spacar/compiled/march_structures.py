@@ -12,7 +12,7 @@ class CMarch(ctypes.Structure):
     """`March` of march.c."""
 
     _fields_ = [
-        ("model", POINTER), ("at", POINTER), ("ask", POINTER), ("tell", POINTER), ("records", DOUBLES),
+        ("model", POINTER), ("at", POINTER), ("ask", POINTER), ("records", DOUBLES),
         ("scale", DOUBLES), ("atol", DOUBLES),
         *((name, INTEGER) for name in ("n", "capacity", "width", "look", "back", "most", "max_reductions")),
         *((name, NUMBER) for name in (
@@ -29,7 +29,8 @@ class CAdams(ctypes.Structure):
     """`Adams` of adams.c."""
 
     _fields_ = [
-        *((name, DOUBLES) for name in ("phi", "expected", "y", "y_new", "predicted", "d", "weight", "gamma_star")),
+        ("memory", DOUBLES), ("gamma_star", DOUBLES),
+        *((name, DOUBLES) for name in ("phi", "expected", "y", "y_new", "predicted", "d", "weight")),
         ("psi", NUMBER * (MAX_ORDER + 1)), ("h_old", NUMBER), ("h_min", NUMBER),
         *((name, INTEGER) for name in ("k", "order", "k_old", "equal", "starting", "rejections")),
     ]  # fmt: skip

@@ -44,7 +44,6 @@ from spacar.mechanism.numbering import Numbering
 MOST, COMPONENTS = 1000, 20_000  # steps in one call, and steps times components of x and e, so that Ctrl-C is heard
 
 ASK = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER, POINTER)
-TELL = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER)
 
 
 class Lookout(Protocol):
@@ -115,7 +114,7 @@ class Marching:
         self.error: BaseException | None = None
         most = max(1, min(MOST, COMPONENTS // (nx + ne)))
         self.c = CMarch(
-            model.handle, evaluator.state.address, None, None, first, address_of(self.scale),
+            model.handle, evaluator.state.address, None, first, address_of(self.scale),
             first + WIDTH * lookout.capacity * width, n, lookout.capacity, width, lookout.look, lookout.back, most,
             MAX_REDUCTIONS, REDUCTION,
         )  # fmt: skip
@@ -141,9 +140,9 @@ class Marching:
         c.earliest, c.latest = evaluation.first, evaluation.last
         c.sizes[0] = c.sizes[1] = 0.0
         c.n_steps = c.n_rhs = c.n_rejected = 0
-        # C points at these while this goes on; they hold this object, and are let go at its end
-        calls = (ASK(partial(self._ask, evaluation)), TELL(self._tell)) if self.lanes == 1 else ()
-        c.ask, c.tell = map(address_of_call, calls) if calls else (None, None)
+        # C points at it while this goes on; it holds this object, and is let go at its end
+        call = ASK(partial(self._ask, evaluation)) if self.lanes == 1 else None
+        c.ask = None if call is None else address_of_call(call)
         answered = partial(self._answered, evaluation.statistics)
         by = (
             AdamsInC(self.engine, self.address, method) if isinstance(method, Adams)
@@ -175,7 +174,7 @@ class Marching:
                 known, failed = counted.counts(), status in (TOO_SMALL, NOT_EVALUATED, INTERRUPTED)
                 if failed and (passage is None or not passage.held + passage.c.done):
                     self._failed(status, method)
-                made = passage.made() if failed and passage is not None else (c.n_steps, c.n_rhs, 0, c.n_rejected)
+                made = passage.c.counted if failed and passage is not None else (c.n_steps, c.n_rhs, 0, c.n_rejected)
                 c.n_steps = c.n_rhs = c.n_rejected = 0
                 counted.n_steps += made[0]
                 counted.n_rhs += made[1]
@@ -187,7 +186,7 @@ class Marching:
                 if failed:  # behind the outputs that came before it
                     self._failed(status, method)
         finally:
-            c.ask = c.tell = None
+            c.ask = None
 
     def _go_on(self, before: Accepted | None) -> None:
         """Go on behind the start, or the last of steps that were made elsewhere, if these are the last ones."""
@@ -212,8 +211,10 @@ class Marching:
         raise error
 
     # -- called by C ----------------------------------------------------------------------------------------------
-    def _ask(self, evaluation: Evaluation, t: float, y: int, out: int) -> int:
-        """Answer C with a derivative that it cannot compute."""
+    def _ask(self, evaluation: Evaluation, t: float, y: int, out: int | None) -> int:
+        """Answer C with a derivative that it cannot compute, or look at a step for it."""
+        if out is None:
+            return self._seen_closer(t, y)
         return self._answered(evaluation.statistics, partial(self._derivative, evaluation), t, y, out)
 
     def _derivative(self, evaluation: Evaluation, t: float, y: int, out: int) -> None:
@@ -237,7 +238,7 @@ class Marching:
             counted.n_rhs = before
         return 0
 
-    def _tell(self, t: float, y: int) -> int:
+    def _seen_closer(self, t: float, y: int) -> int:
         """Look at a step for C."""
         c = self.c
         try:

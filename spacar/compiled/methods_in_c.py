@@ -16,11 +16,10 @@ from spacar.compiled.library import Engine, address_of
 from spacar.compiled.march_structures import CAdams, CMarch, CRungeKutta
 from spacar.compiled.passage import VALUE, Passage
 from spacar.compiled.passage_of_cases import PassageOfCases
-from spacar.integrators.adams import GAMMA_STAR, PHI, Adams
+from spacar.integrators.adams import GAMMA_STAR, Adams
 from spacar.integrators.runge_kutta import TINY, ExplicitRungeKutta
 
 ARRIVED, AT_OUTPUT, PAUSED, TOO_SMALL, NOT_EVALUATED, INTERRUPTED = range(6)  # as in march.c
-IN_MEMORY = 0, PHI, *range(2 * PHI, 2 * PHI + 5)  # rows where arrays of `Adams` begin, in the order of CAdams
 GAMMA = np.array(GAMMA_STAR)
 GAMMA_AT = address_of(GAMMA)
 
@@ -30,8 +29,7 @@ class AdamsInC:
 
     def __init__(self, engine: Engine, march: ctypes.c_void_p, method: Adams) -> None:
         self.engine, self.to, self.method, self.y = engine, march, method, method.y
-        first, row = address_of(method.memory), method.memory.strides[0]
-        self.c = CAdams(*(first + row * k for k in IN_MEMORY), GAMMA_AT)
+        self.c = CAdams(address_of(method.memory), GAMMA_AT)
         self.at = ctypes.c_void_p(ctypes.addressof(self.c))
 
     def begin(self) -> int:

@@ -16,13 +16,14 @@ typedef struct {
     State *shown;
     const double *t;           /* (n) times of the outputs to come */
     double *rows;              /* (n, width): x, xd, xdd, applied, gravity, total forces; e, ed, edd, sigma; y where it has no place of its own */
-    int *work;                 /* (n, 5) steps, derivatives, 0, rejected steps, 0 of this call up to an output: `Counts` of problem.py */
+    int *work;                 /* (n, 5) steps, derivatives, 0, rejected steps, 0 since the output before: `Counts` of problem.py */
     const int *ground;         /* (n_ground) rows of sigma that may press but not pull */
     Value value;               /* NULL: that of Adams */
     double *y;                 /* of several cases: room for the state at an output */
     double exact, jump, singular, guard, longest; /* limits of a position, a jump, 1/condition, guards of elements; seconds */
     int n, done, width, since, far, n_exact, n_ground, foreign, steps;
     int last, status;          /* how the last output came out, and its evaluation */
+    int counted[5];            /* what March had counted at the last output of this call */
 } Passage;
 
 static double seconds(void)
@@ -66,6 +67,7 @@ static int spacar_show(Model *m, Passage *p)
 {
     const double begin = seconds();
     p->done = 0;
+    memset(p->counted, 0, sizeof p->counted);
     while (show(m, p, p->done) && p->done < p->n && seconds() - begin < p->longest) { }
     return 0;
 }
@@ -89,6 +91,7 @@ static int pass(March *r, void *method, Go go, const double *end, Passage *p)
     const double begin = seconds();
     p->done = 0;
     p->last = HARMLESS;
+    memset(p->counted, 0, sizeof p->counted);
     for (;;) {
         while (p->t[p->done] <= r->t) {
             const int i = p->done;
@@ -96,8 +99,9 @@ static int pass(March *r, void *method, Go go, const double *end, Passage *p)
             if (p->t[i] == r->t) memcpy(y, end, sizeof(double) * r->n);
             else if (!p->value) spacar_adams_value(r, method, p->t[i], y);
             else if (p->value(p->t[i], y)) return INTERRUPTED;
-            const int work[] = {r->n_steps, r->n_rhs, 0, r->n_rejected, 0};
-            memcpy(p->work + 5 * i, work, sizeof work);
+            const int now[] = {r->n_steps, r->n_rhs, 0, r->n_rejected, 0};
+            for (int k = 0; k < 5; k++) p->work[5 * i + k] = now[k] - p->counted[k];
+            memcpy(p->counted, now, sizeof now);
             lead(r, p);
             if (!show(r->model, p, i) || p->done == p->n) return AT_OUTPUT;
         }

@@ -14,6 +14,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Iterator, Sequence
 from functools import partial
+from operator import add, sub
 from typing import Protocol
 
 import numpy as np
@@ -22,16 +23,17 @@ from spacar.arrays import Array, Index
 from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, WIDTH, CompiledModel, State
 from spacar.compiled.element_parameters import GUARD
 from spacar.compiled.library import DOUBLES, INTEGER, INTEGERS, NUMBER, POINTER, address_of
-from spacar.frame import E_FIELDS, X_FIELDS, Frame, StoredFrames
-from spacar.integrators.problem import Counts, Passed
+from spacar.frame import Frame, FramesInRows
+from spacar.integrators.problem import Counts, Passed, counts
+from spacar.integrators.times import EvenTimes
 from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.mechanism.numbering import Numbering
 
 HARMLESS, LOOKED_AT, NOT_SHOWN = range(3)  # as in passage.c
-FIELDS = (*X_FIELDS, *E_FIELDS)  # in the order of a row
 LONGEST = 0.05  # s of one call, unless a single step takes longer
 ROOM = 50_000  # numbers in the rows of one array, so that a frame that is kept does not keep many others: 0.4 MB
 UNLIMITED = 2**31 - 1
+NONE: Counts = (0, 0, 0, 0, 0)
 COUNTS = 5 * ctypes.sizeof(ctypes.c_int)  # of an output
 
 VALUE = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER)
@@ -47,7 +49,13 @@ class CPassage(ctypes.Structure):
         *((name, INTEGER) for name in (
             "n", "done", "width", "since", "far", "n_exact", "n_ground", "foreign", "steps", "last", "status",
         )),
+        ("counted", INTEGER * 5),
     ]  # fmt: skip
+
+
+def counted(c: CPassage, begun: Counts = NONE) -> Counts:
+    """What had been counted at the last output of a call, with what was before it."""
+    return counts(map(add, begun, c.counted))
 
 
 class ShowsInC(Protocol):
@@ -76,10 +84,10 @@ class Passage:
     ) -> None:
         model, n = shown.solver, shown.numbering
         self.shown, self.times = shown, times
-        self.nx, self.ne = n.nx, n.ne
-        self.of_e, self.of_y = 6 * n.nx, 6 * n.nx + 4 * n.ne  # where they begin in a row
+        self.sizes = n.nx, n.ne
+        self.of_y = 6 * n.nx + 4 * n.ne  # where it begins in a row
         self.width = self.of_y + shown.n_positions + n.nddof
-        self.c = c = CPassage(shown.state.address.value)
+        self.c = c = CPassage(ctypes.addressof(shown.state.c))
         if len(ground):
             self.ground = np.ascontiguousarray(ground, np.int32)  # C points at it
             c.ground = address_of(self.ground)
@@ -98,12 +106,15 @@ class Passage:
             self.first, self.used, self.end = output, 0, n
             begun = 0
             self.rows, self.work = np.empty((n, self.width)), np.zeros((n, 5), np.int32)
-            self.t = np.array(self.times[output : output + n])
+            times = self.times
+            self.t = (
+                times.part(output, output + n) if isinstance(times, EvenTimes) else np.array(times[output : output + n])
+            )
             self.at = address_of(self.t), address_of(self.rows), address_of(self.work)
         (t, rows, work) = self.at
-        c.t, c.rows, c.work = t + WIDTH * begun, rows + WIDTH * self.width * begun, work + COUNTS * self.held
+        c.t, c.rows, c.work = t + WIDTH * begun, rows + WIDTH * self.width * begun, work + COUNTS * begun
         c.n = self.end - begun
-        c.steps = int(min(max(steps, 0), UNLIMITED))
+        c.steps = UNLIMITED if steps > UNLIMITED else max(int(steps), 0)
         if not self.held:
             self.shown.solver.slots.outputs.clear()
 
@@ -119,50 +130,38 @@ class Passage:
         self.held, self.c.done = 1, 0
         return []
 
-    def outputs(self, before: Counts = (0, 0, 0, 0, 0)) -> list[Passed]:
-        """Those of the last call; `before`: what the integrator had counted before it. The last one is on its own when
+    def outputs(self, begun: Counts = NONE) -> list[Passed]:
+        """Those of the last call; `begun`: what the integrator had counted before it. The last one is on its own when
         it has to be looked at."""
-        first, n = self.used, self.held + self.c.done
+        first, n, now = self.used, self.held + self.c.done, counted(self.c, begun)
         lost = self.shown.solver.slots.outputs
         if lost:  # C asks for them when there have been any
             lost[:0] = [{}] * (n - (self.c.last == NOT_SHOWN) - len(lost))
         self.used, self.held = first + n, 0
-        harmless = n if self.c.last == HARMLESS else n - 1
-        found = []
-        if harmless:
-            found.append(self._passed(first, slice(0, harmless), before))
-        if harmless < n:
-            last = self._passed(first, slice(harmless, n), before)
-            found.append(last._replace(shown=partial(self._last, last.shown, last.y)))
-        return found
+        if self.c.last == HARMLESS:
+            return [self._passed(first, slice(0, n), begun, now)] if n else []
+        before = counts(map(sub, now, self.work[first + n - 1].tolist()))
+        last = self._passed(first, slice(n - 1, n), before, now)
+        last = last._replace(shown=partial(self._last, last.shown, last.y))
+        return [last] if n == 1 else [self._passed(first, slice(0, n - 1), begun, before), last]
 
-    def _passed(self, first: int, which: slice, before: Counts) -> Passed:
+    def _passed(self, first: int, which: slice, begun: Counts, now: Counts) -> Passed:
         """Some outputs of the last call, whose rows begin with the `first`."""
         at = slice(first + which.start, first + which.stop)
-        rows, t, counts = self.rows[at], self.t[at], self.work[which] + before
-        if self.first == first == which.start == 0:
-            counts[0] = 0  # what starting has taken is the work of the output behind it
-        of_x = rows[:, : self.of_e].reshape(-1, len(X_FIELDS), self.nx).swapaxes(0, 1)
-        of_e = rows[:, self.of_e : self.of_y].reshape(-1, len(E_FIELDS), self.ne).swapaxes(0, 1)
-        variables = dict(zip(FIELDS, (*of_x, *of_e), strict=True))
-        shown = StoredFrames(t, variables, {}, self.shown.solver.slots.outputs[which])
-        return Passed(float(t[-1]), rows[-1, self.of_y :], counts, shown)
+        rows, t = self.rows[at], self.t[at]
+        shown = FramesInRows(t, rows, self.sizes, self.shown.solver.slots.outputs[which])
+        return Passed(float(t[-1]), rows[-1, self.of_y :], self.work[at], begun, now, shown)
 
-    def _last(self, block: StoredFrames, y: Array) -> StoredFrames:
+    def _last(self, block: FramesInRows, y: Array) -> FramesInRows:
         """That of the last output of a call, at which Python looks; or what says why there is none."""
         if self.c.last == NOT_SHOWN:
             if self.c.status == NOT_ANSWERED:
                 self.shown.solver.slots.raise_error()
             frame = self.shown.frame_in_general(float(block.t[0]), y)
-            for name, values in block.variables.items():
+            for name, values in block.variables.items():  # in the row
                 values[0] = getattr(frame, name)
             block.lost = [frame.lost]
         return block
-
-    def made(self) -> list[int]:
-        """What was done in the last call up to its last output, as `Counts`."""
-        counts: list[int] = self.work[self.held + self.c.done - 1].tolist()
-        return counts
 
     def prescribed(self, y: Array) -> Iterator[Passed]:
         """The outputs of a motion without degrees of freedom, whose state `y` is empty or the same at all times."""

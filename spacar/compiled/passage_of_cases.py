@@ -13,7 +13,7 @@ from spacar.arrays import Array
 from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, WIDTH, CompiledModel, State
 from spacar.compiled.element_parameters import GUARD
 from spacar.compiled.library import address_of
-from spacar.compiled.passage import COUNTS, HARMLESS, LONGEST, NOT_SHOWN, UNLIMITED, CPassage
+from spacar.compiled.passage import COUNTS, HARMLESS, LONGEST, NONE, NOT_SHOWN, UNLIMITED, CPassage, counted
 from spacar.errors import AnalysisError
 from spacar.integrators.problem import Counts, Passed
 from spacar.kinematics.kinematics import LARGEST_JUMP
@@ -28,7 +28,7 @@ class PassageOfCases:
     def __init__(self, solver: CompiledModel, begun: State, shown: State, size: int) -> None:
         self.solver, self.begun, self.shown = solver, begun, shown
         self.y = np.empty(size)
-        self.c = c = CPassage(shown.address.value)
+        self.c = c = CPassage(ctypes.addressof(shown.c))
         c.y, c.exact, c.jump, c.guard, c.longest = self.y.ctypes.data, EXACT, LARGEST_JUMP, GUARD, LONGEST
         c.foreign = solver.slots.has_limits
         self.address = ctypes.c_void_p(ctypes.addressof(c))
@@ -37,7 +37,7 @@ class PassageOfCases:
 
     def into(self, times: Array, rows: Array, far: int) -> None:
         """The outputs to come go there; behind more than `far` steps they are evaluated from the begin of a step."""
-        self.times, self.work, self.held = times, np.empty((len(times), 5), np.int32), 0
+        self.times, self.work, self.held = times, np.zeros((len(times), 5), np.int32), 0
         self.at = address_of(times), address_of(rows), address_of(self.work)
         self.c.width, self.c.far = rows[0].size, far
 
@@ -49,28 +49,22 @@ class PassageOfCases:
         c.n = len(self.times) - output
         c.steps = int(min(max(steps, 0), UNLIMITED))
 
-    def outputs(self, before: Counts = (0, 0, 0, 0, 0)) -> list[Passed]:
-        """Those of the last call; `before`: what the integrator had counted before it. Raises AnalysisError, and what a
+    def outputs(self, begun: Counts = NONE) -> list[Passed]:
+        """Those of the last call; `begun`: what the integrator had counted before it. Raises AnalysisError, and what a
         user function raised."""
         self._check()
         first, end = self.output - self.held, self.output + self.c.done
         self.held = 0
         if first == end:
             return []
-        counts = self.work[first:end] + before
-        if first == 0:
-            counts[0] = 0  # what starting has taken is the work of the output behind it
-        return [Passed(float(self.times[end - 1]), self.y, counts, SHOWN)]
-
-    def made(self) -> list[int]:
-        """What was done in the last call up to its last output, as `Counts`."""
-        counts: list[int] = self.work[self.output + self.c.done - 1].tolist()
-        return counts
+        work, now = self.work[first:end], counted(self.c, begun)
+        return [Passed(float(self.times[end - 1]), self.y, work, begun, now, SHOWN)]
 
     def start(self, y: Array) -> list[Passed]:
         """The first output, whose state is y; it is handed on with those behind it. Raises as `outputs`."""
         self.show(0, y)
-        self.held = 1
+        self.output = self.held = 1
+        self.c.done = 0
         return []
 
     def show(self, output: int, y: Array) -> None:

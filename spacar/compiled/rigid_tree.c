@@ -319,7 +319,7 @@ static int tree_rows(Memory *memory, struct Tree *T, int q)
         T->n_rows += T->turns;
     }
     const size_t of_frames = T->n_frames * (9 + 3 + 4 + T->turns * (size_t)T->width);
-    T->attitude = cleared(memory, of_frames + (2 * (size_t)T->n_rows + q) * T->width, sizeof(real));
+    T->attitude = cleared(memory, of_frames + (2 * (size_t)T->n_rows + q + 1) * T->width, sizeof(real));
     if (!T->attitude) return NO_MEMORY;
     T->spin = T->attitude + 9 * T->n_frames;
     T->lambda = T->spin + 3 * T->n_frames;
@@ -327,6 +327,7 @@ static int tree_rows(Memory *memory, struct Tree *T, int q)
     T->X = T->turning + (size_t)T->turns * T->n_frames * T->width;
     T->MX = T->X + (size_t)T->n_rows * T->width;
     T->A = T->MX + (size_t)T->n_rows * T->width;
+    T->weights = T->A + (size_t)q * T->width;
     for (int i = 0; i < T->n_frames && T->turns == 3; i++) {
         if (T->frames[i].from >= 0) continue;
         T->lambda[4 * i] = EVERY(1.0);

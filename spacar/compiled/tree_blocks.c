@@ -46,6 +46,7 @@ struct Tree {
     real *turning;                /* rows (turns, width) of the frames, as X */
     real *mass;                   /* diagonal of M in the rows of points */
     real *X, *MX, *A;             /* (n_rows, width) of points, then of heavy frames; M X less the forces; (q, width) */
+    real *weights;                /* (width) of the columns of X: 1, accelerations of the degrees of freedom, zeros */
 };
 
 /* L and Q of the links from V at the reference configuration (Gram-Schmidt on its rows, twice: as exact as Householder's reflections,

@@ -223,25 +223,21 @@ static void load_orientations(const struct Tree *T, const real *x, const real *f
 }
 
 /* xdd of what the tree carries, from those of the degrees of freedom; lambda'' = (0, alpha) o lambda/2 - w.w lambda/4. */
-static void write_accelerations(const Spec *s, const struct Tree *T, const real *x, const real *degrees, int q, real *xdd)
+static void write_accelerations(const Spec *s, const struct Tree *T, const real *degrees, int q, real *xdd)
 {
     const int width = T->width, d = T->dimension;
+    real *weights = T->weights;
+    weights[0] = EVERY(1.0);
+    memcpy(weights + 1, degrees, sizeof(real) * q);
     for (int i = 0; i < T->n_points; i++)
-        for (int c = 0; c < d; c++) {
-            const real *row = T->X + (d * i + c) * width;
-            real sum = row[0] + s->field[T->points[i].c[c]];
-            for (int k = 0; k < q; k++) sum += row[1 + k] * degrees[k];
-            xdd[T->points[i].c[c]] = sum;
-        }
+        for (int c = 0; c < d; c++)
+            xdd[T->points[i].c[c]] = times_row(T->X + (d * i + c) * width, weights, width) + s->field[T->points[i].c[c]];
     for (int i = 0; i < T->n_orientations; i++) {
         const Orientation *node = &T->orientations[i];
         const real *row = T->turning + T->turns * node->frame * width, *l = T->lambda + 4 * node->frame, *w = T->spin + 3 * node->frame;
         const int *c = node->c;
         real a[3];
-        for (int k = 0; k < T->turns; k++) {
-            a[k] = row[k * width];
-            for (int j = 0; j < q; j++) a[k] += row[k * width + 1 + j] * degrees[j];
-        }
+        for (int k = 0; k < T->turns; k++) a[k] = times_row(row + k * width, weights, width);
         if (d == 2) { xdd[c[0]] = a[0]; continue; }
         const real quarter = 0.25 * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
         xdd[c[0]] = -0.5 * (a[0] * l[1] + a[1] * l[2] + a[2] * l[3]) - quarter * l[0];
@@ -277,7 +273,7 @@ static int tree_rates(Model *m, State *at, double t, const real *y, real *out)
     follow_tree(s, m->tree, x, xd, xdd, at->given_e, m->given_ed, m->given_edd);
     const int status = accelerate_tree(m, t, x, xd, at->given_e, m->given_ed, at->sigma, degrees);
     if (status) return status;
-    write_accelerations(s, m->tree, x, degrees, q, xdd);
+    write_accelerations(s, m->tree, degrees, q, xdd);
     for (int i = 0; i < nx; i++) sum += xdd[i];
     if (!isfinite(largest_lane(sum))) return NOT_FINITE;
     memcpy(out, y + q, sizeof(real) * q);

@@ -34,9 +34,11 @@ def place(table: NDArray[np.int64], number: int, k: int, words: tuple[str, str])
     table  (numbers, most entries), 1-based columns, 0 where there is none;  words  NODE or ELEMENT
     """
     rows = np.asarray(table)
-    numbers, entries = (range(1, n + 1) for n in rows.shape)
-    if number in numbers and k in entries and rows[number - 1, k - 1]:
-        return int(rows[number - 1, k - 1]) - 1
+    numbers, entries = rows.shape
+    if number in range(1, numbers + 1) and k in range(1, entries + 1):
+        found: int = rows.item(int(number) - 1, int(k) - 1)
+        if found:
+            return found - 1
     what, entry = words
     there = np.flatnonzero(np.any(rows != 0, axis=1)) + 1
     if number not in there:

@@ -82,8 +82,9 @@ class Chart:
         """The same of a block of frames."""
         if not isinstance(block, StoredFrames):
             return [self.view(frame) for frame in block]
-        ordered = {name: block.variables[name][:, self.at] for name in X_FIELDS}
-        return StoredFrames(block.t, block.variables | ordered, block.statistics, block.lost)
+        kept = block.variables
+        ordered = {name: kept[name][:, self.at] for name in X_FIELDS}
+        return StoredFrames(block.t, kept | ordered, block.statistics, block.lost)
 
     def state(self, frame: Frame, y: Array, n: Numbering) -> Array:
         """The state of this chart at a `frame` in the order of the model; y, n: state and numbering of another chart.

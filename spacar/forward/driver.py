@@ -25,7 +25,7 @@ from spacar.dynamics.loaded_mechanism import (
 from spacar.errors import AnalysisError, Report
 from spacar.forward.accepted_steps import FAR, Trail, Watched, at_time, fail_at
 from spacar.forward.displaced import displaced
-from spacar.frame import Frame, StoredFrames
+from spacar.frame import Frame, FramesInRows
 from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
 from spacar.integrators.problem import Jacobian, March, Output, Passed, Step
 from spacar.kinematics.kinematics import CONVERGED
@@ -206,9 +206,7 @@ def frames(
     tolerances = Tolerances.of(settings, displaced(evaluator))
     jacobian: Jacobian | None = None
     if METHODS[settings.integrator].needs_jacobian or (settings.integrator == AUTOMATIC and has_forces(model)):
-        from spacar.linearization.state_jacobian import state_jacobian
-
-        jacobian = partial(state_jacobian, evaluator, within=ITERATED)
+        jacobian = partial(_jacobian, evaluator)
     # Outputs are interpolated inside steps that may have passed a dead point: they are placed from the start of their
     # step or the last output in it, not back from its end.
     shown = evaluator.companion()
@@ -229,7 +227,7 @@ def frames(
         for out in outputs:
             if out.passed is not None:
                 block = looked_at(shown, out.passed, limits)
-                block.statistics = dict(zip(WORK, out.passed.counts.T, strict=True))
+                block.counts = WORK, out.passed.work
                 yield shown, block
             else:
                 trail.lead(shown)
@@ -240,6 +238,13 @@ def frames(
         trail.elsewhere = None
     if trail.continuity is not None:
         trail.continuity.finish()
+
+
+def _jacobian(evaluator: Evaluator, t: float, y: Array) -> tuple[Array, Array]:
+    """(dF/dy, dF/dt), which most runs do not ask for."""
+    from spacar.linearization.state_jacobian import state_jacobian
+
+    return state_jacobian(evaluator, t, y, within=ITERATED)
 
 
 def has_forces(model: LoadedMechanism) -> bool:
@@ -255,10 +260,10 @@ def checked(evaluator: Evaluator, t: float, y: Array, limits: Limits) -> Frame:
     return frame
 
 
-def looked_at(evaluator: Evaluator, passed: Passed, limits: Limits) -> StoredFrames:
+def looked_at(evaluator: Evaluator, passed: Passed, limits: Limits) -> FramesInRows:
     """The frames of outputs that were passed together: those that nobody has to look at, or what gives a single one."""
-    shown: StoredFrames | Callable[[], StoredFrames] = passed.shown
-    if isinstance(shown, StoredFrames):
+    shown: FramesInRows | Callable[[], FramesInRows] = passed.shown
+    if isinstance(shown, FramesInRows):
         if len(limits.wheels.rows):
             limits.wheels.press(shown.variables["sig"][:, limits.wheels.rows].min(axis=0)[:, None])
         return shown

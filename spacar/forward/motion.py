@@ -50,14 +50,15 @@ def motion(run: Run, own: bool = True) -> Iterator[tuple[Evaluator, Sequence[Fra
     run.header.later("condition", evaluator.later_condition())
     times = output_times(run)
     run.n_frames = len(times)
-    if run.mechanism.numbering.nkddof and len(times) > 1:
+    moves = run.mechanism.numbering.nkddof and len(times) > 1
+    if moves:
         run.header["integrator"] = METHODS[settings.integrator].name
     nodes = tumbling_nodes(run.mechanism)
     if nodes and isinstance(times, EvenTimes):
         moved = _tumbling(run, evaluator, y, times, Chart.of(run.mechanism, dict.fromkeys(nodes, 1)), own)
         yield from _at_home(run, moved, nodes) if own else moved
     else:
-        watch = watched(evaluator, run.report)
+        watch = watched(evaluator, run.report) if moves else None
         yield from frames(evaluator, y, times, settings, run.report, watch=watch, standing=own)
 
 

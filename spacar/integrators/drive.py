@@ -7,7 +7,7 @@ integer number of them fits between two outputs (or breaks), so fixed-step codes
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from itertools import pairwise
 from math import ceil, isfinite
@@ -22,7 +22,7 @@ from .adams import Adams
 from .automatic import Automatic
 from .failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small, too_many_steps
 from .methods import AUTOMATIC, METHODS, method
-from .problem import Counts, Evaluation, Output, Problem, Step, Tolerance
+from .problem import Evaluation, Output, Problem, Step, Tolerance, counts
 from .runge_kutta import ExplicitRungeKutta
 from .times import EvenTimes
 
@@ -64,7 +64,7 @@ def integrate(
     row = method(code)
     state = np.array(y0, dtype=float)
     output_times = times if isinstance(times, EvenTimes) else np.asarray(times, dtype=float)
-    absolute = np.array(atol, float) if np.ndim(atol) else float(atol)
+    absolute = float(atol) if isinstance(atol, float) or not np.ndim(atol) else np.array(atol, float)
     _check(state, output_times, absolute, rtol, step)
     first, last = float(output_times[0]), float(output_times[-1])
     if row.needs_jacobian and getattr(problem, "jacobian", None) is None:
@@ -154,16 +154,16 @@ def _outputs(
     step_start, limit = float(times[0]), max_steps
     for t, y, interpolate, _, passed in steps:
         for outputs in passed or ():
-            each, now = outputs.counts.copy(), _counts(outputs.counts[-1])
-            each[1:] -= outputs.counts[:-1]
-            each[0] -= before
-            yield Output(outputs.t, outputs.y, *_counts(map(sub, now, before)), outputs._replace(counts=each))
+            if outputs.begun != before:
+                outputs.work[0] += np.subtract(outputs.begun, before)
+            now = outputs.now
+            yield Output(outputs.t, outputs.y, *counts(map(sub, now, before)), outputs)
             before, limit = now, now[0] + max_steps
-            i += len(each)
+            i += len(outputs.work)
         while passed is None and i < n and (at := float(times[i])) <= t:
             result = y.copy() if at == t else interpolate(at)
             now = statistics.counts()
-            yield Output(at, result, *_counts(map(sub, now, before)), None)
+            yield Output(at, result, *counts(map(sub, now, before)), None)
             before, limit = now, now[0] + max_steps
             i += 1
         if i == n:
@@ -171,12 +171,6 @@ def _outputs(
         if statistics.n_steps >= limit:
             raise too_many_steps(t, t - step_start, max_steps)
         step_start = t
-
-
-def _counts(numbers: Iterable[float]) -> Counts:
-    """Five whole numbers."""
-    steps, rhs, jacobians, rejected, iterations = map(int, numbers)
-    return steps, rhs, jacobians, rejected, iterations
 
 
 def _variable(

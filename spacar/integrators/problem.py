@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any, NamedTuple, Protocol
@@ -15,6 +15,12 @@ Jacobian = Callable[[float, np.ndarray], tuple[np.ndarray, np.ndarray]]
 Counts = tuple[int, int, int, int, int]  # what has been counted, as `IntegrationStatistics.counts`
 # (method, t, t_end, h, longest) -> steps, those without outputs passed over
 March = Callable[[Any, float, float, float, float], "Iterator[Step]"]
+
+
+def counts(numbers: Iterable[int]) -> Counts:
+    """Five numbers."""
+    steps, rhs, jacobians, rejected, iterations = numbers
+    return steps, rhs, jacobians, rejected, iterations
 
 
 class Problem(Protocol):
@@ -68,19 +74,21 @@ class IntegrationStatistics:
 
 
 class Passed(NamedTuple):
-    """Outputs that the problem has passed in steps of its own, the last one at `t` with the state `y`, shape (n,): what
-    had been counted at each, shape (outputs, 5) in the order of `Counts`, and what the problem has made of them."""
+    """Outputs that the problem has passed in steps of its own, the last one at `t` with the state `y`, shape (n,): the
+    work since the output before each, shape (outputs, 5) in the order of `Counts`, what had been counted where that of
+    the first one begins (`begun`) and at the last one (`now`), and what the problem has made of them."""
 
     t: float
     y: np.ndarray
-    counts: np.ndarray
+    work: np.ndarray
+    begun: Counts
+    now: Counts
     shown: Any
 
 
 class Output(NamedTuple):
     """State `y`, shape (n,), at the output time `t`, and the work done since the previous output. Or the last of many
-    outputs that were `passed` together, and the work since the one before them; the counts of each are then those since
-    the one before it."""
+    outputs that were `passed` together, and the work since the one before them; of each they have its own."""
 
     t: float
     y: np.ndarray

@@ -41,6 +41,13 @@ class EvenTimes(Sequence[float]):
     def __len__(self) -> int:
         return self.n + 1
 
+    def part(self, first: int, last: int) -> np.ndarray:
+        """(last - first,) the times from number `first` to before `last`, 0 <= first <= last <= their number."""
+        times = np.arange(first, last) * self.step + self.start
+        if last > self.n:
+            times[self.n - first :] = self.end
+        return times
+
     @overload
     def __getitem__(self, i: int) -> float: ...
     @overload
@@ -67,6 +74,9 @@ class RemainingTimes(EvenTimes):
 
     def __len__(self) -> int:
         return self.n - self.skip + 2
+
+    def part(self, first: int, last: int) -> np.ndarray:
+        return np.array(self[first:last], float)
 
     @overload
     def __getitem__(self, i: int) -> float: ...

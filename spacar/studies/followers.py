@@ -225,8 +225,8 @@ class Follower:
         for out in outputs:
             if out.passed is None:
                 block.passage.show(step, out.y)
-            made = 1 if out.passed is None else len(out.passed.counts)
-            counted[step : step + made] = out.work if out.passed is None else out.passed.counts
+            made = 1 if out.passed is None else len(out.passed.work)
+            counted[step : step + made] = out.work if out.passed is None else out.passed.work
             step += made
         lifted = block.wheels_lifted(of.times, rows)
         of_cases = [

@@ -10,6 +10,7 @@ from spacar.compiled.compiled_evaluator import CompiledDynamics
 from spacar.compiled.library import why_off
 from spacar.deck import Deck
 from spacar.errors import AnalysisError
+from spacar.forward import motion as forward
 from spacar.frame import StoredFrames
 
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
@@ -93,3 +94,14 @@ def test_an_interruption_behind_the_start_is_heard(integrator, tmp_path):
     with pytest.raises(KeyboardInterrupt):
         times.extend(frame.t for frame in spacar.frames(1, path, integrator=integrator))
     assert times == [0.0]
+
+
+@pytest.mark.parametrize("given", [True, False], ids=["prescribed", "free"])
+def test_steps_are_watched_where_there_are_any(given, monkeypatch):
+    """Outputs of a prescribed motion are placed one after the other: no step is looked at, no determinant sampled."""
+    rows = [("INPUTX", 5, 1, UPRIGHT, -0.1, 0.0), ("TIMESTEP", 1.0, 10)]
+    deck = Deck.build([*SLIDER[:-1], ("INPUTX", 5, 1)], rows, mode=1) if given else slider(1.0, 10)
+    asked = []
+    monkeypatch.setattr(forward, "watched", lambda *of: asked.append(of))
+    assert len(spacar.run(1, deck).frames) == 11
+    assert len(asked) == (not given)
