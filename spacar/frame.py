@@ -169,6 +169,10 @@ class FramesInRows(StoredFrames):
             self._statistics = dict(zip(names, numbers.T, strict=True))
         return self._statistics or {}
 
+    def __reduce__(self) -> Any:
+        """A copy, here or in another process, has variables of its own."""
+        return StoredFrames, (self.t, self.variables, self.statistics, self.lost)
+
 
 class JoinedFrames(_Frames):
     """All frames of a run, in the blocks in which they became ready."""

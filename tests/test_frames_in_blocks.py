@@ -1,5 +1,7 @@
 """Frames that became ready together stay in columns; results are those of frames that come one by one."""
 
+import copy
+import pickle
 from dataclasses import fields
 from pathlib import Path
 
@@ -85,6 +87,15 @@ def test_a_column_of_a_result_is_its_own(crank):
 @pytest.fixture
 def crank():
     return Path(__file__).parents[1] / "data" / "crank.dat"
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda result: pickle.loads(pickle.dumps(result))])
+def test_a_result_can_be_copied_and_sent(copied, crank):
+    result = spacar.run(1, crank)
+    other = copied(result)
+    assert [f.statistics for f in other.frames] == [f.statistics for f in result.frames]
+    for name in ("t", *X_FIELDS, *E_FIELDS):
+        assert np.array_equal(other[name], result[name])
 
 
 @pytest.mark.parametrize("mode", [1, 4])
