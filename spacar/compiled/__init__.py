@@ -26,10 +26,10 @@ evaluation. Here the same equations run in C:
                proves stability, band.c and dense.c have the linear systems, walk.c goes over load levels, linearized.c
                gives what the linearized equations consist of
 
-What has no form in C (user functions, some elements, motions that are no polynomials) is asked of Python (`slots`). The
-engine is built with the package where there is a C compiler and used by default; --general, SPACAR_GENERAL=1 or
-`compiled=False` take NumPy instead, which gives the same results to rounding at one state (tests/compiled). In batches
-of a sweep `cases` puts a case into every lane.
+What has no form in C (user functions, some elements, motions that are no polynomials) is asked of Python (`slots`); the
+user function of a single case C asks itself (asking.c, `asking`). The engine is built with the package where there is a
+C compiler and used by default; --general, SPACAR_GENERAL=1 or `compiled=False` take NumPy instead, which gives the same
+results to rounding at one state (tests/compiled). In batches of a sweep `cases` puts a case into every lane.
 
 Limitation: both paths look for dead points by the same rule, at accepted steps. But rounding may lead them to different
 steps, and with wide tolerances a step can jump over a dead point. An integration that is reflected there instead of
