@@ -171,6 +171,7 @@ INTERRUPTED = """
 import _thread, sys, threading
 import spacar
 
+spacar.run(1, sys.argv[1], duration=1e-3)  # imports are done
 for k in range(8):
     threading.Timer(0.1 + 0.01 * k, _thread.interrupt_main).start()
     try:
