@@ -85,7 +85,11 @@ def is_doubtful(mechanism: Mechanism, M: Array, condition: float, largest: float
 def largest_mass(mechanism: Mechanism, sweep: ElementSweep) -> float:
     """Largest diagonal entry of M in the sizes of the coordinates, kg m^2, at the configuration of the sweep."""
     on = np.flatnonzero(sweep.m_rows == sweep.m_columns)
-    diagonal = np.bincount(sweep.m_rows[on], sweep.m_entries[on], sweep.nx)
+    return _largest(mechanism, np.bincount(sweep.m_rows[on], sweep.m_entries[on], sweep.nx))
+
+
+def _largest(mechanism: Mechanism, diagonal: Array) -> float:
+    """The same of the diagonal of M, (nx,)."""
     return float(np.max(diagonal * mechanism.scale**2, initial=0.0))
 
 
@@ -151,7 +155,7 @@ def linearized_doubt(
     if not is_checked(n) or not M.diagonal().all():
         return None
     with np.errstate(over="ignore"):
-        largest = float(np.max(masses * mechanism.scale**2, initial=0.0))
+        largest = _largest(mechanism, masses)
     if not np.isfinite(largest) or not is_doubtful(mechanism, M, condition.at_most, largest):
         return None
     number = condition.number
