@@ -19,8 +19,10 @@ from spacar.deck.statement_index import StatementIndex, grouped
 from spacar.deck.table_sections import UNITS
 from spacar.deck.table_types import BlockKind
 from spacar.errors import Message, UsageError
+from spacar.records import quickly_made
 
 
+@quickly_made
 @dataclass(frozen=True, eq=False, repr=False)
 class Deck:
     """A read and checked input file.
@@ -215,8 +217,7 @@ def parse(
     added = drawn if drawn and not _drawn_already(drawn, visualization or ()) else ()
     if added:
         visualization = (*drawn, *(visualization or ()))
-    deck = Deck.__new__(Deck)
-    vars(deck).update(  # as `Deck` does, which makes a call for each field as it is frozen
+    deck = Deck(
         statements=contents.statements,
         source=source,
         path=path,
