@@ -98,7 +98,7 @@ def test_such_a_sweep_begins_at_once_and_can_be_interrupted(tmp_path, jobs):
     model(tmp_path)
     words = ("sweep", "crank", "--set", "EM.2=0.1:0.2:100000", "--set", "XM.6=0.03:0.04:100000",
              "--result", "x[6,1]@end", "--steps", 2, "--time", 0.001, "--no-batch", "--jobs", jobs)  # fmt: skip
-    process = start(tmp_path, *words, preexec_fn=poor if jobs == 1 else None)
+    process = start(tmp_path, *words, **{"preexec_fn": poor} if jobs == 1 else {})
     rows = tmp_path / "crank.sweep.csv"
     until(lambda: rows.exists() and rows.read_text().count("\n") > 4, process)
     process.send_signal(signal.SIGINT)
