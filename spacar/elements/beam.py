@@ -31,6 +31,7 @@ from spacar.records import cached_property
 
 LARGE_ANGLE = np.pi / 4  # bending or twist of one element beyond this is computed with an error above 10 %
 LIMIT_ANGLE = np.radians(85.0)  # the sine measures have no equilibrium at and beyond 90 degrees
+_UNIT = HERMITE_MASS.item(0, 0) / 156.0  # of the coefficients of the inertia: 1/420
 COLLAPSED = 1e-6  # smallest fraction of the undeformed length
 
 
@@ -47,6 +48,7 @@ class SpatialBeam(Family):
     n_coordinates = 14
     n_deformations = 6
     position_rows = (0, 1, 2, 7, 8, 9)
+    _position_index = np.array(position_rows)
 
     def __init__(self, group: ElementGroup) -> None:
         n = self._chords(group)
@@ -57,7 +59,7 @@ class SpatialBeam(Family):
 
     def _chords(self, group: ElementGroup) -> Array:
         """Set the lengths; directions (3, n) from p to q."""
-        positions = group.x0.take(self.position_rows, 0)
+        positions = group.x0.take(self._position_index, 0)
         self.length, n = chords(positions[3:] - positions[:3], positions)
         return n
 
@@ -101,7 +103,7 @@ class SpatialBeam(Family):
     @property
     def unit(self) -> Array:
         """(n,) mass/420 [kg], of which the coefficients of the inertia are multiples."""
-        return np.asarray(HERMITE_MASS[0, 0] * (self._mass * self.length) / 156.0)
+        return np.asarray(_UNIT * (self._mass * self.length))
 
     # -- deformations --------------------------------------------------------------------------------------
     def strain(self, x: Array, near: Array, e: Array, V: Array) -> SpatialBeamConfiguration:

@@ -37,6 +37,7 @@ class BeamWithWarping(SpatialBeam):
     n_coordinates = 16
     n_deformations = 8
     position_rows = (0, 1, 2, 8, 9, 10)
+    _position_index = np.array(position_rows)
 
     def __init__(self, group: ElementGroup) -> None:
         super().__init__(group)

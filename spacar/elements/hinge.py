@@ -19,7 +19,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.elements.angles import arc_tangent
 from spacar.elements.family import ElementGroup, Family, GeometryError
-from spacar.elements.local_frames import axis_frame, rows
+from spacar.elements.local_frames import axis_frame, columns, rows
 from spacar.elements.rotation import expand, relative_parameters
 from spacar.records import cached_property
 
@@ -158,10 +158,10 @@ class SpatialHinge(Family):
     def __init__(self, group: ElementGroup) -> None:
         self.keyword, self.numbers = group.keyword, group.numbers
         self.length = np.zeros(group.n)
-        for k, values in enumerate(group.geometry):
-            if len(values) != 3:
-                raise GeometryError(k, f"the axis of rotation needs 3 components, {len(values)} are given")
-        frame = axis_frame(np.array(group.geometry).T, 0, "axis of rotation")
+        if set(map(len, group.geometry)) != {3}:
+            k, count = next((k, len(v)) for k, v in enumerate(group.geometry) if len(v) != 3)
+            raise GeometryError(k, f"the axis of rotation needs 3 components, {count} are given")
+        frame = axis_frame(columns(group.geometry), 0, "axis of rotation")
         self.frame_p = self.frame_q = rows(frame)
         self._frame = frame
         self._coefficients = group.estiff[:, :3], group.edamp[:, :3]

@@ -35,9 +35,9 @@ def unit(v: Sequence[float] | Array, index: int, what: str) -> Array:
     a = np.asarray(v)
     least, most = MODERATE
     if largest(np.abs(a)) < most:
-        size = np.sqrt(inner(a, a))
-        if smallest(size.real) > least:
-            return a / size
+        square = inner(a, a)
+        if smallest(square.real) > least**2:
+            return a / np.sqrt(square)
     size = np.maximum.reduce(np.abs(a))
     if not (np.minimum.reduce(size, None) > 0.0 and np.maximum.reduce(size, None) < np.inf):
         k = index + int(np.flatnonzero(~((size > 0.0) & (size < np.inf)))[0])
@@ -55,6 +55,14 @@ def supplemented(ex: Array, g: Sequence[float] | Array, index: int, what: str) -
 
     Raises GeometryError where g is parallel to x' within `PARALLEL`; `what` names g.
     """
+    g = np.asarray(g)
+    least, most = MODERATE
+    longest = 2.0 * largest(np.abs(g))  # no |g| is longer
+    if longest < most:
+        ey = _across(ex, g)
+        square = inner(ey, ey)
+        if smallest(square.real) > max(least, PARALLEL * longest) ** 2:
+            return completed(ex, ey / np.sqrt(square))
     g = unit(g, index, what)
     ey = _across(ex, g)
     sine = np.sqrt(inner(ey, ey))
@@ -79,19 +87,20 @@ def completed(ex: Array, ey: Array) -> Array:
 
 
 def inner(a: Array, b: Array) -> Array:
-    """a . b of vectors (3, n): of few a product with ones takes less time than `sum`."""
+    """a . b of vectors (3, n), in three equal rows: vectors times numbers of the same shape take half the time of a
+    product that has to repeat them, and of few the product with ones is faster than `sum`."""
     return _ONES.dot(a * b)
 
 
-_ONES = np.ones(3)
+_ONES = np.ones((3, 3))
 
 
 def cross(a: Array, b: Array) -> Array:
     """a x b of vectors (3, n): np.cross takes ten times as long, and models are built often."""
-    products = a.take(_LEFT, 0) * b.take(_RIGHT, 0)
-    return products[:3] - products[3:]
+    return _DIFFERENCE.dot(a.take(_LEFT, 0) * b.take(_RIGHT, 0))
 
 
+_DIFFERENCE = np.hstack((np.eye(3), -np.eye(3)))
 _LEFT, _RIGHT = np.array([1, 2, 0, 2, 0, 1]), np.array([2, 0, 1, 1, 2, 0])
 
 
@@ -105,7 +114,7 @@ def chord_frame(ex: Array, direction: Sequence[float] | Array | None, index: int
 def chord_frames(ex: Array, directions: Sequence[Sequence[float] | None]) -> Array:
     """`chord_frame` for x' (3, n) of elements some of which have a direction."""
     if all(directions):
-        return chord_frame(ex, np.array(directions).T, 0)
+        return chord_frame(ex, columns(directions), 0)  # type: ignore[arg-type]
     if not any(directions):
         return chord_frame(ex, None, 0)
     missing = [not d for d in directions]
@@ -128,15 +137,20 @@ def chords(d: Array, x: Array) -> tuple[Array, Array]:
     if not smallest(l.real) > 2.0 * SHORT * largest(np.abs(x)):  # which is more than the extent
         points = x.real.reshape(2, 3, -1)
         shortest = SHORT * (points.max((0, 2)) - points.min((0, 2))).max()
-        for k in np.flatnonzero(~(l > shortest)).tolist():
-            text = f"the length {l[k]:.3g} m between its nodes p and q is zero; check their coordinates"
+        for k in np.flatnonzero(~(l[0] > shortest)).tolist():
+            text = f"the length {l[0, k]:.3g} m between its nodes p and q is zero; check their coordinates"
             raise GeometryError(k, text)
-    return l, d / l
+    return l[0], d / l
+
+
+def columns(vectors: Sequence[Sequence[float]]) -> Array:
+    """Vectors with equally many components as an array, the element axis last."""
+    return np.array([*zip(*vectors, strict=True)])
 
 
 def rows(frames: Array) -> Array:
     """Frames (3, 3, n) as rows x', y', z' one after the other, (n, 9): the layout of the result files."""
-    return np.ascontiguousarray(frames.transpose(2, 1, 0).reshape(-1, 9))
+    return frames.swapaxes(0, 1).reshape(9, -1).T
 
 
 def stack(frames: Sequence[Array]) -> Array:
