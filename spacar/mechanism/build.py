@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array, Index, largest, smallest
+from spacar.arrays import Array, Index
 from spacar.deck import Deck
 from spacar.errors import InputError, Message
 from spacar.mechanism import inputs, lumped_inertia
@@ -82,8 +82,8 @@ def along(mechanism: Mechanism, deck: Deck) -> Mechanism:
 def reference_configuration(deck: Deck, numbering: Numbering, kind: type = float) -> Array:
     """Positions of X, zero angles, Euler parameters (1, 0, 0, 0)."""
     x0: Array = np.zeros(numbering.nx, kind)
-    if len(numbering.normalization):
-        x0[numbering.x_places[:, 0].take(numbering.normalization[:, 0])] = 1.0
+    if len(numbering.turning):
+        x0.put(numbering.euler[0], 1.0)
     for nodes, values in value_rows(deck.block(1).get("X", ()), kind):
         x0.put(numbering.x_places.take(nodes, 0)[:, : values.shape[1]], values)
     return x0
@@ -93,8 +93,8 @@ def _size(numbering: Numbering, x0: Array) -> float:
     """Diagonal of the box around all position nodes; 1 when there are none."""
     if len(numbering.positions) < 2:
         return 1.0
-    places = x0.real.take(numbering.positions.T)
-    extent = hypot(*[largest(along) - smallest(along) for along in places])
+    places = x0.real.take(numbering.positions)
+    extent = hypot(*(np.maximum.reduce(places) - np.minimum.reduce(places)).tolist())
     return extent if extent > 0.0 else 1.0
 
 

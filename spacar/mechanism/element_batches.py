@@ -17,7 +17,8 @@ from spacar.mechanism.element_rows import ElementRows, value_rows
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.numbering import Numbering
 
-PARAMETERS = {"EM": slice(0, 9), "ESTIFF": slice(9, 16), "EDAMP": slice(16, 23)}  # rows of one table
+EM, ESTIFF, EDAMP = slice(0, 9), slice(9, 16), slice(16, 23)
+PARAMETERS = {"EM": EM, "ESTIFF": ESTIFF, "EDAMP": EDAMP}  # columns of one table
 SHAPE_FACTOR = 3  # place in EM with the flow shape factor of tubes, 1 unless given
 
 
@@ -59,6 +60,7 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
     linear = np.zeros(len(e_places), bool)
     for s in block.get("LDEFORM", ()):
         linear[s.integer(0)] = True
+    nonlinear = ~linear
     directions = _vectors(block, "ORPINBOD", "ORTUBE")
     projections = _vectors(block, "DRPINBOD")
     angles = by_angles(deck, beams)
@@ -67,22 +69,22 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
         kind, statements, numbers, nodes = rows
         n, first = len(numbers), 1 + len(kind.nodes)
         x = x_places.take(nodes, 0).reshape(n, -1).T.take(used(kind), 0)
-        e = e_places.T[: len(kind.modes)].take(numbers, 1)
-        values = parameters.take(numbers, 1)
+        e = e_places.take(numbers, 0).T[: len(kind.modes)]
+        values = parameters.take(numbers, 0)
         if kind.carries_flow:
             given = {s.values[0] for s in deck.block(2).get("EM", ()) if len(s.values) > 1 + SHAPE_FACTOR}
-            values[SHAPE_FACTOR, [number not in given for number in numbers.tolist()]] = 1.0
+            values[[number not in given for number in numbers.tolist()], SHAPE_FACTOR] = 1.0
         group = ElementGroup(
             keyword=kind.keyword,
             numbers=numbers,
             x0=x0.take(x),
-            geometry=tuple([s.real_values(first) for s in statements]) if kind.geometry else ((),) * n,
-            nonlinear=~linear.take(numbers),
+            geometry=tuple([s.values[first:] for s in statements]) if kind.geometry else ((),) * n,
+            nonlinear=nonlinear.take(numbers),
             directions=tuple(map(directions.get, numbers.tolist())) if directions else (None,) * n,
             projections=tuple(map(projections.get, numbers.tolist())) if projections else (None,) * n,
-            em=values[PARAMETERS["EM"]].T,
-            estiff=values[PARAMETERS["ESTIFF"]].T,
-            edamp=values[PARAMETERS["EDAMP"]].T,
+            em=values[:, EM],
+            estiff=values[:, ESTIFF],
+            edamp=values[:, EDAMP],
             elastic=e >= first_elastic if angle else None,
         )
         yield PlacedGroup(family_of(kind.angle_family if angle else kind.family), group, x, e, statements)
@@ -94,13 +96,13 @@ def _vectors(block: Mapping[str, Sequence[Statement]], *keywords: str) -> dict[i
 
 
 def parameter_table(deck: Deck, n: int, kind: Any = float) -> Array:
-    """(23, n): values of EM, ESTIFF and EDAMP behind the element number, which is the column; zero where not given."""
+    """(n, 23): values of EM, ESTIFF and EDAMP behind the element number, which is the row; zero where not given."""
     block = deck.block(2)
-    table = np.zeros((PARAMETERS["EDAMP"].stop, n), kind)
+    table = np.zeros((n, EDAMP.stop), kind)
     for keyword in PARAMETERS.keys() & block.keys():
-        own = table[PARAMETERS[keyword]]
+        own = table[:, PARAMETERS[keyword]]
         for numbers, values in value_rows(block[keyword], kind):
-            own[: values.shape[1], numbers] = values.T[: len(own)]
+            own[numbers, : values.shape[1]] = values[:, : own.shape[1]]
     return table
 
 
@@ -144,7 +146,7 @@ def node_batches(batches: list[Batch], numbering: Numbering, families: Iterable[
     parameters."""
     for family, x in families:
         batches.append(Batch(family, x, np.zeros((0, family.n), np.int64), len(batches)))
-    if len(numbering.normalization):
-        nodes, rows = numbering.normalization.T
-        family = family_of("normalization:Normalization")(nodes)  # type: ignore[call-arg]
-        batches.append(Batch(family, numbering.x_places.T.take(nodes, 1), rows[None, :], len(batches)))
+    if len(numbering.turning):
+        family = family_of("normalization:Normalization")(numbering.turning)  # type: ignore[call-arg]
+        rows = np.arange(numbering.normalized.start, numbering.normalized.stop)
+        batches.append(Batch(family, numbering.euler, rows[None], len(batches)))

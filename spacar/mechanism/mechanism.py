@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array as Array
 from spacar.arrays import Index as Index
+from spacar.arrays import largest
 from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.deck.table_types import lengths_of
 from spacar.mechanism.layout import Batch, Layout
@@ -215,7 +216,8 @@ class Mechanism:
         """(nx,) typical size of every coordinate: `length` for positions, 1 for angles and Euler parameters, 1/length
         for twist rates."""
         n = self.numbering
-        scale = np.ones(n.nx)
+        scale = np.empty(n.nx)
+        scale.fill(1.0)
         scale.put(n.positions, self.length)
         if n.warped:
             scale[[n.x_index(node.number, 1) for node in n.nodes if node.kind == "warping"]] = 1.0 / self.length
@@ -224,19 +226,24 @@ class Mechanism:
     @cached_property
     def is_length(self) -> NDArray[np.bool_]:
         """(ne,) whether a deformation is measured in metres."""
-        found = np.zeros(self.numbering.ne, bool)
-        for batch in self.batches:
-            kind = ELEMENT_TYPES.get(batch.family.keyword)  # None of node inertia and normalizations
-            if kind is not None and (modes := lengths_of(kind)):
-                found.put(batch.e.take(modes, 0), True)
-        return found
+        return self._with_lengths(np.zeros(self.numbering.ne, bool), True)
 
     @cached_property
     def deformation_scale(self) -> Array:
         """(ne,) typical size of every deformation: `length` for those in metres, 1 for rotations and normalizations."""
-        return np.where(self.is_length, self.length, 1.0)
+        scale = np.empty(self.numbering.ne)
+        scale.fill(1.0)
+        return self._with_lengths(scale, self.length)
+
+    def _with_lengths(self, found: NDArray[Any], value: float) -> NDArray[Any]:
+        """`found` (ne,) with the value where a deformation is measured in metres."""
+        for batch in self.batches:
+            kind = ELEMENT_TYPES.get(batch.family.keyword)  # None of node inertia and normalizations
+            if kind is not None and (modes := lengths_of(kind)):
+                found.put(batch.e if len(modes) == len(batch.e) else batch.e[modes], value)
+        return found
 
     @cached_property
     def distance(self) -> float:
         """Largest coordinate of the reference configuration in its size, at least 1: more is far from the origin."""
-        return float(np.maximum.reduce(np.abs(self.x0 / self.scale), initial=1.0))
+        return max(1.0, largest(np.abs(self.x0 / self.scale)))

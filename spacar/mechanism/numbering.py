@@ -48,8 +48,27 @@ class Numbering:
     e_class: dict[str, slice]
     x_places: Index  # (1 + highest node, 4) places of the coordinates in x
     e_places: Index  # (1 + highest element, 6; 8 in a model with warping) places of the deformations in e
-    normalization: Index  # (n spatial orientation nodes, 2): node number, 0-based row of e
-    slips: NDArray[np.bool_]  # (ne,) rows that exist as rates only
+    turning: Index  # (n,) numbers of the spatial orientation nodes
+    normalized: slice  # rows of e with the normalizations of their Euler parameters
+
+    @cached_property
+    def normalization(self) -> Index:
+        """(n spatial orientation nodes, 2): node number, 0-based row of e."""
+        return np.array((self.turning, np.arange(self.normalized.start, self.normalized.stop))).T
+
+    @cached_property
+    def euler(self) -> Index:
+        """(4, n spatial orientation nodes) places of the Euler parameters in x."""
+        return self.x_places.take(self.turning, 0).T
+
+    @cached_property
+    def slips(self) -> NDArray[np.bool_]:
+        """(ne,) rows that exist as rates only."""
+        found = np.zeros(self.ne, bool)
+        for rows in self.types:
+            for mode in rows.kind.slips:
+                found[self.e_places[rows.numbers, mode]] = True
+        return found
 
     @cached_property
     def nxp(self) -> Index:
@@ -185,7 +204,7 @@ class Numbering:
     @cached_property
     def holonomic(self) -> bool:
         """True when no deformation exists as a rate only."""
-        return not bool(self.slips.any())
+        return not any([rows.kind.slips for rows in self.types])
 
     @cached_property
     def q_names(self) -> list[str]:
@@ -266,7 +285,8 @@ class Numbering:
     @cached_property
     def position_equations(self) -> Index:
         """Rows h: the holonomic ones of fixed, input, dynamic and kinematic deformations."""
-        return (~self.slips[: self.e_class["kinematic"].stop]).nonzero()[0]
+        stop = self.e_class["kinematic"].stop
+        return np.arange(stop) if self.holonomic else (~self.slips[:stop]).nonzero()[0]
 
     @cached_property
     def position_unknowns(self) -> Index:
@@ -315,42 +335,36 @@ def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -
     input (modes that follow a nominal motion)."""
     planar = types[0].kind.planar
     codes, of_nodes, width, roles = class_codes(deck, types, prescribed)
-    turning = () if planar else _with_role(roles, "orientation")
     table = np.frombuffer(codes, np.uint8)
     counts = np.bincount(table, minlength=ABSENT).tolist()
     x_counts, e_counts = counts[: len(X_ORDER)], counts[len(X_ORDER) : ABSENT]
-    nx, ne = sum(x_counts), sum(e_counts)
-    # places in x, and again from 0 in e, by class and then as the codes stand; -1 where ABSENT
-    ascending = np.arange(len(codes))
-    ascending[nx:] -= nx
+    turning = NO_NODES if planar else _with_role(roles, "orientation")
     first, more = e_counts[0], len(turning)  # normalizations come after the other fixed deformations
-    if more:
-        ascending[nx + first :] += more
-        e_counts[0] += more
-    ascending[nx + ne :] = -1
+    e_counts[0] += more
+    nx, ne = sum(x_counts), sum(e_counts)
+    # by class and then as the codes stand; the absent come last
+    order, ascending = table.argsort(kind="stable"), np.arange(max(nx, ne))
     places = np.empty(len(codes), np.int64)
-    places[table.argsort(kind="stable")] = ascending
-    x_places, e_places = places[:of_nodes].reshape(-1, 4), places[of_nodes:].reshape(-1, width)
-    slips = np.zeros(ne + more, bool)
-    for rows in types:
-        for mode in rows.kind.slips:
-            slips[e_places[rows.numbers, mode]] = True
+    places.fill(-1)
+    places.put(order[:nx], ascending[:nx])
+    places.put(order[nx : nx + first], ascending[:first])
+    places.put(order[nx + first : nx + ne - more], ascending[first + more : ne])
     return Numbering(
         planar=planar,
         types=tuple(types),
         roles=roles,
         nx=nx,
-        ne=ne + more,
+        ne=ne,
         x_class=_slices(x_counts, X_ORDER),
         e_class=_slices(e_counts, E_ORDER),
-        x_places=x_places,
-        e_places=e_places,
-        normalization=np.array((turning, np.arange(first, first + more))).T if more else NO_NODES,
-        slips=slips,
+        x_places=places[:of_nodes].reshape(-1, 4),
+        e_places=places[of_nodes:].reshape(-1, width),
+        turning=turning,
+        normalized=slice(first, first + more),
     )
 
 
-NO_NODES = np.zeros((0, 2), np.int64)
+NO_NODES = np.zeros(0, np.int64)
 NO_NODES.setflags(write=False)
 
 
