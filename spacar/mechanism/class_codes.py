@@ -76,10 +76,11 @@ def class_codes(deck: Deck, types: Sequence[ElementRows], prescribed: bool) -> C
         of = kinds.tobytes()
         for keyword, code in keywords.items():
             for s in block.get(keyword, ()):
-                number, *which = s.integers()
+                values: tuple[int, ...] = s.values  # type: ignore[assignment]
+                number = values[0]
                 if number < len(of) and of[number]:  # a node that no element uses has a warning
                     before = first + size * number
-                    for k in which or every[of[number]]:
+                    for k in values[1:] or every[of[number]]:
                         codes[before + k] = code
     return ClassCodes(codes.translate(_AS_INPUT) if prescribed else codes, of_nodes, width, roles)
 

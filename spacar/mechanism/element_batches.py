@@ -74,25 +74,23 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
         if kind.carries_flow:
             given = {s.values[0] for s in deck.block(2).get("EM", ()) if len(s.values) > 1 + SHAPE_FACTOR}
             values[[number not in given for number in numbers.tolist()], SHAPE_FACTOR] = 1.0
+        geometry = tuple([s.values[first:] for s in statements]) if kind.geometry else ((),) * n
         group = ElementGroup(
-            keyword=kind.keyword,
-            numbers=numbers,
-            x0=x0.take(x),
-            geometry=tuple([s.values[first:] for s in statements]) if kind.geometry else ((),) * n,
-            nonlinear=nonlinear.take(numbers),
-            directions=tuple(map(directions.get, numbers.tolist())) if directions else (None,) * n,
-            projections=tuple(map(projections.get, numbers.tolist())) if projections else (None,) * n,
-            em=values[:, EM],
-            estiff=values[:, ESTIFF],
-            edamp=values[:, EDAMP],
-            elastic=e >= first_elastic if angle else None,
-        )
+            kind.keyword, numbers, x0.take(x), geometry, nonlinear.take(numbers),  # type: ignore[arg-type]
+            _of(directions, numbers), _of(projections, numbers), values[:, EM], values[:, ESTIFF], values[:, EDAMP],
+            e >= first_elastic if angle else None,
+        )  # fmt: skip
         yield PlacedGroup(family_of(kind.angle_family if angle else kind.family), group, x, e, statements)
 
 
 def _vectors(block: Mapping[str, Sequence[Statement]], *keywords: str) -> dict[int, tuple[float, ...]]:
     """Values behind the element numbers."""
     return {s.values[0]: s.values[1:] for keyword in keywords for s in block.get(keyword, ())}  # type: ignore[misc]
+
+
+def _of(vectors: dict[int, tuple[float, ...]], numbers: Index) -> tuple[tuple[float, ...] | None, ...]:
+    """What elements have of them."""
+    return tuple(map(vectors.get, numbers.tolist())) if vectors else (None,) * len(numbers)
 
 
 def parameter_table(deck: Deck, n: int, kind: Any = float) -> Array:
@@ -132,6 +130,8 @@ def used(kind: ElementType) -> Index:
 def by_angles(deck: Deck, beams: str = "") -> set[int]:
     """Numbers of the elements in the angle measure: those of ADEFORM, or with `beams` ("angle", "sine") all or none."""
     given = deck.block(1).get("ADEFORM", ())
+    if not given and not beams:
+        return set()
     if beams == "angle" or (not beams and any(not s.values for s in given)):
         block = deck.block(1)
         return {s.integer(0) for keyword in _WITH_ANGLES & block.keys() for s in block[keyword]}

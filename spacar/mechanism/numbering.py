@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
@@ -336,7 +337,7 @@ def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -
     planar = types[0].kind.planar
     codes, of_nodes, width, roles = class_codes(deck, types, prescribed)
     table = np.frombuffer(codes, np.uint8)
-    counts = np.bincount(table, minlength=ABSENT).tolist()
+    counts = np.bincount(table, None, ABSENT).tolist()
     x_counts, e_counts = counts[: len(X_ORDER)], counts[len(X_ORDER) : ABSENT]
     turning = NO_NODES if planar else _with_role(roles, "orientation")
     first, more = e_counts[0], len(turning)  # normalizations come after the other fixed deformations
@@ -346,9 +347,9 @@ def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -
     order, ascending = table.argsort(kind="stable"), np.arange(max(nx, ne))
     places = np.empty(len(codes), np.int64)
     places.fill(-1)
-    places.put(order[:nx], ascending[:nx])
-    places.put(order[nx : nx + first], ascending[:first])
-    places.put(order[nx + first : nx + ne - more], ascending[first + more : ne])
+    places[order[:nx]] = ascending[:nx]
+    places[order[nx : nx + first]] = ascending[:first]
+    places[order[nx + first : nx + ne - more]] = ascending[first + more : ne]
     return Numbering(
         planar=planar,
         types=tuple(types),
@@ -369,11 +370,8 @@ NO_NODES.setflags(write=False)
 
 
 def _slices(counts: Sequence[int], order: Sequence[str]) -> dict[str, slice]:
-    found, first = {}, 0
-    for name, count in zip(order, counts, strict=True):
-        found[name] = slice(first, first + count)
-        first += count
-    return found
+    a, b, c, d, e = accumulate(counts)
+    return dict(zip(order, (slice(0, a), slice(a, b), slice(b, c), slice(c, d), slice(d, e)), strict=True))
 
 
 def _with_role(roles: NDArray[np.uint8], role: str) -> Index:
