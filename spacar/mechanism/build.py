@@ -94,7 +94,8 @@ def _size(numbering: Numbering, x0: Array) -> float:
     if len(numbering.positions) < 2:
         return 1.0
     places = x0.real.take(numbering.positions)
-    extent = hypot(*(np.maximum.reduce(places) - np.minimum.reduce(places)).tolist())
+    places.sort(0)  # of few that takes a third of the time of both extremes
+    extent = hypot(*(places[-1] - places[0]).tolist())
     return extent if extent > 0.0 else 1.0
 
 

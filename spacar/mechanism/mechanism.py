@@ -226,22 +226,27 @@ class Mechanism:
     @cached_property
     def is_length(self) -> NDArray[np.bool_]:
         """(ne,) whether a deformation is measured in metres."""
-        return self._with_lengths(np.zeros(self.numbering.ne, bool), True)
+        found = np.zeros(self.numbering.ne, bool)
+        found[self._lengths] = True
+        return found
 
     @cached_property
     def deformation_scale(self) -> Array:
         """(ne,) typical size of every deformation: `length` for those in metres, 1 for rotations and normalizations."""
         scale = np.empty(self.numbering.ne)
         scale.fill(1.0)
-        return self._with_lengths(scale, self.length)
+        scale[self._lengths] = self.length
+        return scale
 
-    def _with_lengths(self, found: NDArray[Any], value: float) -> NDArray[Any]:
-        """`found` (ne,) with the value where a deformation is measured in metres."""
+    @cached_property
+    def _lengths(self) -> Index:
+        """Deformations that are measured in metres."""
+        parts = []
         for batch in self.batches:
             kind = ELEMENT_TYPES.get(batch.family.keyword)  # None of node inertia and normalizations
             if kind is not None and (modes := lengths_of(kind)):
-                found.put(batch.e if len(modes) == len(batch.e) else batch.e[modes], value)
-        return found
+                parts.append((batch.e if len(modes) == len(batch.e) else batch.e[modes]).ravel())
+        return parts[0] if len(parts) == 1 else np.concatenate((NO_ENTRIES[0], *parts))
 
     @cached_property
     def distance(self) -> float:

@@ -195,7 +195,7 @@ class Numbering:
     @cached_property
     def warped(self) -> bool:
         """True when some element has warping nodes."""
-        return any(rows.kind.warping for rows in self.types)
+        return any([rows.kind.warping for rows in self.types])
 
     @cached_property
     def positions(self) -> Index:
@@ -220,15 +220,13 @@ class Numbering:
 
     @cached_property
     def q_x(self) -> Index:
-        """Coordinates that are degrees of freedom: input, then dynamic."""
-        a, b = self.x_class["input"], self.x_class["dynamic"]
-        return _ranges((a.start, a.stop), (b.start, b.stop))
+        """Coordinates that are degrees of freedom: input, then dynamic, which follow each other."""
+        return np.arange(self.x_class["input"].start, self.x_class["dynamic"].stop)
 
     @cached_property
     def q_e(self) -> Index:
         """Deformations that are degrees of freedom: input, then dynamic."""
-        a, b = self.e_class["input"], self.e_class["dynamic"]
-        return _ranges((a.start, a.stop), (b.start, b.stop))
+        return np.arange(self.e_class["input"].start, self.e_class["dynamic"].stop)
 
     @cached_property
     def ndof(self) -> int:
@@ -328,7 +326,8 @@ def _count(places: slice) -> int:
 
 def _ranges(*ranges: tuple[int, int]) -> Index:
     """Consecutive numbers from each first to before each last one."""
-    return np.concatenate([np.arange(first, last) for first, last in ranges])
+    parts = [np.arange(first, last) for first, last in ranges if first < last]
+    return parts[0] if len(parts) == 1 else np.concatenate((NO_PLACES, *parts))
 
 
 def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -> Numbering:
@@ -339,7 +338,7 @@ def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -
     table = np.frombuffer(codes, np.uint8)
     counts = np.bincount(table, None, ABSENT).tolist()
     x_counts, e_counts = counts[: len(X_ORDER)], counts[len(X_ORDER) : ABSENT]
-    turning = NO_NODES if planar else _with_role(roles, "orientation")
+    turning = NO_PLACES if planar else _with_role(roles, "orientation")
     first, more = e_counts[0], len(turning)  # normalizations come after the other fixed deformations
     e_counts[0] += more
     nx, ne = sum(x_counts), sum(e_counts)
@@ -365,13 +364,14 @@ def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -
     )
 
 
-NO_NODES = np.zeros(0, np.int64)
-NO_NODES.setflags(write=False)
+NO_PLACES = np.zeros(0, np.int64)
+NO_PLACES.setflags(write=False)
 
 
 def _slices(counts: Sequence[int], order: Sequence[str]) -> dict[str, slice]:
     a, b, c, d, e = accumulate(counts)
-    return dict(zip(order, (slice(0, a), slice(a, b), slice(b, c), slice(c, d), slice(d, e)), strict=True))
+    i, j, k, l, m = order
+    return {i: slice(0, a), j: slice(a, b), k: slice(b, c), l: slice(c, d), m: slice(d, e)}
 
 
 def _with_role(roles: NDArray[np.uint8], role: str) -> Index:
