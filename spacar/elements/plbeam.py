@@ -93,9 +93,12 @@ class PlanarBeam(Family):
         self.angle = angle
         EA, EI, shear = group.estiff[:, 0:3].T
         self.rigidity, self.viscosity = (EA, EI), (group.edamp[:, 0], group.edamp[:, 1])
-        self.Phi = 12.0 * shear / (l0 * l0)
-        scale, sheared = group.nonlinear / (60.0 * l0), 1.0 + self.Phi
-        rest = 3.0 / (sheared * sheared)
+        self.Phi, rest = shear, 3.0
+        if np.count_nonzero(shear):
+            self.Phi = 12.0 * shear / (l0 * l0)
+            sheared = 1.0 + self.Phi
+            rest = 3.0 / (sheared * sheared)
+        scale = group.nonlinear / (60.0 * l0)
         self.A2, self.B = (5.0 + rest) * scale, (5.0 - rest) * scale
         self._set_mass(m, J)
 

@@ -69,7 +69,7 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
         kind, statements, numbers, nodes = rows
         n, first = len(numbers), 1 + len(kind.nodes)
         x = x_places.take(nodes, 0).reshape(n, -1).T.take(used(kind), 0)
-        e = e_places.take(numbers, 0).T[: len(kind.modes)]
+        e = e_places.T[: len(kind.modes)].take(numbers, 1)
         values = parameters.take(numbers, 0)
         if kind.carries_flow:
             given = {s.values[0] for s in deck.block(2).get("EM", ()) if len(s.values) > 1 + SHAPE_FACTOR}
