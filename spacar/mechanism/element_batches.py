@@ -28,7 +28,6 @@ class PlacedGroup(NamedTuple):
     elements: ElementGroup
     x: Index
     e: Index
-    statements: Sequence[Statement]
 
 
 def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = "") -> list[Batch]:
@@ -42,7 +41,8 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = ""
         try:
             family = group.family(group.elements)  # type: ignore[call-arg]
         except GeometryError as error:
-            bad = group.statements[error.index]
+            element = group.elements.numbers[error.index]
+            bad = next(s for s in deck.of(group.elements.keyword, block=1) if s.values[0] == element)
             text = f"element {bad.values[0]}: {error}"
             messages.append(Message("error", deck.source, bad.line, bad.keyword, text, "input.geometry"))
             continue
@@ -64,7 +64,7 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
     angles = by_angles(deck, beams)
     first_elastic = numbering.e_class["input"].stop
     for rows, angle in _by_measure(numbering.types, angles):
-        kind, statements, numbers, nodes = rows
+        kind, given_values, numbers, nodes = rows
         n, first = len(numbers), 1 + len(kind.nodes)
         x = x_places.take(nodes, 0).reshape(n, -1).T.take(used(kind), 0)
         e = e_places.T[: len(kind.modes)].take(numbers, 1)
@@ -76,7 +76,7 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
             keyword=kind.keyword,
             numbers=numbers,
             x0=x0.take(x),
-            geometry=tuple([s.real_values(first) for s in statements]) if kind.geometry else ((),) * n,
+            geometry=tuple([row[first:] for row in given_values]) if kind.geometry else ((),) * n,
             nonlinear=~linear.take(numbers),
             directions=tuple(map(directions.get, numbers.tolist())) if directions else (None,) * n,
             projections=tuple(map(projections.get, numbers.tolist())) if projections else (None,) * n,
@@ -85,7 +85,7 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
             edamp=values[PARAMETERS["EDAMP"]].T,
             elastic=e >= first_elastic if angle else None,
         )
-        yield PlacedGroup(family_of(kind.angle_family if angle else kind.family), group, x, e, statements)
+        yield PlacedGroup(family_of(kind.angle_family if angle else kind.family), group, x, e)
 
 
 def _vectors(block: Mapping[str, Sequence[Statement]], *keywords: str) -> dict[int, tuple[float, ...]]:
@@ -95,11 +95,11 @@ def _vectors(block: Mapping[str, Sequence[Statement]], *keywords: str) -> dict[i
 
 def parameter_table(deck: Deck, n: int, kind: Any = float) -> Array:
     """(23, n): values of EM, ESTIFF and EDAMP behind the element number, which is the column; zero where not given."""
-    block = deck.block(2)
+    given = deck.index.keywords(2)
     table = np.zeros((PARAMETERS["EDAMP"].stop, n), kind)
-    for keyword in PARAMETERS.keys() & block.keys():
+    for keyword in PARAMETERS.keys() & given:
         own = table[PARAMETERS[keyword]]
-        for numbers, values in value_rows(block[keyword], kind):
+        for numbers, values in value_rows(deck, keyword, 2, kind):
             own[: values.shape[1], numbers] = values.T[: len(own)]
     return table
 
@@ -117,8 +117,8 @@ def _by_measure(types: Iterable[ElementRows], angles: set[int]) -> Iterator[tupl
         inside = np.isin(rows.numbers, list(angles))
         for angle in (False, True):
             here = np.flatnonzero(inside == angle)
-            statements = [rows.statements[k] for k in here.tolist()]
-            yield ElementRows(rows.kind, statements, rows.numbers[here], rows.nodes[here]), angle
+            values = [rows.values[k] for k in here.tolist()]
+            yield ElementRows(rows.kind, values, rows.numbers[here], rows.nodes[here]), angle
 
 
 @cache
