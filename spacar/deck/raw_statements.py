@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from operator import attrgetter
 
-from spacar.deck.lexer import Word, lines_not_plain, numbers, words_of
+from spacar.deck.lexer import Word, lines_not_plain, numbers, with_e, words_of
 from spacar.deck.statement_group import StatementGroup
 
 
@@ -77,11 +77,15 @@ class Split:
             del part.values[:: part.width + 1]
             words += part.values
         try:
-            values, end = numbers(words), 0
+            values = numbers(words)
         except ValueError:
-            for part in plain:
-                self.odd |= lines_not_plain(part.values, part.lines)
-            return
+            try:
+                values = numbers(with_e(words))
+            except ValueError:
+                for part in plain:
+                    self.odd |= lines_not_plain(part.values, part.lines)
+                return
+        end = 0
         for part in plain:
             start, end = end, end + len(part.values)
             part.values = values[start:end]

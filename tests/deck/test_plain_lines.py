@@ -299,3 +299,17 @@ def test_columns_of_statements_without_numbers():
     text = "PLBEAM 1 1 2 3 4\nX 3 1. 0.\nADEFORM\nADEFORM\nFIX 1\nFIX 2\nEND HALT\nEM 1 1.\nEND END"
     assert read(text) == ["error: <deck>:4: ADEFORM: already given at line 3; give it once"]
     assert list(parse_deck(text.replace("ADEFORM\n", "", 1)).index.rows("ADEFORM", 1)) == [()]
+
+
+def test_exponents_of_fortran_are_plain(monkeypatch):
+    """A number with d before its exponent does not make the whole text be divided once more."""
+    text = "PLBEAM 1 1 2 3 4\nX 3 1.25d0 -2D-1\nFIX 1\nFIX 2d0\nEND HALT\nEM 1 {}\nEND END"
+    with one_by_one():
+        wanted, small = read(text.format("1.d+02")), read(text.format("1.d-200"))
+    runs = []
+    run = splitter._Splitter.run
+    monkeypatch.setattr(splitter._Splitter, "run", lambda self: runs.append(1) or run(self))
+    assert read(text.format("1.d+02")) == wanted
+    assert len(runs) == 1
+    assert wanted[0][1][1] == (3, 1.25, -0.2)
+    assert read(text.format("1.d-200")) == small
