@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from spacar import modes
@@ -15,8 +15,8 @@ from spacar.deck.statement_index import StatementIndex
 from spacar.deck.table_types import BlockKind
 
 CLASS_KEYWORDS = {"node": ("FIX", "INPUTX", "DYNX", "KINX"), "element": ("RLSE", "INPUTE", "DYNE", "KINE")}
-Classes = dict[tuple[int, int], tuple[str, Statement]]
-"""(node, coordinate) or (element, mode) -> class and the statement that says so."""
+Classes = dict[tuple[int, int], tuple[str, Sequence[Statement], int]]
+"""(node, coordinate) or (element, mode) -> class, and the statement that says so: some statements and its place."""
 
 
 @dataclass(slots=True, eq=False)
@@ -53,13 +53,17 @@ class CheckMaterial:
         broken = self.outline.broken
         return bool(broken) and any((name, number) in broken for name in CLASS_KEYWORDS[what])
 
-    def class_of(self, what: str, number: int, index: int) -> tuple[str, Statement | None]:
-        """Class of a coordinate ("node") or deformation ("element") and the statement that gave it."""
-        if what == "node":
-            default = "dynamic" if self.outline.roles.get(number) == "warping" else "calculable"
-            return self.coordinates.get((number, index), (default, None))
-        given = self.deformations.get((number, index))
+    def class_of(self, what: str, number: int, index: int) -> str:
+        """Class of a coordinate ("node") or deformation ("element")."""
+        given = (self.coordinates if what == "node" else self.deformations).get((number, index))
         if given is not None:
-            return given
+            return given[0]
+        if what == "node":
+            return "dynamic" if self.outline.roles.get(number) == "warping" else "calculable"
         kind = self.outline.types.get(number)
-        return ("calculable" if kind is not None and index in kind.released else "fixed"), None
+        return "calculable" if kind is not None and index in kind.released else "fixed"
+
+    def giver(self, what: str, number: int, index: int) -> Statement | None:
+        """The statement that gave a class to a coordinate or deformation, if one did."""
+        given = (self.coordinates if what == "node" else self.deformations).get((number, index))
+        return None if given is None else given[1][given[2]]

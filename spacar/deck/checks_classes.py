@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import cast
 
 from spacar.deck.check_material import CheckMaterial, Classes
 from spacar.deck.statement import Statement
@@ -58,11 +57,10 @@ def _put(
     """Give a class to what the statements name, or, without numbers, to `every` coordinate or mode."""
     count = 0
     for group in scene.index.groups_of(*names, block=1):
-        name = names[group[0].keyword]
-        for s in group:
-            this, indices = (name, s), cast("tuple[int, ...]", s.values)
-            number = indices[0]
-            for index in indices[1:] or every(number):
+        name = names[group.keyword]
+        for place, (number, *indices) in enumerate(group.rows()):
+            this = name, group, place
+            for index in indices or every(number):
                 classes[number, index] = this
                 count += 1
     if len(classes) == count and not (noun == "mode" and "released" in scene.outline.traits):
@@ -80,18 +78,17 @@ def _put_one(
 ) -> None:
     number = s.integer(0)
     again: dict[int, list[int]] = {}
-    this = name, s
+    this = name, (s,), 0
     for place, index in enumerate(indices, 1):
         before = classes.setdefault((number, index), this)
         if before is this and index not in indices[: place - 1]:
             continue
+        by = before[1][before[2]]
         if before[0] == name:
-            again.setdefault(before[1].line, []).append(index)
+            again.setdefault(by.line, []).append(index)
         else:
-            text = (
-                f"{noun} {index} cannot be {name}: it was {_DONE[before[0]]} by {before[1].keyword} at line "
-            )
-            scene.findings.error(s, place, text + str(before[1].line), "two-classes")
+            text = f"{noun} {index} cannot be {name}: it was {_DONE[before[0]]} by {by.keyword} at line {by.line}"
+            scene.findings.error(s, place, text, "two-classes")
     for line, repeated in again.items():
         which = f"{noun} {repeated[0]} was" if len(repeated) == 1 else f"{noun}s {_listed(repeated)} were"
         scene.findings.warning(s, 1, f"{which} already {_DONE[name]} at line {line}", "repeated")
@@ -107,7 +104,7 @@ def _check_euler_parameters(scene: CheckMaterial) -> None:
         return
     with_fourth = {node for node, index in scene.coordinates if index == 4 and (node, 1) in scene.coordinates}
     for node in filter(with_fourth.__contains__, scene.outline.roles if with_fourth else ()):
-        by = [scene.coordinates[node, i][1] for i in (1, 2, 3, 4) if (node, i) in scene.coordinates]
+        by = [s for i in (1, 2, 3, 4) if (s := scene.giver("node", node, i)) is not None]
         if len(by) == 4:
             last = max(by, key=lambda s: s.line)
             text = (

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from itertools import chain
-
 from spacar.deck.check_material import CheckMaterial
 from spacar.deck.checks_references import at_least, one_of, positive
 from spacar.deck.statement import Statement
-from spacar.deck.statement_index import Group
+from spacar.deck.statement_group import StatementGroup
 from spacar.deck.table_solvers import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
 
 _SIGNS = {"XM": "mass or inertia", "EM": "mass", "ESTIFF": "stiffness", "EDAMP": "damping", "MEE": "mass"}
@@ -38,10 +36,9 @@ def check_dynamics(scene: CheckMaterial) -> None:
         _check_motion(scene)
 
 
-def _may_have_signs(group: Group) -> bool:
+def _may_have_signs(group: StatementGroup) -> bool:
     """Whether some number is negative, or an inertia tensor may be none without that (all values are numbers)."""
-    first = group[0]
-    return (first.keyword == "XM" and len(first.values) > 2) or min(chain.from_iterable([s.values for s in group])) < 0  # type: ignore
+    return (group.keyword == "XM" and group.width > 2) or min(group.values) < 0
 
 
 def _check_signs(scene: CheckMaterial, s: Statement) -> None:
@@ -115,18 +112,19 @@ def _check_settings(scene: CheckMaterial, s: Statement) -> None:
 def _check_stiffness(scene: CheckMaterial) -> None:
     """Dynamic deformations of beams and trusses without stiffness move freely: meant for measuring elements."""
     outline = scene.outline
-    moving = [key for key, (name, _) in scene.deformations.items() if name == "dynamic" and outline.types[key[0]].axial]
-    stiff = {s.values[0]: s for s in scene.of("ESTIFF", block=2)} if moving else {}
+    moving = [key for key, given in scene.deformations.items() if given[0] == "dynamic" and outline.types[key[0]].axial]
+    stiff = {row[0]: row for row in scene.index.rows("ESTIFF", 2)} if moving else {}
     free: dict[int, list[int]] = {}
     for element, mode in moving:
         kind = outline.types[element]
         if ("ESTIFF", element) in outline.broken:
             continue
-        given = stiff.get(element)
-        if given is None or given.real(kind.stiffness[mode - 1] - 1) == 0.0:
+        place = kind.stiffness[mode - 1]
+        if not any(stiff.get(element, ())[place - 1 : place]):
             free.setdefault(element, []).append(mode)
     for element, modes in free.items():
-        by = scene.deformations[element, modes[0]][1]
+        by = scene.giver("element", element, modes[0])
+        assert by is not None
         kind = scene.outline.types[element]
         names = ", ".join(f"{m} ({kind.modes[m - 1][0]})" for m in modes)
         text = f"no stiffness for mode {names} of the {kind.keyword}: it moves freely"
@@ -144,7 +142,7 @@ def _check_warping(scene: CheckMaterial) -> None:
             stiff = number in given and any(given[number].real(p - 1) for p in torsion)
             held[node] = held.get(node, False) or stiff
     for node, is_held in held.items():
-        if not is_held and scene.class_of("node", node, 1)[0] == "dynamic" and not scene.doubtful("node", node):
+        if not is_held and scene.class_of("node", node, 1) == "dynamic" and not scene.doubtful("node", node):
             by = scene.outline.user(node)
             text = f"nothing holds the twist rate of warping node {node}: FIX {node}, or give ESTIFF a GIt or ECw"
             scene.findings.warning(by, None, text, "free-warping")
@@ -155,10 +153,10 @@ def _check_preload(scene: CheckMaterial) -> None:
     for a prescribed one, except in mode 3, where prescribed deformations are the degrees of freedom."""
     acts = scene.analysis is None or scene.analysis.takes_setpoints
     lost = ("fixed",) if acts else ("fixed", "prescribed")
-    for s in scene.of("ESIG", "DELESIG", block=2):
-        element, found = s.integer(0), []
-        for place, stress in enumerate(s.values[1:], 1):
-            if stress != 0.0 and (name := scene.class_of("element", element, place)[0]) in lost:
+    for group, k, (element, *stresses) in scene.index.each("ESIG", "DELESIG", block=2):
+        found = []
+        for place, stress in enumerate(stresses, 1):
+            if stress != 0.0 and (name := scene.class_of("element", element, place)) in lost:
                 found.append((place, name))
         if not found or scene.doubtful("element", element):
             continue
@@ -170,7 +168,7 @@ def _check_preload(scene: CheckMaterial) -> None:
                     f"no effect: {which} {name}, so that the stress follows from equilibrium alone; "
                     "a preload needs a deformation with DYNE or RLSE"
                 )
-                scene.findings.warning(s, modes[0], text, "preload-lost")
+                scene.findings.warning(group[k], modes[0], text, "preload-lost")
 
 
 def _check_moments(scene: CheckMaterial) -> None:
@@ -212,15 +210,15 @@ def _check_motion(scene: CheckMaterial) -> None:
     """Prescribed coordinates and deformations without a time function."""
     if scene.of("USERINP"):
         return
-    moved = {(s.keyword, s.integer(0), s.integer(1)) for s in scene.of("INPUTX", "INPUTE", block=2)}
+    moved = {(name, *row[:2]) for name in ("INPUTX", "INPUTE") for row in scene.index.rows(name, 2)}
     for keyword, classes, noun in (
         ("INPUTX", scene.coordinates, "coordinate"),
         ("INPUTE", scene.deformations, "mode"),
     ):
-        for (number, index), (name, by) in classes.items():
+        for (number, index), (name, by, k) in classes.items():
             if name == "prescribed" and (keyword, number, index) not in moved:
                 text = (
                     f"{noun} {index} has no time function ({keyword} in the dynamics block): constant "
                     "at its initial value"
                 )
-                scene.findings.information(by, None, text, "constant")
+                scene.findings.information(by[k], None, text, "constant")

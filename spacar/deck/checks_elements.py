@@ -14,7 +14,7 @@ def check_elements(scene: CheckMaterial) -> None:
     """Everything that concerns the element statements as such."""
     outline, findings = scene.outline, scene.findings
     elements = scene.of(*ELEMENT_TYPES) if not outline.regular or not outline.traits.isdisjoint(_HARM) else []
-    if not outline.elements and outline.complete and not findings.errors:
+    if not outline.types and outline.complete and not findings.errors:
         findings.add("error", None, "", "the kinematics block defines no element", "no-element")
     first_of_kind: dict[bool, Statement] = {}
     for s in elements:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from itertools import chain
+from itertools import chain, repeat
 from math import asin, degrees, dist, hypot, inf
-from typing import Any, cast
 
 from spacar.deck.check_material import CheckMaterial
 from spacar.deck.statement import Statement
+from spacar.deck.statement_group import StatementGroup
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import ElementType, position_places
 
@@ -34,13 +34,13 @@ def check_geometry(scene: CheckMaterial) -> None:
     positions = _positions(scene)
     most = 2.0 * max(map(abs, chain.from_iterable(positions.values())), default=0.0)  # no smaller than the model is
     size: float | None = None
-    elements = scene.outline.elements
     if scene.outline.regular:
         groups = scene.index.groups_of(*[kind.keyword for kind in scene.outline.kinds], block=1)
     else:
-        groups = [[elements[number]] for number in scene.outline.types]
+        elements = scene.outline.elements
+        groups = [StatementGroup.of(elements[number]) for number in scene.outline.types]
     for group in groups:
-        kind = ELEMENT_TYPES[group[0].keyword]
+        kind = ELEMENT_TYPES[group.keyword]
         if not _ordinary(group, kind, positions, most):
             size = _size(scene, positions) if size is None else size
             for s in group:
@@ -70,8 +70,9 @@ def _positions(scene: CheckMaterial) -> dict[int, Vector]:
     positions: dict[int, Vector] = {}
     groups, roles = scene.index.groups_of("X", block=1), scene.outline.roles
     for group in groups:
-        zeros = (0.0,) * (4 - len(group[0].values))
-        new = cast("dict[int, Vector]", {s.values[0]: s.values[1:] + zeros for s in group})
+        zeros = [repeat(0.0)] * (4 - group.width)
+        nodes, *places = group.columns(0, group.width)
+        new = dict(zip(nodes, zip(*places, *zeros)))  # noqa: B905 (of equal lengths)
         if not _all_new(new, group, positions) or set(map(roles.get, new)) != {"position"}:
             return _positions_one_by_one(scene, chain.from_iterable(groups))
         positions.update(new)
@@ -107,29 +108,28 @@ def _positions_one_by_one(scene: CheckMaterial, statements: Iterable[Statement])
     return positions
 
 
-def _all_new(new: dict[int, Vector], group: list[Statement], given: dict[int, Vector]) -> bool:
+def _all_new(new: dict[int, Vector], group: StatementGroup, given: dict[int, Vector]) -> bool:
     """Whether every statement of a group, of which `new` are those of different nodes, is the first of its node."""
-    return len(new) == len(group) and given.keys().isdisjoint(new)
+    return len(new) == len(group.lines) and given.keys().isdisjoint(new)
 
 
-def _ordinary(group: list[Statement], kind: ElementType, positions: dict[int, Vector], size: float) -> bool:
+def _ordinary(group: StatementGroup, kind: ElementType, positions: dict[int, Vector], size: float) -> bool:
     """Whether elements are clearly long enough and their directions clearly good, so that none needs a closer look."""
     if kind.keyword in _WITH_RADII:
         return False
-    rows: list[Any] = [s.values for s in group]
     given, directions = kind.direction, []
     if given is not None:
         start, end = given[0] - 1, given[0] - 1 + given[1]
-        if len(rows[0]) >= end:
-            directions = [values[start:end] for values in rows]
+        if group.width >= end:
+            directions = [*zip(*group.columns(start, end))]  # noqa: B905 (of equal lengths)
             if not all(map(any, directions)):
                 return False
     ends = position_places(kind)
     if len(ends) < 2:
         return True
     p, q = ends
-    starts = [positions.get(values[p], ORIGIN) for values in rows]
-    stops = [positions.get(values[q], ORIGIN) for values in rows]
+    starts = [positions.get(node, ORIGIN) for node in group.values[p :: group.width]]
+    stops = [positions.get(node, ORIGIN) for node in group.values[q :: group.width]]
     if not min(map(dist, starts, stops)) > 2.0 * ZERO_LENGTH * size:
         return False
     return not directions or given is None or given[2] == "axis" or all(map(_oblique, starts, stops, directions))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import chain
+
 from spacar.deck.check_material import CheckMaterial
 from spacar.deck.findings import Findings, alternatives
 from spacar.deck.keyword_table import KEYWORDS, BlockKind, kind_of
@@ -17,14 +19,14 @@ _STARTS = ("STARTDX", "STARTDE")  # generators write zero start values for every
 def check_once(scene: CheckMaterial, block: int) -> None:
     """The same thing stated twice is an error: replace or add, the input does not say which."""
     once = _ONCE[kind_of(block, scene.third)]
-    for name, statements in scene.index.block(block).items():
-        many = len(statements)
-        if many == 1 or (count := once[name]) is None:
+    for name in scene.index.keywords(block):
+        if (count := once[name]) is None:
             continue
-        if len({s.values[0] for s in statements} if count == 1 else {s.values[:count] for s in statements}) == many:
+        groups = scene.index.groups_of(name, block=block)
+        if len(groups) == 1 and groups[0].distinct(count):
             continue
         given: dict[tuple[object, ...], Statement] = {}
-        for s in statements:
+        for s in chain.from_iterable(groups):
             first = given.setdefault(s.values[:count], s)
             if first is not s:
                 what = " ".join(str(v) for v in s.values[1:count]) if count > 0 else ""
@@ -35,23 +37,22 @@ def check_once(scene: CheckMaterial, block: int) -> None:
 
 def check_classes(scene: CheckMaterial, block: int) -> None:
     """A time function needs a prescribed coordinate, a start value a dynamic one, an output no fixed one, ..."""
-    for name, statements in scene.index.block(block).items():
-        if name not in OF_A_CLASS:
-            continue
+    along = scene.analysis is not None and scene.analysis.takes_setpoints
+    for name in filter(OF_A_CLASS.__contains__, scene.index.keywords(block)):
         keyword = scene.row(name, block)
         subject, of_element = subject_of(keyword)
         if subject is not None and (keyword.classes or keyword.holonomic):
             what = "element" if of_element else "node"
-            for s in statements:
-                _check_class(scene, block, keyword, s, what, subject)
+            right = () if along or keyword.holonomic else keyword.classes
+            for group, k, row in scene.index.each(name, block=block):
+                if scene.class_of(what, row[subject], row[subject + 1]) not in right:
+                    _check_class(scene, block, keyword, group[k], what, subject)
 
 
 def _check_class(scene: CheckMaterial, block: int, keyword: Keyword, s: Statement, what: str, subject: int) -> None:
     number, index = s.integer(subject), s.integer(subject + 1)
-    found, by = scene.class_of(what, number, index)
+    found = scene.class_of(what, number, index)
     along = scene.analysis is not None and scene.analysis.takes_setpoints
-    if not along and not keyword.holonomic and found in keyword.classes:
-        return
     if scene.doubtful(what, number):
         return
     thing = f"mode {index} of element {number}" if what == "element" else f"coordinate {index} of node {number}"
@@ -59,6 +60,7 @@ def _check_class(scene: CheckMaterial, block: int, keyword: Keyword, s: Statemen
         text = f"{thing} is {found}; mode 3 takes its motion from the result along which it linearizes"
         scene.findings.information(s, subject, text, "motion-known")
     elif keyword.classes and found not in keyword.classes:
+        by = scene.giver(what, number, index)
         where = f" ({by.keyword} at line {by.line})" if by is not None else ""
         allowed = " or ".join(keyword.classes)
         text = f"{thing} is {found}{where}; {s.keyword} is for a {allowed} one"

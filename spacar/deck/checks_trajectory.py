@@ -142,7 +142,7 @@ def _check_path(scene: CheckMaterial, s: Statement) -> None:
     if scene.doubtful("element" if s.keyword == "TRE" else "node", number):
         return
     if s.keyword == "TRE":
-        found = scene.class_of("element", number, 1)[0]
+        found = scene.class_of("element", number, 1)
         if found != "prescribed":
             text = (
                 f"mode 1 of element {number} is {found}; TRE needs INPUTE {number} 1 in the kinematics block"
@@ -150,9 +150,9 @@ def _check_path(scene: CheckMaterial, s: Statement) -> None:
             scene.findings.error(s, 0, text, "path-class")
         return
     needed = scene.outline.independent(number)
-    lacking = [i for i in needed if scene.class_of("node", number, i)[0] != "prescribed"]
+    lacking = [i for i in needed if scene.class_of("node", number, i) != "prescribed"]
     if lacking:
-        found = scene.class_of("node", number, lacking[0])[0]
+        found = scene.class_of("node", number, lacking[0])
         text = (
             f"coordinate {lacking[0]} of node {number} is {found}; {s.keyword} moves all its coordinates and needs"
             f" INPUTX {number} {' '.join(map(str, needed))} in the kinematics block"
@@ -168,7 +168,7 @@ def _check_rest(scene: CheckMaterial, trajectories: list[_Trajectory]) -> None:
         (nodes, scene.coordinates, "node"),
         (elements, scene.deformations, "element"),
     ):
-        resting = {n: by for (n, _), (name, by) in classes.items() if name == "prescribed" and n not in moved}
+        resting = {n: by[k] for (n, _), (name, by, k) in classes.items() if name == "prescribed" and n not in moved}
         for number, by in resting.items():
             text = f"{noun} {number} has no path in any trajectory: it stays at its initial value"
             scene.findings.information(by, None, text, "constant")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from importlib import import_module
 from os.path import isfile, splitext
 from pathlib import Path
@@ -15,11 +14,12 @@ from spacar.deck.expansion import BeamSection
 from spacar.deck.lexer import visualization_of
 from spacar.deck.mode_blocks import Purpose
 from spacar.deck.statement import Statement, Value
-from spacar.deck.statement_index import StatementIndex, grouped
+from spacar.deck.statement_group import grouped
+from spacar.deck.statement_index import StatementIndex
 from spacar.deck.table_sections import UNITS
 from spacar.deck.table_types import BlockKind
 from spacar.errors import Message, UsageError
-from spacar.records import quickly_made
+from spacar.records import cached_property, quickly_made
 
 
 @quickly_made
@@ -170,6 +170,14 @@ class Deck:
         return parse(write_rows([kinematics, dynamics, third]), source, mode, path=path)
 
 
+def statements(deck: Deck) -> tuple[Statement, ...]:
+    """Those of a deck that has its index from the start."""
+    return deck.index.statements()
+
+
+Deck.statements = cached_property(statements)  # type: ignore[assignment]
+
+
 def _line(statement: Statement, index: int | None) -> int:
     return statement.line if index is None or index >= len(statement.lines) else statement.lines[index]
 
@@ -213,12 +221,13 @@ def parse(
     contents = read_text(text, source, mode)
     if contents.visualization is not None:
         visualization = contents.visualization
-    drawn = contents.expansion.visualization
+    expansion = contents.expansion
+    drawn = expansion.visualization if expansion else ()
     added = drawn if drawn and not _drawn_already(drawn, visualization or ()) else ()
     if added:
         visualization = (*drawn, *(visualization or ()))
     deck = Deck(
-        statements=contents.statements,
+        statements=expansion.statements if expansion else (),
         source=source,
         path=path,
         text=text if text.isascii() else NOT_UTF8.sub("\ufffd", text),
@@ -229,11 +238,13 @@ def parse(
         third=contents.third,
         spans=contents.spans,
         shorthand=contents.shorthand,
-        sections=contents.expansion.sections,
+        sections=expansion.sections if expansion else (),
         drawn=len(added),
     )
     if not contents.shorthand:
-        vars(deck)["index"] = contents.found  # the checks have made it
+        own = vars(deck)
+        own["index"] = contents.found  # the checks have made it
+        del own["statements"]
     return deck
 
 

@@ -15,11 +15,12 @@ from spacar.deck.keyword_table import KEYWORDS, BlockKind, Keyword, blocks_of
 from spacar.deck.lexer import LONGEST_LINE, SourceText, integer_of, scan
 from spacar.deck.mode_blocks import Purpose, third_block, uses
 from spacar.deck.outline import Outline
-from spacar.deck.plain_forms import plain_statements
+from spacar.deck.plain_forms import take_plain
 from spacar.deck.raw_statements import PlainLines, Raw, raws_of
 from spacar.deck.splitter import split, third_kind
 from spacar.deck.statement import Statement
-from spacar.deck.statement_index import Group, StatementIndex, grouped, in_file_order
+from spacar.deck.statement_group import StatementGroup, grouped
+from spacar.deck.statement_index import StatementIndex
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_sections import UNITS
 from spacar.errors import InputError, Message
@@ -32,17 +33,16 @@ _NAMES = {2: "dynamics block", 3: "third block"}
 class Contents(NamedTuple):
     """What a text says. `visualization`: lines of that section, None without one; `third`: kind of the third block;
     `spans`: where each block begins and ends (line, column); `shorthand`: UNITS, SECTION, MATERIAL and BEAMSEC, which
-    `expansion` replaces; `given`: the statements before that, in SI, and their `outline`; `found`: the index of
-    `statements`."""
+    `expansion` replaces, if there are any; `given`: the statements before that, in SI, and their `outline`; `found`:
+    the statements."""
 
-    statements: tuple[Statement, ...]
     visualization: tuple[str, ...] | None
     messages: tuple[Message, ...]
     third: BlockKind | None
     spans: dict[int, Span]
     shorthand: tuple[Statement, ...]
-    expansion: Expansion
-    given: tuple[Statement, ...]
+    expansion: Expansion | None
+    given: StatementIndex
     outline: Outline
     found: StatementIndex
 
@@ -56,7 +56,7 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
     third = third_kind(parts.statements, third_block(mode))
     by_geometry = not WORDS.isdisjoint([part.keyword for part in parts.statements])
     outline = Outline(metre=_metre(parts.statements, findings) if by_geometry else 1.0)
-    read: list[list[Group]] = [[] for _ in parts.statements]
+    read: list[list[StatementGroup]] = [[] for _ in parts.statements]
     skipped = {block: Findings(source) for block in (2, 3) if not uses(mode, block)}
     told = {1: findings, 2: findings, 3: findings, **skipped}
     kinds = {1: BlockKind.KINEMATICS, 2: BlockKind.DYNAMICS, 3: third}
@@ -84,16 +84,14 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
         outline.broken_blocks.add(raw.block)
     for found in skipped.values():
         found.messages.sort(key=lambda m: m.line or 0)  # the first one is told
-    all_groups, before = list(chain.from_iterable(read)), outline
-    in_order = chain.from_iterable(all_groups)
-    given = tuple(in_file_order(in_order) if parts.interleaved else in_order)
+    index = given = StatementIndex(list(chain.from_iterable(read)), parts.interleaved)
+    before, expansion = outline, None
+    shorthand: tuple[Statement, ...] = ()
     if by_geometry:
-        expansion = _expansion(given, outline, findings)
+        statements = given.statements()
+        expansion = _expansion(statements, outline, findings)
+        outline, shorthand = expansion.outline, tuple([s for s in statements if s.keyword in WORDS])
         index = StatementIndex(grouped(expansion.statements))
-    else:
-        expansion = Expansion(given, outline, (), ())
-        index = StatementIndex(all_groups, parts.interleaved)
-    statements, outline = expansion.statements, expansion.outline
     check(index, outline, mode, third, told)
     for block, found in skipped.items():
         _report_skipped(block, parts.statements, mode, found, findings)
@@ -101,9 +99,8 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
         findings.messages.sort(key=lambda m: m.line or 0)
         if findings.errors:
             raise InputError(findings.messages)
-    shorthand = tuple([s for s in given if s.keyword in WORDS]) if by_geometry else ()
     return Contents(
-        statements, scanned.visualization, tuple(findings.messages), third, parts.spans, shorthand, expansion,
+        scanned.visualization, tuple(findings.messages), third, parts.spans, shorthand, expansion,
         given, before, index,
     )  # fmt: skip
 
@@ -113,15 +110,14 @@ def _read(
     keyword: Keyword,
     outline: Outline,
     findings: Findings,
-    groups: list[Group],
+    groups: list[StatementGroup],
     lost: list[Raw],
 ) -> None:
     """Add what a part of the text says to the groups: plain lines together where nothing about them is unusual, halves
     of them where something is, and what remains by its words; what cannot be read to the lost."""
     if isinstance(part, PlainLines):
-        group = plain_statements(part, keyword, outline) if outline.metre == 1.0 else None
-        if group is not None:
-            groups.append(group)
+        if outline.metre == 1.0 and take_plain(part, keyword, outline):
+            groups.append(part)
             return
         count = len(part.lines)
         if count > 1:
@@ -131,12 +127,12 @@ def _read(
         (part,) = raws_of(part)
     statement = read_statement(part, keyword, outline, findings)
     if statement is not None:
-        groups.append([statement])
+        groups.append(StatementGroup.of(statement))
     else:
         lost.append(part)
 
 
-def _with_elements(empty: Outline, groups: list[Group], lost: list[Raw]) -> Outline:
+def _with_elements(empty: Outline, groups: list[StatementGroup], lost: list[Raw]) -> Outline:
     """The outline of a model with these elements; where something is unusual the order of the file matters."""
     for group in groups:
         empty.add(group)
@@ -148,7 +144,7 @@ def _with_elements(empty: Outline, groups: list[Group], lost: list[Raw]) -> Outl
         if isinstance(part, Raw):
             _remember_broken(part, outline)
         else:
-            outline.add([part])
+            outline.add(StatementGroup.of(part))
     return outline
 
 

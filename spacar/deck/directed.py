@@ -34,7 +34,7 @@ class DirectedDeck:
     def __init__(self, deck: Deck) -> None:
         self.deck = deck
         contents = read_text(deck.text, deck.source, deck.mode)
-        self._given, self._outline = contents.given, contents.outline
+        self._given, self._outline = contents.given.statements(), contents.outline
 
     def factor(self, statement: Statement, position: int, parameters: Sequence[Parameter]) -> float:
         """What one unit of the number in the file (UNITS) is in SI; `parameters`: those of the statement."""

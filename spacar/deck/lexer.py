@@ -25,7 +25,9 @@ _COMMENT = re.compile(r"[%#;]")
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eEdD][+-]?[0-9]+)?\Z")
 _NEWLINE = re.compile(r"\r\n|\r|\n")
 # A keyword and numbers that `float` reads as `number_of` does and that are not too small, whatever their exponents.
-_ORDINARY = r"[+-]?(?:[0-9]{1,15}(?:\.[0-9]{0,20})?|\.[0-9]{1,20})(?:[eE][+-]?[0-7]?[0-9])?"
+_DIGITS = r"[+-]?(?:[0-9]{1,15}(?:\.[0-9]{0,20})?|\.[0-9]{1,20})"
+_ORDINARY = rf"{_DIGITS}(?:[eE][+-]?[0-7]?[0-9])?"
+_WITH_D = re.compile(rf"{_DIGITS}[dD][+-]?[0-7]?[0-9]\Z")
 _PLAIN = re.compile(rf"[ \t]*[A-Za-z]+(?:[ \t]+{_ORDINARY})*[ \t]*\Z")
 # Without these signs (in capitals) and in lines shorter than SHORT what `float` reads is a number of the language,
 # infinite or not, and at least 1e-99: separators in numbers and blanks of Python, exponents below zero, words.
@@ -158,6 +160,11 @@ def numbers(words: list[str]) -> list[float]:
     if not hypot(*values) <= LARGEST_INTEGER and not -LARGEST_INTEGER <= min(values) <= max(values) <= LARGEST_INTEGER:
         raise ValueError
     return values
+
+
+def with_e(words: list[str]) -> list[str]:
+    """The words, of which ordinary numbers with d before their exponent have e there, which `float` knows."""
+    return [word.lower().replace("d", "e") if _WITH_D.match(word) else word for word in words]
 
 
 def _without_last_blank(lines: list[str]) -> list[str]:

@@ -36,6 +36,7 @@ from spacar.deck.outline import Outline
 from spacar.deck.raw_statements import Raw
 from spacar.deck.splitter import split
 from spacar.deck.statement import Value
+from spacar.deck.statement_group import StatementGroup
 from spacar.deck.table_types import Keyword, Parameter, Variant
 from spacar.errors import InputError, Message
 
@@ -168,7 +169,7 @@ class Model(ModelStatements):
         if wrong:
             raise InputError(wrong)
         if statement is not None and row.name in ELEMENT_TYPES:
-            self._outline.add([statement])
+            self._outline.add(StatementGroup.of(statement))
 
     def _named(self, row: Keyword, given: list[Value], named: Mapping[str, Value], place: Place) -> list[Value]:
         """The row of the form of the statement that has all these names."""

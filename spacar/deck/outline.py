@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import chain, cycle
 from operator import eq
-from typing import Any
 
 from spacar.deck.findings import ranges
 from spacar.deck.statement import Statement
+from spacar.deck.statement_group import StatementGroup
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import ElementType, coordinates_of, independent_of, traits_of, twins_of
 
 
 @dataclass(slots=True, eq=False)
 class Outline:
-    """Elements by number with their types, nodes by number with their roles, in the order of the file.
+    """The types of elements by number, nodes by number with their roles, in the order of the file.
 
     `kinds` are the types that occur, `traits` what any of them has (`traits_of`); `regular` is true while every element
     has a number of its own and every node one role, no element has the same node at both ends, and all are planar or
@@ -26,7 +25,6 @@ class Outline:
     the unit of length of the file in metres.
     """
 
-    elements: dict[int, Statement] = field(default_factory=dict)
     types: dict[int, ElementType] = field(default_factory=dict)
     roles: dict[int, str] = field(default_factory=dict)
     kinds: dict[ElementType, None] = field(default_factory=dict)
@@ -37,7 +35,17 @@ class Outline:
     broken: set[tuple[str, int]] = field(default_factory=set)
     broken_blocks: set[int] = field(default_factory=set)
     metre: float = 1.0
+    _elements: dict[int, Statement] = field(default_factory=dict)
+    _added: list[StatementGroup] = field(default_factory=list)  # those that `_elements` has not yet
     _users: dict[int, Statement] = field(default_factory=dict)
+
+    @property
+    def elements(self) -> dict[int, Statement]:
+        """The statements of all elements, also of those that could not be read, by number."""
+        for group in self._added:
+            self._elements.update(zip(group.columns(0, 1)[0], group, strict=True))
+        self._added.clear()
+        return self._elements
 
     def coordinates(self, node: int) -> int:
         """Number of coordinates of a node that exists."""
@@ -75,22 +83,22 @@ class Outline:
                     self._users.setdefault(used, s)
         return self._users[node]
 
-    def add(self, statements: Sequence[Statement]) -> None:
+    def add(self, group: StatementGroup) -> None:
         """Take in statements of one element type whose arguments are right; first definitions win."""
-        kind = ELEMENT_TYPES[statements[0].keyword]
-        columns: list[tuple[Any, ...]] = list(zip(*[s.values for s in statements]))  # noqa: B905 (as below)
-        numbers, columns = columns[0], columns[1 : 1 + len(kind.nodes)]
-        new = dict(zip(numbers, statements))  # noqa: B905 (of equal lengths; `strict` doubles the time of a call)
-        if len(new) < len(statements) or not self.elements.keys().isdisjoint(new):
+        kind = ELEMENT_TYPES[group.keyword]
+        numbers, *columns = group.columns(0, 1 + len(kind.nodes))
+        new = dict.fromkeys(numbers, kind)
+        known = self.types.keys() | self._elements.keys() if self._elements else self.types.keys()
+        if len(new) < len(numbers) or not known.isdisjoint(new):
             self.regular = False
-            for s in statements:
+            for s in group:
                 if s.values[0] not in self.elements:
-                    self.add([s])
+                    self.add(StatementGroup.of(s))
             return
         if self._users:
             self._users.clear()
-        self.elements.update(new)
-        self.types.update(dict.fromkeys(new, kind))
+        self._added.append(group)
+        self.types.update(new)
         self.kinds[kind] = None
         self.traits |= traits_of(kind)
         space = "planar" if kind.planar else "spatial"

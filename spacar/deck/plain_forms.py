@@ -10,14 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import repeat
 from operator import le
 from typing import Any
 
 from spacar.deck.lexer import LARGEST_NUMBER
 from spacar.deck.outline import Outline
 from spacar.deck.raw_statements import PlainLines
-from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import COORDINATES, Keyword, Parameter, Variant, coordinates_of, subject_of
 
@@ -82,9 +80,9 @@ def _references(
             yield i, p.of == "element", {t: parts[t] for t in fits}
 
 
-def plain_statements(lines: PlainLines, keyword: Keyword, outline: Outline) -> list[Statement] | None:
-    """The statements of plain lines when nothing about any of them needs a message, else None."""
-    count, given = lines.count - 1, lines.values
+def take_plain(lines: PlainLines, keyword: Keyword, outline: Outline) -> bool:
+    """Whether nothing about plain lines needs a message; their values are of the kinds that the table says then."""
+    count, given = lines.width, lines.values
     values: list[Any]  # of several statements; those of an argument are `values[i::count]`
     for form in _forms(keyword, outline.space, count):
         if len(form.integers) == count:
@@ -94,12 +92,9 @@ def plain_statements(lines: PlainLines, keyword: Keyword, outline: Outline) -> l
             for i in form.integers:
                 values[i::count] = map(_INTEGER, given[i::count])
         if values == given and (_in_range(values, count, form) if form.named else _known(values, count, form, outline)):
-            # `strict` takes time, and so does the call of Python that `Statement` is
-            rows = zip(*[iter(values)] * count) if count else repeat(())  # noqa: B905
-            new, name, block = tuple.__new__, lines.keyword, lines.block
-            found = zip(rows, lines.lines, lines.texts)  # noqa: B905
-            return [new(Statement, (name, row, block, line, text)) for row, line, text in found]
-    return None
+            lines.values = values
+            return True
+    return False
 
 
 def _in_range(values: Sequence[Any], count: int, form: _Form) -> bool:

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from operator import attrgetter
 
-from spacar.deck.lexer import Word, lines_not_plain, numbers, words_of
+from spacar.deck.lexer import Word, lines_not_plain, numbers, with_e, words_of
+from spacar.deck.statement_group import StatementGroup
 
 
 @dataclass(slots=True, eq=False)
@@ -19,21 +20,15 @@ class Raw:
     words: list[Word] = field(default_factory=list)
 
 
-class PlainLines:
+class PlainLines(StatementGroup):
     """Plain lines with one keyword (its name) and as many words in each, in the order of the file.
 
-    `words`: all of them, until `Split.convert` makes `values` of those behind the keywords; `lines`: where the lines
-    stand; `texts`: what they say, without comments.
+    `values` are all the words, until `Split.convert` makes numbers of those behind the keywords; `places`: what the
+    lines say, without comments.
     """
 
-    __slots__ = ("block", "count", "keyword", "lines", "texts", "values", "words")
-
-    def __init__(self, keyword: str, block: int, count: int) -> None:
-        self.keyword, self.block, self.count = keyword, block, count
-        self.words: list[str] = []
-        self.values: list[float] = []
-        self.lines: list[int] = []
-        self.texts: list[str] = []
+    __slots__ = ()
+    places: list[str]  # type: ignore[assignment]
 
     @property
     def line(self) -> int:
@@ -42,22 +37,22 @@ class PlainLines:
 
     def part(self, start: int, end: int) -> PlainLines:
         """Some of the lines, of which the words are numbers already."""
-        found, count = PlainLines(self.keyword, self.block, self.count), self.count - 1
-        found.values = self.values[start * count : end * count]
-        found.lines, found.texts = self.lines[start:end], self.texts[start:end]
+        found, width = PlainLines(self.keyword, self.block, self.width), self.width
+        found.values = self.values[start * width : end * width]
+        found.lines, found.places = self.lines[start:end], self.places[start:end]
         return found
 
     def pop(self) -> tuple[Raw, set[int]]:
         """Take the last line off: as a statement of its own, and its number if it is not plain."""
-        first, line = len(self.words) - self.count, self.lines.pop()
-        odd = lines_not_plain(self.words[first + 1 :], [line])
-        del self.words[first:]
-        return Raw(self.keyword, self.block, line, words_of(self.texts.pop(), line)[1:]), odd
+        first, line = len(self.values) - self.width, self.lines.pop()
+        odd = lines_not_plain(self.values[first:], [line])
+        del self.values[first - 1 :]
+        return Raw(self.keyword, self.block, line, words_of(self.places.pop(), line)[1:]), odd
 
 
 def raws_of(lines: PlainLines) -> Iterator[Raw]:
     """The statements of plain lines, one by one."""
-    for line, text in zip(lines.lines, lines.texts, strict=True):
+    for line, text in zip(lines.lines, lines.places, strict=True):
         yield Raw(lines.keyword, lines.block, line, words_of(text, line)[1:])
 
 
@@ -79,17 +74,21 @@ class Split:
         words: list[str] = []
         plain = [part for part in self.statements if isinstance(part, PlainLines)]
         for part in plain:
-            del part.words[:: part.count]
-            words += part.words
+            del part.values[:: part.width + 1]
+            words += part.values
         try:
-            values, end = numbers(words), 0
+            values = numbers(words)
         except ValueError:
-            for part in plain:
-                self.odd |= lines_not_plain(part.words, part.lines)
-            return
+            try:
+                values = numbers(with_e(words))
+            except ValueError:
+                for part in plain:
+                    self.odd |= lines_not_plain(part.values, part.lines)
+                return
+        end = 0
         for part in plain:
-            start, end = end, end + len(part.words)
-            part.values, part.words = values[start:end], []
+            start, end = end, end + len(part.values)
+            part.values = values[start:end]
 
     @property
     def raws(self) -> list[Raw]:

@@ -22,6 +22,7 @@ from spacar.deck.expansion import WORDS, BeamSection, Expansion
 from spacar.deck.findings import Findings, alternatives
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement
+from spacar.deck.statement_group import StatementGroup
 from spacar.deck.table_elements import ELEMENT_TYPES
 
 ROWS = {"planar beam": planar_rows, "spatial beam": spatial_rows, "spatial beam with warping": warping_rows}
@@ -192,7 +193,7 @@ def _outline_of(statements: Sequence[Statement], before: Outline) -> Outline:
         complete=before.complete, broken=before.broken, broken_blocks=before.broken_blocks, metre=before.metre
     )
     for s in sorted((s for s in statements if s.keyword in ELEMENT_TYPES), key=lambda s: s.line):
-        outline.add([s])
+        outline.add(StatementGroup.of(s))
     return outline
 
 

@@ -84,7 +84,7 @@ class _Splitter:
                 continue
             else:
                 lines = alike.get(words[0])
-                if lines is None or lines.count != len(words):
+                if lines is None or lines.width != len(words) - 1:
                     lines = self._plain(words, number)
             if lines is None:
                 if self._words(words_of(line, number)):
@@ -92,9 +92,9 @@ class _Splitter:
                 continue
             if lines is not self.lines:
                 self.lines, self.result.interleaved = lines, True
-            lines.words += words
+            lines.values += words
             lines.lines.append(number)
-            lines.texts.append(line)
+            lines.places.append(line)
         return False
 
     def _plain(self, words: list[str], number: int) -> PlainLines | None:
@@ -103,11 +103,11 @@ class _Splitter:
         if name is None:
             return None
         lines = self.alike.get(name)
-        if lines is None or lines.count != len(words):
+        if lines is None or lines.width != len(words) - 1:
             if self.fresh:
                 self._open_since(number)
             self.current = None
-            lines = self.lines = PlainLines(name, self.block, len(words))
+            lines = self.lines = PlainLines(name, self.block, len(words) - 1)
             self.result.statements.append(lines)
         self.alike[words[0]] = self.alike[name] = lines
         return lines

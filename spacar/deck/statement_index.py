@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, KeysView, Mapping, Sequence
-from itertools import chain, groupby
+from collections.abc import Iterable, Iterator, KeysView, Mapping, Sequence
+from itertools import chain
 from operator import attrgetter
+from typing import Any
 
 from spacar.deck.statement import Statement
-
-Group = list[Statement]
-"""Statements with the same keyword, block and number of values in the order of the file; never empty."""
+from spacar.deck.statement_group import StatementGroup
 
 
 def in_file_order(statements: Iterable[Statement]) -> list[Statement]:
     """Statements that stand in a text; those on one line are in their order."""
     return sorted(statements, key=attrgetter("line"))
-
-
-def grouped(statements: Iterable[Statement]) -> list[Group]:
-    """All statements as groups of those that follow each other."""
-    return [list(group) for _, group in groupby(statements, lambda s: (s.keyword, s.block, len(s.values)))]
 
 
 class StatementIndex:
@@ -29,26 +23,27 @@ class StatementIndex:
     groups of other keywords are `interleaved` the order of the file is that of the lines.
     """
 
-    def __init__(self, groups: Sequence[Group], interleaved: bool = False) -> None:
+    def __init__(self, groups: Sequence[StatementGroup], interleaved: bool = False) -> None:
         self.groups, self.interleaved = groups, interleaved
-        self._found: dict[int, dict[str, list[tuple[int, Group]]]] = {1: {}, 2: {}, 3: {}}  # groups with their places
-        self._blocks: dict[int, dict[str, list[Statement]]] = {}
+        # groups with their places
+        self._found: dict[int, dict[str, list[tuple[int, StatementGroup]]]] = {1: {}, 2: {}, 3: {}}
+        self._blocks: dict[int, dict[str, Sequence[Statement]]] = {}
         for place, group in enumerate(groups):
-            first, found = group[0], self._found[group[0].block]
-            if first.keyword in found:
-                found[first.keyword].append((place, group))
+            found = self._found[group.block]
+            if group.keyword in found:
+                found[group.keyword].append((place, group))
             else:
-                found[first.keyword] = [(place, group)]
+                found[group.keyword] = [(place, group)]
 
     def keywords(self, block: int) -> KeysView[str]:
         """Those that a block has statements of."""
         return self._found[block].keys()
 
-    def groups_of(self, *keywords: str, block: int | None = None) -> list[Group]:
+    def groups_of(self, *keywords: str, block: int | None = None) -> list[StatementGroup]:
         """All groups of one of the keywords (and in the block), in the order of their first statements."""
         if block is not None and len(keywords) == 1:
             return [group for _, group in self._found[block].get(keywords[0], ())]
-        entries: list[tuple[int, Group]] = []
+        entries: list[tuple[int, StatementGroup]] = []
         for found in self._found.values() if block is None else (self._found[block],):
             for keyword in keywords:
                 if keyword in found:
@@ -61,9 +56,27 @@ class StatementIndex:
         """All statements with one of the keywords (and in the block), in file order."""
         groups = self.groups_of(*keywords, block=block)
         if len(groups) < 2:
-            return groups[0].copy() if groups else []
+            return [*groups[0]] if groups else []
         found = chain.from_iterable(groups)
         return in_file_order(found) if self.interleaved and len(keywords) > 1 else list(found)
+
+    def rows(self, keyword: str, block: int) -> Iterable[tuple[Any, ...]]:
+        """The values of each statement with a keyword in a block, in file order."""
+        entries = self._found[block].get(keyword)
+        if entries is None:
+            return ()
+        return entries[0][1].rows() if len(entries) == 1 else chain.from_iterable([g.rows() for _, g in entries])
+
+    def each(self, *keywords: str, block: int) -> Iterator[tuple[StatementGroup, int, tuple[Any, ...]]]:
+        """The statements with one of the keywords in a block: a group, the place in it, the values."""
+        for group in self.groups_of(*keywords, block=block):
+            for place, row in enumerate(group.rows()):
+                yield group, place, row
+
+    def statements(self) -> tuple[Statement, ...]:
+        """All of them, in file order."""
+        found = chain.from_iterable(self.groups)
+        return tuple(in_file_order(found) if self.interleaved else found)
 
     def block(self, number: int) -> Mapping[str, Sequence[Statement]]:
         """Statements of a block by keyword, in file order; only keywords that have any."""

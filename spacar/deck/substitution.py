@@ -20,6 +20,7 @@ from spacar.deck.lexer import LONGEST_LINE, is_in_range, split_lines, without_co
 from spacar.deck.mode_blocks import uses
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement, Value
+from spacar.deck.statement_group import StatementGroup
 from spacar.deck.statement_index import StatementIndex
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.errors import Message
@@ -45,9 +46,10 @@ class _Template:
 
     def checked(self, statements: tuple[Statement, ...]) -> list[Message] | None:
         """Messages of the checks, None when there is an error, or another one in a block that the mode skips."""
-        groups, outline = [[statements[k] for k in group] for group in self.groups], Outline(metre=1.0)
+        groups = [StatementGroup.of(*[statements[k] for k in group]) for group in self.groups]
+        outline = Outline(metre=1.0)
         for group in groups:
-            if group[0].keyword in ELEMENT_TYPES:
+            if group.keyword in ELEMENT_TYPES:
                 outline.add(group)
         findings, others = Findings(self.deck.source), Findings(self.deck.source)
         by_block = {block: findings if block in self.used else others for block in (1, 2, 3)}

@@ -84,7 +84,7 @@ def reference_configuration(deck: Deck, numbering: Numbering, kind: type = float
     x0: Array = np.zeros(numbering.nx, kind)
     if len(numbering.turning):
         x0.put(numbering.euler[0], 1.0)
-    for nodes, values in value_rows(deck.block(1).get("X", ()), kind):
+    for nodes, values in value_rows(deck, "X", 1, kind):
         x0.put(numbering.x_places.take(nodes, 0)[:, : values.shape[1]], values)
     return x0
 

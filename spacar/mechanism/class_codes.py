@@ -68,19 +68,17 @@ def class_codes(deck: Deck, types: Sequence[ElementRows], prescribed: bool) -> C
     codes = bytearray(_coordinates(planar).take(roles, 0))
     of_nodes = len(codes)
     codes += _deformations(width).take(elements, 0).tobytes()
-    block = deck.block(1)
+    index, given = deck.index, deck.index.keywords(1)
     for keywords, kinds, every, first, size in (
         (_X_CODE, roles, _independent(planar), -1, 4),
         (_E_CODE, elements, _classed(), of_nodes - 1, width),
     ):
         of = kinds.tobytes()
         for keyword, code in keywords.items():
-            for s in block.get(keyword, ()):
-                values: tuple[int, ...] = s.values  # type: ignore[assignment]
-                number = values[0]
+            for number, *which in index.rows(keyword, 1) if keyword in given else ():
                 if number < len(of) and of[number]:  # a node that no element uses has a warning
                     before = first + size * number
-                    for k in values[1:] or every[of[number]]:
+                    for k in which or every[of[number]]:
                         codes[before + k] = code
     return ClassCodes(codes.translate(_AS_INPUT) if prescribed else codes, of_nodes, width, roles)
 

@@ -29,7 +29,6 @@ class PlacedGroup(NamedTuple):
     elements: ElementGroup
     x: Index
     e: Index
-    statements: Sequence[Statement]
 
 
 def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = "") -> list[Batch]:
@@ -43,7 +42,8 @@ def element_batches(deck: Deck, numbering: Numbering, x0: Array, beams: str = ""
         try:
             family = group.family(group.elements)  # type: ignore[call-arg]
         except GeometryError as error:
-            bad = group.statements[error.index]
+            element = group.elements.numbers[error.index]
+            bad = next(s for s in deck.of(group.elements.keyword, block=1) if s.values[0] == element)
             text = f"element {bad.values[0]}: {error}"
             messages.append(Message("error", deck.source, bad.line, bad.keyword, text, "input.geometry"))
             continue
@@ -66,7 +66,7 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
     angles = by_angles(deck, beams)
     first_elastic = numbering.e_class["input"].stop
     for rows, angle in _by_measure(numbering.types, angles):
-        kind, statements, numbers, nodes = rows
+        kind, given_values, numbers, nodes = rows
         n, first = len(numbers), 1 + len(kind.nodes)
         x = x_places.take(nodes, 0).reshape(n, -1).T.take(used(kind), 0)
         e = e_places.T[: len(kind.modes)].take(numbers, 1)
@@ -74,13 +74,13 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
         if kind.carries_flow:
             given = {s.values[0] for s in deck.block(2).get("EM", ()) if len(s.values) > 1 + SHAPE_FACTOR}
             values[[number not in given for number in numbers.tolist()], SHAPE_FACTOR] = 1.0
-        geometry = tuple([s.values[first:] for s in statements]) if kind.geometry else ((),) * n
+        geometry = tuple([row[first:] for row in given_values]) if kind.geometry else ((),) * n
         group = ElementGroup(
-            kind.keyword, numbers, x0.take(x), geometry, nonlinear.take(numbers),  # type: ignore[arg-type]
+            kind.keyword, numbers, x0.take(x), geometry, nonlinear.take(numbers),
             _of(directions, numbers), _of(projections, numbers), values[:, EM], values[:, ESTIFF], values[:, EDAMP],
             e >= first_elastic if angle else None,
         )  # fmt: skip
-        yield PlacedGroup(family_of(kind.angle_family if angle else kind.family), group, x, e, statements)
+        yield PlacedGroup(family_of(kind.angle_family if angle else kind.family), group, x, e)
 
 
 def _vectors(block: Mapping[str, Sequence[Statement]], *keywords: str) -> dict[int, tuple[float, ...]]:
@@ -95,11 +95,11 @@ def _of(vectors: dict[int, tuple[float, ...]], numbers: Index) -> tuple[tuple[fl
 
 def parameter_table(deck: Deck, n: int, kind: Any = float) -> Array:
     """(n, 23): values of EM, ESTIFF and EDAMP behind the element number, which is the row; zero where not given."""
-    block = deck.block(2)
+    given = deck.index.keywords(2)
     table = np.zeros((n, EDAMP.stop), kind)
-    for keyword in PARAMETERS.keys() & block.keys():
+    for keyword in PARAMETERS.keys() & given:
         own = table[:, PARAMETERS[keyword]]
-        for numbers, values in value_rows(block[keyword], kind):
+        for numbers, values in value_rows(deck, keyword, 2, kind):
             own[numbers, : values.shape[1]] = values[:, : own.shape[1]]
     return table
 
@@ -117,8 +117,8 @@ def _by_measure(types: Iterable[ElementRows], angles: set[int]) -> Iterator[tupl
         inside = np.isin(rows.numbers, list(angles))
         for angle in (False, True):
             here = np.flatnonzero(inside == angle)
-            statements = [rows.statements[k] for k in here.tolist()]
-            yield ElementRows(rows.kind, statements, rows.numbers[here], rows.nodes[here]), angle
+            values = [rows.values[k] for k in here.tolist()]
+            yield ElementRows(rows.kind, values, rows.numbers[here], rows.nodes[here]), angle
 
 
 @cache

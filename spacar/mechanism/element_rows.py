@@ -2,39 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from itertools import chain, groupby
-from operator import attrgetter
+from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.deck.table_types import ElementType
-
-ELEMENT_NUMBER = attrgetter("values")  # its first value, which no other element statement has
 
 
 class ElementRows(NamedTuple):
-    """All elements of one type, sorted by their numbers: statements, numbers (n,), nodes (n, nodes of the type)."""
+    """All elements of one type, sorted by their numbers: the values of the statements, numbers (n,), nodes (n, nodes of
+    the type)."""
 
     kind: ElementType
-    statements: list[Statement]
+    values: list[tuple[Any, ...]]
     numbers: Index
     nodes: Index
 
 
 def element_rows(deck: Deck) -> list[ElementRows]:
     """The elements of every type that a deck has, in the order of the element types."""
-    block = deck.block(1)
+    index = deck.index
     found = []
-    for keyword in sorted(ELEMENT_TYPES.keys() & block.keys(), key=_place):
+    for keyword in sorted(ELEMENT_TYPES.keys() & index.keywords(1), key=_place):
         kind = ELEMENT_TYPES[keyword]
-        statements = sorted(block[keyword], key=ELEMENT_NUMBER)
+        values = sorted(index.rows(keyword, 1))  # by their first ones, which no other element has
         first = 1 + len(kind.nodes)
-        table = _table([s.values[:first] for s in statements], np.int64)
-        found.append(ElementRows(kind, statements, table[:, 0], table[:, 1:]))
+        table = _table([row[:first] for row in values], np.int64)
+        found.append(ElementRows(kind, values, table[:, 0], table[:, 1:]))
     return found
 
 
@@ -54,9 +52,9 @@ def _table(rows: Sequence[Sequence[Any]], kind: Any) -> Array:
     return np.fromiter(chain.from_iterable(rows), kind, len(rows) * len(rows[0])).reshape(len(rows), -1)
 
 
-def value_rows(statements: Iterable[Statement], kind: Any = float) -> Iterator[tuple[Index, Array]]:
+def value_rows(deck: Deck, keyword: str, block: int, kind: Any = float) -> Iterator[tuple[Index, Array]]:
     """First values of statements (n,) and the values behind them (n, count), in file order: a pair of arrays for all
     that follow each other with equally many values."""
-    for _, run in groupby([s.values for s in statements], len):
-        table = _table([*run], kind)
+    for group in deck.index.groups_of(keyword, block=block):
+        table = np.fromiter(group.values, kind, len(group.values)).reshape(-1, group.width)
         yield table[:, 0].real.astype(np.int64), table[:, 1:]

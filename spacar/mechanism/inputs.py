@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.deck import Deck, Statement
+from spacar.deck import Deck
 from spacar.deck.table_solvers import INTEGRATOR_ALIASES
 from spacar.mechanism.mechanism import Drive, DriveState, Loads, Polynomial, SolverSettings, Start, UserSignal
 from spacar.mechanism.numbering import Numbering
@@ -32,13 +32,12 @@ def loads(deck: Deck, numbering: Numbering, prefix: str = "", kind: type = float
     Three numbers on a spatial orientation node are a global moment, four the forces dual to lambda
     (input-language.md section 5.2).
     """
-    block, dimension = deck.block(2), 2 if numbering.planar else 3
+    index, dimension = deck.index, 2 if numbering.planar else 3
     force: Array = np.zeros(numbering.nx, kind)
     gravity: Array = np.zeros(dimension, kind)
     preload: Array = np.zeros(numbering.ne, kind)
     moments, rows = [], []
-    for s in block.get(f"{prefix}XF", ()):
-        node, values = s.integer(0), s.real_values(1)
+    for node, *values in index.rows(f"{prefix}XF", 2):
         row = numbering.x_places[node]
         if len(values) == 3 and not numbering.planar and numbering.role(node) == "orientation":
             moments.append(values)
@@ -47,11 +46,11 @@ def loads(deck: Deck, numbering: Numbering, prefix: str = "", kind: type = float
             for place, value in zip(row.tolist(), values, strict=False):
                 if place >= 0:
                     force[place] += value
-    for s in block.get("DELGRAV" if prefix else "GRAVITY", ()):
-        given = s.values[:dimension]
+    for given in index.rows("DELGRAV" if prefix else "GRAVITY", 2):
+        given = given[:dimension]
         gravity[: len(given)] = given
-    for s in block.get(f"{prefix}ESIG", ()):
-        for place, value in zip(numbering.e_places[s.integer(0)].tolist(), s.real_values(1), strict=False):
+    for number, *values in index.rows(f"{prefix}ESIG", 2):
+        for place, value in zip(numbering.e_places[number].tolist(), values, strict=False):
             preload[place] = value
     return Loads(
         force=force,
@@ -107,28 +106,28 @@ def _given(
 
     Without a statement: the reference configuration, deformations `e_value`, zero rates.
     """
-    block, of_x, of_e = deck.block(2), numbering.x_class[name], numbering.e_class[name]
+    index, of_x, of_e = deck.index, numbering.x_class[name], numbering.e_class[name]
     x = e = _NOTHING[width]
     if of_x.stop > of_x.start:
         x = np.zeros((of_x.stop - of_x.start, width), x0.dtype)
         x[:, 0] = x0[of_x]
-        _fill(x, block.get(keywords[0], ()), numbering.x_places, of_x.start)
+        _fill(x, index.rows(keywords[0], 2), numbering.x_places, of_x.start)
     if of_e.stop > of_e.start:
         e = np.zeros((of_e.stop - of_e.start, width), x0.dtype)
         e[:, 0] = e_value
-        _fill(e, block.get(keywords[1], ()), numbering.e_places, of_e.start)
+        _fill(e, index.rows(keywords[1], 2), numbering.e_places, of_e.start)
     return x, e
 
 
 _NOTHING = {width: np.zeros((0, width)) for width in (1, 2, 3)}
 
 
-def _fill(table: Array, statements: Sequence[Statement], places: Index, first: int) -> None:
-    """Values behind the two numbers of statements, in the rows of the table from the place `first` on."""
-    for s in statements:
-        row = places.item(s.integer(0), s.integer(1) - 1) - first
+def _fill(table: Array, rows: Iterable[tuple[Any, ...]], places: Index, first: int) -> None:
+    """Values behind the two numbers in rows of statements, in the rows of the table from the place `first` on."""
+    for number, part, *values in rows:
+        row = places.item(number, part - 1) - first
         if 0 <= row < len(table):
-            values = s.values[2 : 2 + table.shape[1]]
+            values = values[: table.shape[1]]
             table[row, : len(values)] = values
 
 

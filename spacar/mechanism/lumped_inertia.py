@@ -23,9 +23,7 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
     """Families of node inertia with their indices into x."""
     masses: dict[int, tuple[int, float]] = {}  # coordinate: node, mass
     tensors: list[tuple[Any, Array]] = []  # nodes (n,) and what they get (n, 3, 3)
-    block = deck.block(2)
-    for s in block.get("XM", ()):
-        node, values = s.integer(0), s.real_values(1)
+    for node, *values in deck.index.rows("XM", 2):
         if numbering.planar or numbering.role(node) != "orientation":
             for place in numbering.x_places[node].tolist():
                 if place >= 0:
@@ -44,7 +42,7 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
         places = sorted(masses)
         owners, sizes = map(np.array, zip(*[masses[i] for i in places], strict=True))
         result.append((LumpedMass(owners, sizes), np.array([places], np.int64)))
-    rotors = [(s.integer(0), np.array(s.values[1:])) for s in block.get("XGYRO", ())]
+    rotors = [(node, np.array(values)) for node, *values in deck.index.rows("XGYRO", 2)]
     if rotors:
         from spacar.elements.node_inertia import GyrostatNode, prescribed_rotor_tensor
 

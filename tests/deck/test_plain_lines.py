@@ -281,3 +281,35 @@ NUMBERS = st.from_regex(lexer._ORDINARY, fullmatch=True)
 few, many = (settings(TRIED, max_examples=n)(given(NUMBERS)(every_ordinary_number_is_read_alike)) for n in (30, 1000))
 test_odd_lines_are_their_words, test_many_odd_lines_are_their_words = few_odd, pytest.mark.slow(odd)
 test_every_ordinary_number_is_read_alike, test_many_ordinary_numbers = few, pytest.mark.slow(many)
+
+
+def test_statements_are_made_when_asked_for():
+    """In the order of the file, also where lines of two keywords alternate, and each of them once."""
+    text = "PLBEAM 1 1 2 3 4\nFIX 1\nX 1 0. 0.\nFIX 2\nX 3 1. 0.\nEND HALT\nEM 1 1.\nGRAVITY 0. -9.81\nEND END"
+    deck = parse_deck(text)
+    assert "statements" not in vars(deck)
+    assert [s.line for s in deck.statements] == [1, 2, 3, 4, 5, 7, 8]
+    assert deck.statements is deck.statements
+    assert deck.of("X")[1] is deck.statements[4]
+    assert deck.statements[4] == ("X", (3, 1.0, 0.0), 1, 5, "X 3 1. 0.")
+
+
+def test_columns_of_statements_without_numbers():
+    """ADEFORM without numbers is for all elements; twice it is said that it is repeated."""
+    text = "PLBEAM 1 1 2 3 4\nX 3 1. 0.\nADEFORM\nADEFORM\nFIX 1\nFIX 2\nEND HALT\nEM 1 1.\nEND END"
+    assert read(text) == ["error: <deck>:4: ADEFORM: already given at line 3; give it once"]
+    assert list(parse_deck(text.replace("ADEFORM\n", "", 1)).index.rows("ADEFORM", 1)) == [()]
+
+
+def test_exponents_of_fortran_are_plain(monkeypatch):
+    """A number with d before its exponent does not make the whole text be divided once more."""
+    text = "PLBEAM 1 1 2 3 4\nX 3 1.25d0 -2D-1\nFIX 1\nFIX 2d0\nEND HALT\nEM 1 {}\nEND END"
+    with one_by_one():
+        wanted, small = read(text.format("1.d+02")), read(text.format("1.d-200"))
+    runs = []
+    run = splitter._Splitter.run
+    monkeypatch.setattr(splitter._Splitter, "run", lambda self: runs.append(1) or run(self))
+    assert read(text.format("1.d+02")) == wanted
+    assert len(runs) == 1
+    assert wanted[0][1][1] == (3, 1.25, -0.2)
+    assert read(text.format("1.d-200")) == small
