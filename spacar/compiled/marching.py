@@ -123,7 +123,7 @@ class Marching:
         if lanes > 1:
             self.near = np.ascontiguousarray(HalfTurns(evaluator.numbering).lambda0, np.int32)
             self.c.lambda0, self.c.n_lambda0, self.c.half_turn = self.near.ctypes.data, len(self.near), HALF_TURN
-        self.address = ctypes.c_void_p(ctypes.addressof(self.c))
+        self.address = ctypes.addressof(self.c)
 
     def anew(self) -> None:
         """Another motion begins."""

@@ -71,6 +71,8 @@ def integrate(
         raise UsageError(f"INTEGRAT: {row.name} needs the Jacobian of the problem", "integrator.jacobian")
     evaluation = Evaluation(problem, first, last)
     evaluation.times = output_times
+    if row.code == AUTOMATIC and not evaluation.has_jacobian:
+        row = METHODS[0]  # nothing to change to
     integrator = row.build(evaluation, len(state), Tolerance(absolute, float(rtol)))
     segments = _segments(first, last, breaks) if breaks else [(first, last, first, last)]
     loop = _variable if row.variable_step else _fixed
