@@ -186,14 +186,15 @@ class CompiledModel:
         """Counts and lists, as `read_spec` of model.c reads them."""
         n, numbers = self.numbering, self.numbers
         position, xs, es = n.position_equations, n.x_class, n.e_class
+        x, d, k = xs["input"], xs["dynamic"], xs["kinematic"]
+        e, p, q = es["input"], es["dynamic"], es["kinematic"]
         counts = [
-            n.nx, n.ne, xs["calculable"].start, es["input"].stop, es["dynamic"].stop, len(numbers.elements),
+            n.nx, n.ne, xs["calculable"].start, e.stop, p.stop, len(numbers.elements),
             len(numbers.stiffness[0]), len(numbers.damping[0]), n.nddof == 0, len(numbers.mass[0]),
+            x.start, x.stop - x.start, d.start, d.stop - d.start, k.start, k.stop - k.start,
+            e.start, e.stop - e.start, p.start, p.stop - p.start, q.start, q.stop - q.start,
+            self.slots.polynomial, len(position), len(numbers.moments[0]), len(numbers.coupling[0]),
         ]  # fmt: skip
-        for places in (xs, es):
-            for own in (places["input"], places["dynamic"], places["kinematic"]):
-                counts += own.start, own.stop - own.start
-        counts += self.slots.polynomial, len(position), len(numbers.moments[0]), len(numbers.coupling[0])
         lists = [position]
         for rows, columns, _ in (numbers.mass, numbers.stiffness, numbers.damping, numbers.moments, numbers.coupling):
             if len(rows):
