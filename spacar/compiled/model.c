@@ -124,8 +124,6 @@ static int find_entries(Model *m, Memory *work, Entries *V)
     for (int b = 0; b < s->n_batches; b++) {
         const Batch *k = &s->batches[b];
         if (k->foreign) {
-            memset(m->values + m->v_offset[element], 0, sizeof(real) * k->n * k->nee * k->nxe);
-            memset(m->values + m->m_offset[element], 0, k->inertia ? sizeof(real) * k->n * k->nxe * k->nxe : 0);
             add_foreign(V, k, k->e, k->nee, m->v_offset[element]);
             if (k->inertia) add_foreign(&m->mass, k, k->x, k->nxe, m->m_offset[element]);
             element += k->n;
@@ -133,18 +131,19 @@ static int find_entries(Model *m, Memory *work, Entries *V)
         }
         for (int i = 0; i < k->n; i++, element++) {
             const int *ix = k->x + i * k->nxe, *ie = k->e + i * k->nee;
-            real *v = m->values + m->v_offset[element], *M = m->values + m->m_offset[element];
+            const real *v = m->values + m->v_offset[element], *M = m->values + m->m_offset[element];
             for (int r = 0; r < k->nee; r++)
                 for (int j = 0; j < k->nxe; j++)
-                    if (!written(v[r * k->nxe + j])) v[r * k->nxe + j] = EVERY(0.0);
-                    else add(V, ie[r], ix[j], m->v_offset[element] + r * k->nxe + j);
+                    if (written(v[r * k->nxe + j]))
+                        add(V, ie[r], ix[j], m->v_offset[element] + r * k->nxe + j);
             if (!k->inertia) continue;
             for (int r = 0; r < k->nxe; r++)
                 for (int j = 0; j < k->nxe; j++)
-                    if (!written(M[r * k->nxe + j])) M[r * k->nxe + j] = EVERY(0.0);
-                    else add(&m->mass, ix[r], ix[j], m->m_offset[element] + r * k->nxe + j);
+                    if (written(M[r * k->nxe + j]))
+                        add(&m->mass, ix[r], ix[j], m->m_offset[element] + r * k->nxe + j);
         }
     }
+    for (int k = 0; k < at; k++) if (!written(m->values[k])) m->values[k] = EVERY(0.0);
     for (int k = 0; k < s->n_constant; k++) {
         m->values[at + k] = s->constant_mass[k];
         add(&m->mass, s->constant_row[k], s->constant_column[k], at + k);
@@ -167,12 +166,6 @@ static int sort_rows(Memory *memory, const Entries *list, int n_rows, int **star
         (*place)[at] = list->source[k];
     }
     return OK;
-}
-
-/* The rows of M, as the reduced form goes through them: trees do without as long as their own equations can be solved. */
-static int sort_masses(Model *m)
-{
-    return m->m_column && m->m_place ? OK : sort_rows(&m->memory, &m->mass, m->s.nx, &m->m_start, &m->m_column, &m->m_place);
 }
 
 static void put(Sparse *system, int row, int column, int source)
@@ -255,7 +248,7 @@ static int assemble(Model *m)
     }
     if (!status && m->holonomic && !s->prescribed) m->reduced = m->tree || takes_reduced_form(m, q);
     if (!status && m->reduced) status = sparse_widen(&m->memory, &m->position, m->width);
-    if (!status && m->reduced && !m->tree) status = sort_masses(m);
+    if (!status && m->reduced) status = sort_rows(&m->memory, &m->mass, s->nx, &m->m_start, &m->m_column, &m->m_place);
     return status;
 }
 

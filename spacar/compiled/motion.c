@@ -272,8 +272,6 @@ static int reduced_form(Model *m, const real *edd_given, real *xdd, real *sigma,
     return OK;
 }
 
-static int sort_masses(Model *m); /* of model.c */
-
 /* xdd comes with the given accelerations (zero elsewhere); it is completed, and so is sigma when wanted. The position system
    must be factored. */
 static int accelerate(Model *m, double t, const real *x, const real *xd, const real *e, const real *edd_given, real *xdd,
@@ -294,7 +292,7 @@ static int accelerate(Model *m, double t, const real *x, const real *xd, const r
         for (int i = s->n_fixed_x; i < s->nx; i++) sum += xdd[i];
         return isfinite(largest_lane(sum)) ? OK : NOT_FINITE;
     }
-    if (m->reduced) return sort_masses(m) ? NO_MEMORY : reduced_form(m, edd_given, xdd, sigma, want_stress);
+    if (m->reduced) return reduced_form(m, edd_given, xdd, sigma, want_stress);
     out_of_balance(m, xdd, sigma, nr, m->force);
     for (int i = 0; i < nf; i++) b[i] = m->force[s->free[i]];
     for (int r = 0; r < nr; r++) b[nf + r] = edd_given[r] - m->h[r];

@@ -23,9 +23,8 @@ static void turn_planar(struct Tree *T, const real *x, const real *xd, const rea
             if (!f->degree) row[0] += f->sign * edd[f->row];
         }
         if (f->degree) row[f->degree] = EVERY(f->from < 0 ? 1.0 : f->sign);
-        const real turned = *angle - f->angle, c = lanes_cos(turned), s = lanes_sin(turned); /* both in one call */
-        T->attitude[2 * i] = c;
-        T->attitude[2 * i + 1] = s;
+        T->attitude[2 * i] = lanes_cos(*angle - f->angle);
+        T->attitude[2 * i + 1] = lanes_sin(*angle - f->angle);
     }
 }
 
@@ -98,11 +97,9 @@ static void carry_planar(struct Tree *T, real *x, real *xd)
         real *to = T->X + 2 * arm->q * width;
         x[q[0]] = x[p[0]] + d[0]; xd[q[0]] = xd[p[0]] - spin * d[1];
         x[q[1]] = x[p[1]] + d[1]; xd[q[1]] = xd[p[1]] + spin * d[0];
-        for (int k = 0; k < width; k += ROW) {
-            const row_part part = *(const row_part *)(turning + k);
-            *(row_part *)(to + k) = *(const row_part *)(from + k) - d[1] * part;
-            *(row_part *)(to + width + k) = *(const row_part *)(from + width + k) + d[0] * part;
-        }
+        memcpy(to, from, sizeof(real) * 2 * width);
+        add_row(to, -d[1], turning, width);
+        add_row(to + width, d[0], turning, width);
         for (int k = 0; k < 2; k++) to[k * width] -= spin * spin * d[k];
     }
 }
@@ -214,12 +211,8 @@ static void load_orientations(const struct Tree *T, const real *x, const real *f
     const int width = T->width;
     for (int i = 0; i < T->n_orientations; i++) {
         const int *c = T->orientations[i].c, frame = T->orientations[i].frame;
-        uint64_t loaded = 0; /* bits but the sign, which is all that a zero may have */
-        for (int k = 0; k < T->orientations[i].n; k++) EACH_LANE {
-            uint64_t bits;
-            memcpy(&bits, (const double *)&f[c[k]] + w, sizeof bits);
-            loaded |= bits << 1;
-        }
+        int loaded = 0;
+        for (int k = 0; k < T->orientations[i].n; k++) EACH_LANE loaded |= LANE(f[c[k]], w) != 0.0;
         if (!loaded) continue;
         real moment[3] = {f[c[0]]};
         if (T->turns == 3) moment_of(x, f, c, moment);
