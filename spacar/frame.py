@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import accumulate, chain
 from typing import Any, cast, overload
@@ -206,13 +206,13 @@ def joined(blocks: Sequence[Sequence[Frame]]) -> Sequence[Frame]:
 
 def column(frames: Sequence[Frame], name: str) -> Array | None:
     """A variable of all frames, step first, which may be a part of them; None where one of them does not have it."""
-    if isinstance(frames, JoinedFrames):
+    if type(frames) is JoinedFrames:
         parts = [column(block, name) for block in frames.blocks]
         found = [part for part in parts if part is not None]
         return np.concatenate(found) if len(found) == len(parts) else None
-    if isinstance(frames, StoredFrames):
-        whole = frames.column(name)
-        if whole is not None:
-            return whole
+    kept: Callable[[str], Array | None] | None = getattr(frames, "column", None)  # `isinstance` asks Python of them
+    whole = None if kept is None else kept(name)
+    if whole is not None:
+        return whole
     values = [frame.value(name) for frame in frames]
     return None if any(value is None for value in values) else np.array(values)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from spacar.compiled.slots import Slots
 from spacar.kinematics.kinematics import FARTHEST_GUESS, LARGEST_JUMP
 from spacar.mechanism.mechanism import Drive, Mechanism, UserSignal
 from spacar.mechanism.numbering import Numbering
+from spacar.records import cached_property
 
 
 def why_general(mechanism: Mechanism) -> str | None:
@@ -41,6 +43,9 @@ FAR_AWAY, DOUBTFUL_MASS = 1, 2  # of start.c
 NOT_ANSWERED = -6  # of sparse.c: Python could not answer, and keeps the error
 
 
+Gradient = tuple[NDArray[np.int32], NDArray[np.int32], Array]  # rows, columns, values (n, cases)
+
+
 class State:
     """The last evaluated state, shared with C: x, xd, xdd (nx, cases), e, ed, edd, sigma, given_e (ne, cases).
 
@@ -49,14 +54,25 @@ class State:
     """
 
     def __init__(self, model: CompiledModel) -> None:
-        nx, ne, cases = model.numbering.nx, model.numbering.ne, model.cases
-        split, end = 6 * nx, 6 * nx + 5 * ne
-        self._together = together = np.empty((end + 2 * model.numbering.nddof + model.numbering.nk, cases))
-        self.of_x, self.of_e = together[:split].reshape(6, nx, cases), together[split:end].reshape(5, ne, cases)
+        n = model.numbering
+        self._sizes = nx, ne = n.nx, n.ne
+        self._together = together = np.empty((6 * nx + 5 * ne + 2 * n.nddof + n.nk, model.cases))
         self.x_address = first = address_of(together)
         self.c = CState()
-        self.address = ctypes.c_void_p(ctypes.addressof(self.c))
+        self.address = ctypes.addressof(self.c)
         model.engine.state(model.handle, self.address, first)
+
+    @cached_property
+    def of_x(self) -> Array:
+        """(6, nx, cases)"""
+        nx, _ = self._sizes
+        return self._together[: 6 * nx].reshape(6, nx, self._together.shape[1])
+
+    @cached_property
+    def of_e(self) -> Array:
+        """(5, ne, cases)"""
+        nx, ne = self._sizes
+        return self._together[6 * nx : 6 * nx + 5 * ne].reshape(5, ne, self._together.shape[1])
 
     @property
     def x(self) -> Array:
@@ -92,7 +108,7 @@ class State:
 
     def of_one(self) -> tuple[Array, Array]:
         """Copies of x, xd, xdd and the forces (6, nx), of e, ed, edd and sigma (4, ne) of the only case."""
-        kept, (nx, ne) = self._together[:, 0].copy(), (self.of_x.shape[1], self.of_e.shape[1])
+        kept, (nx, ne) = self._together[:, 0].copy(), self._sizes
         return kept[: 6 * nx].reshape(6, nx), kept[6 * nx : 6 * nx + 4 * ne].reshape(4, ne)
 
     def begin(self, x: Array, e: Array) -> None:
@@ -136,11 +152,8 @@ class CompiledModel:
         self.slots = slots = Slots(numbers.elements, drives, motions, users, (n.nx, n.ne, cases))
         self._called = slots.called()
         self._whole = self._whole_numbers()
-        self.handle = ctypes.c_void_p(
-            self.engine.begin(
-                address_of(self._whole), address_of(self._values), _at(slots.foreign_c), _at(slots.user_c),
-                self._called[0],
-            )
+        self.handle: int | None = self.engine.begin(
+            address_of(self._whole), address_of(self._values), _at(slots.foreign_c), _at(slots.user_c), self._called[0]
         )
         if not self.handle:
             raise MemoryError("no memory for the compiled model")
@@ -173,14 +186,15 @@ class CompiledModel:
         """Counts and lists, as `read_spec` of model.c reads them."""
         n, numbers = self.numbering, self.numbers
         position, xs, es = n.position_equations, n.x_class, n.e_class
+        x, d, k = xs["input"], xs["dynamic"], xs["kinematic"]
+        e, p, q = es["input"], es["dynamic"], es["kinematic"]
         counts = [
-            n.nx, n.ne, xs["calculable"].start, es["input"].stop, es["dynamic"].stop, len(numbers.elements),
+            n.nx, n.ne, xs["calculable"].start, e.stop, p.stop, len(numbers.elements),
             len(numbers.stiffness[0]), len(numbers.damping[0]), n.nddof == 0, len(numbers.mass[0]),
+            x.start, x.stop - x.start, d.start, d.stop - d.start, k.start, k.stop - k.start,
+            e.start, e.stop - e.start, p.start, p.stop - p.start, q.start, q.stop - q.start,
+            self.slots.polynomial, len(position), len(numbers.moments[0]), len(numbers.coupling[0]),
         ]  # fmt: skip
-        for places in (xs, es):
-            for own in (places["input"], places["dynamic"], places["kinematic"]):
-                counts += own.start, own.stop - own.start
-        counts += self.slots.polynomial, len(position), len(numbers.moments[0]), len(numbers.coupling[0])
         lists = [position]
         for rows, columns, _ in (numbers.mass, numbers.stiffness, numbers.damping, numbers.moments, numbers.coupling):
             if len(rows):
@@ -259,13 +273,14 @@ class CompiledModel:
             self.slots.interrupted()
         return reached
 
-    def gradient(self) -> tuple[NDArray[np.int32], NDArray[np.int32], Array]:
-        """Rows, columns and values (n, cases) of the entries of V at the last evaluated state."""
-        n = self.engine.gradient(self.handle, None, None, None)
-        places, values = np.empty((2, n), np.int32), np.empty((n, self.cases))
-        first = address_of(places)
-        self.engine.gradient(self.handle, first, first + places.nbytes // 2, address_of(values))
-        return places[0], places[1], values
+    def gradient(self) -> Callable[[], Gradient]:
+        """What gives the entries of V at the last evaluated state, also when others have been evaluated."""
+        most = sum([b.e.size * b.x.shape[1] for b in self.numbers.elements])
+        memory = np.empty(most * (self.cases + 1))
+        first = address_of(memory)
+        places = first + WIDTH * most * self.cases
+        n = self.engine.gradient(self.handle, places, places + WIDTH * most // 2, first)
+        return partial(_entries_of, memory, most, self.cases, n)
 
     def determinant(self) -> tuple[Array, Array]:
         """Signs and logarithms of det V[E, U] at the last evaluated state, (cases,) each."""
@@ -300,6 +315,12 @@ class CompiledModel:
         n = self.numbering.nddof
         out = np.zeros((n, n, self.cases))
         return out if self.engine.reduced_mass(self.handle, address_of(out)) else None
+
+
+def _entries_of(memory: Array, most: int, cases: int, n: int) -> Gradient:
+    """Rows, columns and values (n, cases) of n entries, from memory with room for `most`: values, rows, columns."""
+    places = memory[most * cases :].view(np.int32)
+    return places[:n], places[most : most + n], memory[: n * cases].reshape(n, cases)
 
 
 def _at(shared: ctypes.Structure | ctypes.Array[Any] | None) -> int | None:

@@ -45,7 +45,7 @@ class Iterating:
         c.change, c.right, c.weight = (v.ctypes.data for v in (method.change, method.right, method.weight))
         c.jump, c.kappa = LARGEST_JUMP, KAPPA
         c.s, c.n, c.nq, c.most = len(m.c), method.n, method.nq, MAX_NEWTON
-        self.address = ctypes.c_void_p(ctypes.addressof(c))
+        self.address = ctypes.addressof(c)
         self.factors: object = None
 
     def __call__(self, h: float, within: float) -> tuple[bool, float, float] | None:

@@ -106,8 +106,8 @@ class Marching:
         self.evaluator, self.lookout, self.passage = evaluator, lookout, passage
         self.engine = model.engine
         self.shape = n, nx
-        width = 4 + n + 3 * nx + ne
-        memory = np.empty(lookout.capacity * width + n)
+        width, capacity = 4 + n + 3 * nx + ne, lookout.capacity
+        memory = np.empty(capacity * width + n)
         self.records, self.atol = memory[:-n].reshape(-1, width), memory[-n:]  # a row is read after it is written
         self.scale = evaluator.model.mechanism.scale
         first = address_of(memory)
@@ -115,7 +115,7 @@ class Marching:
         most = max(1, min(MOST, COMPONENTS // (nx + ne)))
         self.c = CMarch(
             model.handle, evaluator.state.address, None, first, address_of(self.scale),
-            first + WIDTH * lookout.capacity * width, n, lookout.capacity, width, lookout.look, lookout.back, most,
+            first + WIDTH * capacity * width, n, capacity, width, lookout.look, lookout.back, most,
             MAX_REDUCTIONS, REDUCTION,
         )  # fmt: skip
         self.c.jump, self.c.share, self.c.noise, self.c.still = LARGEST_JUMP, SHARE, NOISE, STILL
@@ -123,7 +123,7 @@ class Marching:
         if lanes > 1:
             self.near = np.ascontiguousarray(HalfTurns(evaluator.numbering).lambda0, np.int32)
             self.c.lambda0, self.c.n_lambda0, self.c.half_turn = self.near.ctypes.data, len(self.near), HALF_TURN
-        self.address = ctypes.c_void_p(ctypes.addressof(self.c))
+        self.address = ctypes.addressof(self.c)
 
     def anew(self) -> None:
         """Another motion begins."""
@@ -143,10 +143,9 @@ class Marching:
         # C points at it while this goes on; it holds this object, and is let go at its end
         call = ASK(partial(self._ask, evaluation)) if self.lanes == 1 else None
         c.ask = None if call is None else address_of_call(call)
-        answered = partial(self._answered, evaluation.statistics)
         by = (
             AdamsInC(self.engine, self.address, method) if isinstance(method, Adams)
-            else RungeKuttaInC(self.engine, c, method, answered)
+            else RungeKuttaInC(self.engine, c, method, partial(self._answered, evaluation.statistics))
         )  # fmt: skip
         counted = evaluation.statistics
         output, status, first = evaluation.next_output(t), PAUSED, not c.recorded

@@ -27,10 +27,10 @@ GAMMA_AT = address_of(GAMMA)
 class AdamsInC:
     """Steps of code 0 with the arrays of its object, for a `March` at an address. C makes the start too."""
 
-    def __init__(self, engine: Engine, march: ctypes.c_void_p, method: Adams) -> None:
+    def __init__(self, engine: Engine, march: int, method: Adams) -> None:
         self.engine, self.to, self.method, self.y = engine, march, method, method.y
         self.c = CAdams(address_of(method.memory), GAMMA_AT)
-        self.at = ctypes.c_void_p(ctypes.addressof(self.c))
+        self.at = ctypes.addressof(self.c)
 
     def begin(self) -> int:
         """0; 1 when F at the start could not be evaluated, 2 when all has to end."""
@@ -68,7 +68,7 @@ class RungeKuttaInC:
     ) -> None:
         m = method
         self.engine, self.of, self.method, self.y = engine, march, method, m.y_new
-        self.to, self.answered = ctypes.c_void_p(ctypes.addressof(march)), answered
+        self.to, self.answered = ctypes.addressof(march), answered
         c, a, errors, safety = m.coefficients()
         tableau = m.tableau
         self.kept = c, a, errors  # what C points at
@@ -77,7 +77,7 @@ class RungeKuttaInC:
             m.y.ctypes.data, m.y_new.ctypes.data, m.scaled.ctypes.data, *m.controller, safety, TINY, 0.0,
             len(tableau.c), len(c), errors.shape[1], len(errors) - 1,
         )  # fmt: skip
-        self.at = ctypes.c_void_p(ctypes.addressof(self.c))
+        self.at = ctypes.addressof(self.c)
         self.value = m.interpolate
         self.known: tuple[float, float] | None = None  # the step that the object knows of
 

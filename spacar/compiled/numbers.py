@@ -140,8 +140,9 @@ def _moving(family: Family) -> bool:
 
 def form_of(family: Family) -> tuple[int, Array]:
     """The kind in C and the parameters (n_parameters, n). A kind that the engine does not know as it is is FOREIGN."""
-    if family.form in SUPPORTED:
-        name, of_family = SUPPORTED[family.form]
+    known = SUPPORTED.get(family.form)
+    if known is not None:
+        name, of_family = known
         kind, count = engine().kinds.get(name, (FOREIGN, 0))
         parameters = of_family(family)
         if count == len(parameters):

@@ -94,7 +94,7 @@ class Passage:
         c.exact, c.jump, c.singular, c.guard, c.longest = EXACT, LARGEST_JUMP, singular, GUARD, LONGEST
         c.width, c.far, c.n_exact, c.n_ground = self.width, far, shown.largest_exact, len(ground)
         c.foreign = model.slots.has_limits
-        self.address = ctypes.c_void_p(ctypes.addressof(c))
+        self.address = ctypes.addressof(c)
         self.first = self.used = self.end = 0  # output of the first row, rows that have been handed on, rows
         self.held = 0  # outputs of earlier calls that are handed on with those of the next one
 

@@ -31,7 +31,7 @@ class PassageOfCases:
         self.c = c = CPassage(ctypes.addressof(shown.c))
         c.y, c.exact, c.jump, c.guard, c.longest = self.y.ctypes.data, EXACT, LARGEST_JUMP, GUARD, LONGEST
         c.foreign = solver.slots.has_limits
-        self.address = ctypes.c_void_p(ctypes.addressof(c))
+        self.address = ctypes.addressof(c)
         self.times, self.work = np.zeros(0), np.zeros((0, 5), np.int32)
         self.at, self.output, self.held = (0, 0, 0), 0, 0
 

@@ -10,16 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.mechanism.layout import Batch
-from spacar.mechanism.mechanism import Loads, Mechanism, UserForces
+from spacar.mechanism.mechanism import NO_ENTRIES, Loads, Mechanism, UserForces
+from spacar.records import cached_property, quickly_made
 
 
+@quickly_made
 @dataclass(frozen=True)
 class StressLaw:
     """sigma = S e + S_d ed + preload on the rows `first` and following; the rows before get zero."""
@@ -113,7 +114,7 @@ def moment_entries(rows: Index, moments: Array) -> tuple[Index, Index, Array]:
     """Rows, columns and values (16 n,) of df/dx of constant global moments (n, 3) at the Euler parameters `rows` (4, n)
     of x: these forces are linear in x."""
     if not rows.size:
-        return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
+        return NO_ENTRIES
     block = moment_gradient(moments)
     i, j = (np.broadcast_to(r, block.shape).ravel() for r in (rows[:, None, :], rows[None, :, :]))
     return i, j, block.ravel()

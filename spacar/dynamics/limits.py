@@ -14,6 +14,7 @@ from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
 from spacar.kinematics.regularity import Regularity
+from spacar.records import cached_property
 
 if TYPE_CHECKING:
     from spacar.dynamics.evaluator import Evaluator
@@ -31,9 +32,13 @@ class Limits:
 
     def __init__(self, evaluator: Evaluator, report: Report) -> None:
         self.wheels = Wheels(evaluator.model)
-        self.report = report
+        self.evaluator, self.report = evaluator, report
         self.warned: set[int] = set()
-        self.regularity = Regularity(evaluator.position_matrix())
+
+    @cached_property
+    def regularity(self) -> Regularity:
+        """Its checks; outputs that are passed in C are looked at there first."""
+        return Regularity(self.evaluator.position_matrix())
 
     def check(self, evaluator: Evaluator, frame: Frame) -> None:
         """Raises AnalysisError 'element.range' or 'element.lift-off' with element, time and advice."""

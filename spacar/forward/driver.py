@@ -29,7 +29,9 @@ from spacar.frame import Frame, FramesInRows
 from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
 from spacar.integrators.problem import Jacobian, March, Output, Passed, Step
 from spacar.kinematics.kinematics import CONVERGED
+from spacar.kinematics.regularity import nearly_singular
 from spacar.mechanism.mechanism import SolverSettings
+from spacar.records import quickly_made
 
 # Tolerance of one step / ERROR, for every code with variable steps alike. Errors of the steps add up, and the watch of
 # dead points takes the degrees of freedom as known to ERROR: a hundred steps may err to the same side.
@@ -60,6 +62,7 @@ class Marches(Protocol):
         """`march` of `spacar.integrators.problem.Problem`, which takes the tolerance of positions too."""
 
 
+@quickly_made
 @dataclass(frozen=True)
 class Tolerances:
     """Errors that a step may have, and the largest scaled correction that ends the iteration of a position.
@@ -197,7 +200,7 @@ def frames(
     if not model.mechanism.numbering.nkddof or len(times) == 1:
         limits = Limits(evaluator, report)
         if not standing and evaluator.passage is not None:
-            for at in evaluator.passage(times, limits.wheels.rows, limits.regularity.matrix.zero).prescribed(y):
+            for at in evaluator.passage(times, limits.wheels.rows, nearly_singular(model.mechanism)).prescribed(y):
                 yield evaluator, looked_at(evaluator, at, limits)
             return
         for t in times:
@@ -214,9 +217,11 @@ def frames(
     trail = Trail(evaluator, watch)
     breaks = (*model.drive.breaks, *getattr(model.mechanism.user_signal, "breaks", ()))
     marching: Marches | None = None
+    passage = None
     if evaluator.marching is not None:
         together = None if standing else shown.passage
-        passage = None if together is None else together(times, limits.wheels.rows, limits.regularity.matrix.zero, FAR)
+        if together is not None:
+            passage = together(times, limits.wheels.rows, nearly_singular(model.mechanism), FAR)
         marching = evaluator.marching(trail, passage)
     outputs = integrated(
         evaluator, y, times, settings, tolerances,

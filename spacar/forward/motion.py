@@ -50,7 +50,7 @@ def motion(run: Run, own: bool = True) -> Iterator[tuple[Evaluator, Sequence[Fra
     run.header.later("condition", evaluator.later_condition())
     times = output_times(run)
     run.n_frames = len(times)
-    moves = run.mechanism.numbering.nkddof and len(times) > 1
+    moves = run.mechanism.numbering.nkddof and run.n_frames > 1
     if moves:
         run.header["integrator"] = METHODS[settings.integrator].name
     nodes = tumbling_nodes(run.mechanism)

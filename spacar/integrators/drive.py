@@ -71,6 +71,8 @@ def integrate(
         raise UsageError(f"INTEGRAT: {row.name} needs the Jacobian of the problem", "integrator.jacobian")
     evaluation = Evaluation(problem, first, last)
     evaluation.times = output_times
+    if row.code == AUTOMATIC and not evaluation.has_jacobian:
+        row = METHODS[0]  # nothing to change to
     integrator = row.build(evaluation, len(state), Tolerance(absolute, float(rtol)))
     segments = _segments(first, last, breaks) if breaks else [(first, last, first, last)]
     loop = _variable if row.variable_step else _fixed
@@ -151,7 +153,7 @@ def _outputs(
         yield Output(float(times[0]), y0.copy(), 0, 0, 0, 0, 0, None)
         i = 1
     before = statistics.counts()
-    step_start, limit = float(times[0]), max_steps
+    step_start, limit = evaluation.first, max_steps
     for t, y, interpolate, _, passed in steps:
         for outputs in passed or ():
             if outputs.begun != before:
@@ -191,7 +193,7 @@ def _variable(
         run = _one_step(integrator, step is None)
     y = y0.copy()
     # Nothing is known beyond the first output: a longer first step could jump over a short pulse of an input.
-    h = step if step is not None else float(times[1] - times[0])
+    h = step if step is not None else float(times[1]) - evaluation.first
     for start, end, evaluation.first, evaluation.last in segments:
         t, before, size = start, 0.0, 0.0
         for taken in run(start, y, end, min(h, end - start)):

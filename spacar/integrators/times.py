@@ -9,11 +9,13 @@ from typing import overload
 import numpy as np
 
 from spacar.errors import UsageError
+from spacar.records import cached_property, quickly_made
 
 MOST_STEPS = 10**15
 """So many equal parts of an interval are still told apart in double precision (2^53 = 9e15), sums included."""
 
 
+@quickly_made
 @dataclass(frozen=True)
 class EvenTimes(Sequence[float]):
     """start + i (end - start)/n, i = 0 ... n, the last one exactly `end` [s]: the numbers of np.linspace.
@@ -34,7 +36,7 @@ class EvenTimes(Sequence[float]):
                 "integrator.times",
             )
 
-    @property
+    @cached_property
     def step(self) -> float:
         return (self.end - self.start) / self.n
 
@@ -43,7 +45,9 @@ class EvenTimes(Sequence[float]):
 
     def part(self, first: int, last: int) -> np.ndarray:
         """(last - first,) the times from number `first` to before `last`, 0 <= first <= last <= their number."""
-        times = np.arange(first, last) * self.step + self.start
+        times = np.arange(float(first), last)
+        times *= self.step
+        times += self.start
         if last > self.n:
             times[self.n - first :] = self.end
         return times

@@ -11,13 +11,12 @@ What happens between stored steps is looked at in `spacar.forward.continuity`.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from functools import cached_property
 from math import sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import Array, Index
 from spacar.errors import AnalysisError
 from spacar.kinematics.difference_matrix import ZERO, scaled_difference_matrix
 from spacar.kinematics.fold import is_single_root
@@ -25,11 +24,17 @@ from spacar.linear_systems.dense import DenseSystem
 from spacar.linear_systems.reciprocal_condition import reciprocal_condition
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
+from spacar.records import cached_property
 
 if TYPE_CHECKING:
     from spacar.kinematics.kinematics import Kinematics
 
 HALF_TURN = 0.02  # smallest |lambda0| of a node whose lambda1..3 are dynamic: 177.7 degrees
+
+
+def nearly_singular(mechanism: Mechanism) -> float:
+    """A reciprocal condition of V[E, U] below which the position is looked at."""
+    return ZERO * sqrt(mechanism.distance)
 
 
 class PositionMatrix:
@@ -57,7 +62,7 @@ class PositionMatrix:
     @property
     def zero(self) -> float:
         """A reciprocal condition below which the position is looked at."""
-        return ZERO * sqrt(self._mechanism.distance)
+        return nearly_singular(self._mechanism)
 
     @property
     def kinematics(self) -> Kinematics:
@@ -146,7 +151,12 @@ class HalfTurns:
         dynamic = [node for node in owners if n.kind[node] == "orientation"]
         self.some = {node for node in dynamic if dynamic.count(node) < 3}  # of three only one or two
         self.nodes = sorted(set(dynamic).difference(without))
-        self.lambda0 = np.array([n.x_index(node, 1) for node in self.nodes], np.int64)
+        self._numbering = n
+
+    @cached_property
+    def lambda0(self) -> Index:
+        """(nodes,) where it is in x."""
+        return np.array([self._numbering.x_index(node, 1) for node in self.nodes], np.int64)
 
     def check(self, t: float, x: Array, within: float = HALF_TURN) -> None:
         """Raises AnalysisError 'position.singular' when |lambda0| of a node is below `within` at x (nx,), t [s]."""

@@ -11,6 +11,7 @@ import spacar
 from spacar import Deck, parse_deck
 from spacar.compiled.library import why_off
 from spacar.forward.driver import Integrand
+from spacar.integrators.automatic import Automatic
 
 DATA = Path(__file__).parents[2] / "data"
 ENGINE = pytest.mark.skipif(why_off() is not None, reason="no engine")
@@ -34,6 +35,14 @@ def test_what_is_not_stiff_is_computed_as_by_adams() -> None:
         adams, chosen = (spacar.run(1, DATA / f"{name}.dat", integrator=code, duration=0.01) for code in (0, -1))
         assert steps(chosen) == steps(adams)
         np.testing.assert_array_equal(chosen["x"], adams["x"])
+
+
+def test_without_a_jacobian_there_is_nothing_to_change_to(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Automatic, "__init__", lambda *_: pytest.fail("no method has to be chosen"))
+    options = {"duration": 0.1, "n_steps": 3}
+    adams, chosen = (spacar.run(1, DATA / "robotsim.dat", integrator=code, **options) for code in (0, -1))
+    np.testing.assert_array_equal(chosen["x"], adams["x"])
+    assert chosen.header["integrator"] != adams.header["integrator"]  # the name of what was asked for
 
 
 @ENGINE
