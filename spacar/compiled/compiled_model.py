@@ -139,7 +139,7 @@ class CompiledModel:
         self.handle = ctypes.c_void_p(
             self.engine.begin(
                 address_of(self._whole), address_of(self._values), _at(slots.foreign_c), _at(slots.user_c),
-                self._called[0],
+                _at(slots.asking.c if slots.asking else None),
             )
         )
         if not self.handle:
