@@ -1,14 +1,18 @@
-/* Questions to the user function of a single case, without the callback of ctypes (spacar/compiled/asking.py).
+/* Questions to Python (spacar/compiled/asking.py).
 
    The engine is not built against any version of Python: it is given the addresses of functions of Python's stable C interface, and
-   of a few types. An answer with the form of an earlier one, almost every one of a run, is taken here; Python reads the others.
+   of a few types. The user function of a single case is called from here: an answer with the form of an earlier one, almost every one
+   of a run, is taken here; Python reads the others.
    Nothing that is raised passes through C: it is handed to `keep`, and the evaluation ends. */
+enum { ASK_MOTION, ASK_STRESS, ASK_STRAIN, ASK_CONVECTIVE, ASK_INERTIA, ASK_OUTPUT }; /* as in slots.py */
+
 typedef struct {
     int (*ensure)(void);
     void (*release)(int);
-    void *(*number)(double);
+    void *(*whole)(long), *(*number)(double);
     double (*as_double)(void *);
     void *(*call)(void *, ...);
+    int (*is_true)(void *);
     void *(*type)(void *);
     ptrdiff_t (*list_size)(void *), (*tuple_size)(void *);
     void *(*list_item)(void *, ptrdiff_t), *(*tuple_item)(void *, ptrdiff_t); /* borrowed */
@@ -21,16 +25,20 @@ typedef struct {
     void *real_type, *numpy_real, *whole_type, *list_type, *tuple_type, *exception;
 } Python;
 
-/* Rows of an answer: the objects that are their two leading numbers, and their places in e or x. */
-typedef struct { void *first, *second; ptrdiff_t place; } Row;
+/* Rows of an answer: addresses of the objects that are their two leading numbers, and their places in e or x. */
+typedef struct { int64_t first, second, place; } Row;
 
 typedef struct {
     const Python *python;
-    void *function, *told[8]; /* what is called, with the time and these */
-    void *read, *keep;        /* called with the time and an answer that is read in Python; with what was raised */
-    const Row *rows[2];       /* of stresses and of forces, as those of an earlier answer */
-    double *values[2], t;     /* where they are written; time of the last question */
-    int n[2], reading, stopped; /* rows; whether the function has answered; set by what is no Exception: nobody is asked any more */
+    double *sigma, *force;      /* where the answers of a user function that C calls are written */
+    int n_sigma;                /* rows of stresses as those of an earlier answer; negative: none are known */
+    void *function, *told[8];   /* the user function of a single case, or NULL; what it is called with, behind the time */
+    int (*back)(int what, int batch, double t); /* where there is no `python`: callback of ctypes, not 0 when C has to stop */
+    void *answer, *keep, *read; /* called with the same, true when C has to stop; with what was raised; with the time and an answer */
+    const Row *rows;            /* of stresses and behind them of forces */
+    double t;                   /* of the last question to `function` */
+    int n_force;
+    int within, stopped;        /* whether `function` itself has raised; set by what is no Exception: nobody is asked any more */
 } Asking;
 
 /* Types live as long as the object. */
@@ -52,7 +60,7 @@ static double take_rows(const Python *py, void *rows, const Row *known, int n, d
         if (!is_tuple && type != py->list_type) return NAN;
         void *(*const item)(void *, ptrdiff_t) = is_tuple ? py->tuple_item : py->list_item;
         if ((is_tuple ? py->tuple_size : py->list_size)(row) != 3) return NAN;
-        if (item(row, 0) != known[k].first || item(row, 1) != known[k].second) return NAN;
+        if ((intptr_t)item(row, 0) != known[k].first || (intptr_t)item(row, 1) != known[k].second) return NAN;
         void *value = item(row, 2), *kind = type_of(py, value);
         if (kind != py->real_type && kind != py->numpy_real && kind != py->whole_type) return NAN;
         const double number = py->as_double(value);
@@ -67,10 +75,9 @@ static double take_rows(const Python *py, void *rows, const Row *known, int n, d
 static int is_taken(const Asking *a, void *given)
 {
     const Python *py = a->python;
-    if (type_of(py, given) != py->tuple_type || py->tuple_size(given) != 3) return 0;
-    double total = 0.0;
-    for (int k = 0; k < 2; k++) total += take_rows(py, py->tuple_item(given, 1 + k), a->rows[k], a->n[k], a->values[k]);
-    return isfinite(total);
+    if (a->n_sigma < 0 || type_of(py, given) != py->tuple_type || py->tuple_size(given) != 3) return 0;
+    return isfinite(take_rows(py, py->tuple_item(given, 1), a->rows, a->n_sigma, a->sigma)
+                    + take_rows(py, py->tuple_item(given, 2), a->rows + a->n_sigma, a->n_force, a->force));
 }
 
 /* Hand what was raised to Python, with its traceback. */
@@ -90,9 +97,28 @@ static void keep_raised(Asking *a)
     py->drop(traceback);
 }
 
-/* OK, or NOT_ANSWERED: Python keeps the error. Values are zeros before. */
-static int ask_function(Asking *a, double t)
+/* OK, or NOT_ANSWERED: Python keeps an error, or wants to look. `batch` of a question about elements. */
+static int ask(Asking *a, int what, int batch, double t)
 {
+    if (a->stopped) return NOT_ANSWERED;
+    const Python *py = a->python;
+    if (!py) return a->back(what, batch, t) ? NOT_ANSWERED : OK;
+    const int held = py->ensure();
+    void *of[] = {py->whole(what), py->whole(batch), py->number(t)};
+    void *answer = of[0] && of[1] && of[2] ? py->call(a->answer, of[0], of[1], of[2], NULL) : NULL;
+    const int stops = answer ? py->is_true(answer) : -1;
+    a->within = 0;
+    if (stops < 0) keep_raised(a);
+    py->drop(answer);
+    for (int k = 0; k < 3; k++) py->drop(of[k]);
+    py->release(held);
+    return stops ? NOT_ANSWERED : OK;
+}
+
+/* The user function: OK, or NOT_ANSWERED as above. Values are zeros before. */
+static int ask_stresses(Asking *a, double t)
+{
+    if (!a->function) return ask(a, ASK_STRESS, 0, t);
     if (a->stopped) return NOT_ANSWERED;
     const Python *py = a->python;
     void *const *w = a->told;
@@ -100,7 +126,7 @@ static int ask_function(Asking *a, double t)
     void *time = py->number(t), *done = NULL;
     void *given = time ? py->call(a->function, time, w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], NULL) : NULL;
     a->t = t;
-    a->reading = given != NULL;
+    a->within = !given;
     int answered = given && is_taken(a, given);
     if (given && !answered) answered = (done = py->call(a->read, time, given, NULL)) != NULL;
     if (!answered) keep_raised(a);

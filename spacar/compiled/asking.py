@@ -1,16 +1,18 @@
-"""The user function of a single case, asked by C without a callback of ctypes (`asking.c`): that costs more than many a
-function.
+"""How C asks Python while it evaluates (`asking.c`): through the stable C interface of Python, whose functions ctypes
+finds. A callback of ctypes loses the Ctrl-C that is noticed where it begins, and costs more than many a function; it is
+taken only in a Python that does not have these functions.
 
-C calls the function itself, through the stable C interface of Python, whose functions ctypes finds. It takes answers
-that have the form of an earlier one; `Asking.read` reads the others. An exception is kept (`raised`) and ends the
-evaluation.
+The user function of a single case is called by C itself, which takes answers that have the form of an earlier one;
+`Asking.read` reads the others. An exception is kept (`raised`) and ends the evaluation. Behind one that is no
+Exception, such as Ctrl-C, nobody is asked until it was raised.
 """
 
 from __future__ import annotations
 
 import ctypes
 import sys
-from collections.abc import Callable, Sequence
+from array import array
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any, Protocol
 
@@ -20,12 +22,13 @@ from spacar.compiled.library import POINTER, CAsking, CUser
 
 # in the order of `Python` in asking.c
 FUNCTIONS = (
-    "PyGILState_Ensure", "PyGILState_Release", "PyFloat_FromDouble", "PyFloat_AsDouble",
-    "PyObject_CallFunctionObjArgs", "PyObject_Type", "PyList_Size", "PyTuple_Size", "PyList_GetItem", "PyTuple_GetItem",
-    "Py_DecRef", "PyErr_Occurred", "PyErr_ExceptionMatches", "PyErr_Clear", "PyErr_Fetch", "PyErr_NormalizeException",
-    "PyException_SetTraceback",
+    "PyGILState_Ensure", "PyGILState_Release", "PyLong_FromLong", "PyFloat_FromDouble", "PyFloat_AsDouble",
+    "PyObject_CallFunctionObjArgs", "PyObject_IsTrue", "PyObject_Type", "PyList_Size", "PyTuple_Size",
+    "PyList_GetItem", "PyTuple_GetItem", "Py_DecRef", "PyErr_Occurred", "PyErr_ExceptionMatches", "PyErr_Clear",
+    "PyErr_Fetch", "PyErr_NormalizeException", "PyException_SetTraceback",
 )  # fmt: skip
 TYPES = float, np.float64, int, list, tuple, Exception
+BACK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_int, ctypes.c_double)
 Form = list[Any]  # of rows: two numbers and a place each
 
 
@@ -56,62 +59,85 @@ class AnsweringLaw(Protocol):
 
 
 class Asking:
-    """What C asks the law of `user`, and which of its answers it takes itself.
+    """What C asks of one model.
 
+    law    of the user function of a single case, of which C takes usual answers itself; into what `user` shares
     lost   list whose only entry is given the sentences about stresses that cannot act
     """
 
-    def __init__(
-        self, answering: AnsweringLaw, table: ctypes.Array[ctypes.c_void_p], user: CUser, lost: list[dict[int, str]]
-    ) -> None:
-        self.answering, self.user, self.lost = answering, user, lost
+    def __init__(self, law: Any, user: CUser | None, lost: list[dict[int, str]]) -> None:
+        self.law: AnsweringLaw | None = None
+        self.user, self.lost = user, lost
         self.caught: list[BaseException] = []
-        self.known: Sequence[Form] | None = None  # the forms that C knows, with the objects that it looks for
-        self.rows: list[Any] = []
-        self.c = c = CAsking(ctypes.addressof(table), id(answering.function), tuple(map(id, answering.told)))
-        c.values[:], c.n[:] = (user.sigma, user.force), (-1, -1)
-        user.asking = ctypes.addressof(c)
+        self.known: tuple[Form, Form] | None = None  # the forms that C knows, with the objects that it looks for
+        table = python()
+        if table is None:
+            self.c = CAsking()
+        elif law is None or user is None:
+            self.c = CAsking(ctypes.addressof(table))
+        else:
+            self.law = law
+            told = [id(argument) for argument in law.told]
+            self.c = CAsking(ctypes.addressof(table), user.sigma, user.force, -1, id(law.function), *told)
 
-    def functions(self) -> tuple[Callable[..., Any], ...]:
-        """What C calls, for the model to keep (kept here it would be a circle of references)."""
-        called = self.read, self.caught.append
-        self.c.read, self.c.keep = map(id, called)
-        return called
+    def calls(self, answer: Callable[[int, int, float], bool]) -> tuple[Any, ...]:
+        """What C calls, for the model to keep (kept here it would be a circle of references). `answer` is given what is
+        asked, a batch and the time, and says whether C has to stop there all the same."""
+        c, called = self.c, (answer, self.caught.append, self.read)
+        c.answer, c.keep, c.read = map(id, called)
+        if c.python:
+            return called
+        back = BACK(_guarded(answer, self.caught.append, c))
+        c.back = ctypes.cast(back, POINTER).value
+        return (back,)
 
     def read(self, t: float, given: Any) -> None:
         """Write an answer that C does not know the form of, and let C take the next ones that are like it."""
+        assert self.law is not None
+        assert self.user is not None
         c = self.c
-        self.lost[0] = lost = self.answering.read(t, given)
+        self.lost[0] = lost = self.law.read(t, given)
+        forms = self.law.forms
         if lost:
             self.user.lost = 1
-            self.known = None
-            c.n[:] = -1, -1  # rows of which nothing is lost would not take the sentences away
-        elif self.known is not self.answering.forms:
-            self.known = forms = self.answering.forms or ([], [])
-            self.rows = [_rows(form) for form in forms]
-            c.rows[:] = [ctypes.addressof(rows) for rows in self.rows]
-            c.n[:] = [len(form) // 3 for form in forms]
+            forms = None  # rows of which nothing is lost would not take the sentences away
+        if self.known is not forms:
+            self.known = forms
+            if forms is None:
+                c.n_sigma = -1
+                return
+            of_sig, of_f = forms
+            numbers = [id(number) for number in of_sig + of_f]
+            numbers[2::3] = of_sig[2::3] + of_f[2::3]
+            self.rows = array("q", numbers)
+            c.rows, c.n_sigma, c.n_force = self.rows.buffer_info()[0], len(of_sig) // 3, len(of_f) // 3
 
     def raised(self) -> BaseException | None:
-        """What was raised in the last call, if anything was; from then on C asks again."""
+        """What was raised in the last call, if anything was, and told with the time if it comes from the user function;
+        from then on C asks again."""
         if not self.caught:
             return None
         error = self.caught[-1]
         self.caught.clear()
         self.c.stopped = 0
-        return error
-
-    def explained(self, error: BaseException) -> BaseException:
-        """What a run says of it: an exception of the function itself is told with the time."""
-        if self.c.reading or not isinstance(error, Exception):
+        if self.law is None or not self.c.within or not isinstance(error, Exception):
             return error
-        failed = self.answering.failed(self.c.t, error)
+        failed = self.law.failed(self.c.t, error)
         failed.__cause__ = error
         return failed
 
 
-def _rows(form: Form) -> ctypes.Array[ctypes.c_ssize_t]:
-    """`Row` of asking.c for every row."""
-    numbers = [id(number) for number in form]
-    numbers[2::3] = form[2::3]
-    return (ctypes.c_ssize_t * len(form))(*numbers)
+def _guarded(
+    answer: Callable[[int, int, float], bool], keep: Callable[[BaseException], None], c: CAsking
+) -> Callable[[int, int, float], int]:
+    """For a callback of ctypes, through which no exception may pass."""
+
+    def guarded(what: int, batch: int, t: float) -> int:
+        try:
+            return int(answer(what, batch, t))
+        except BaseException as error:
+            c.stopped = not isinstance(error, Exception)
+            keep(error)
+            return 1
+
+    return guarded

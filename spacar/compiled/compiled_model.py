@@ -153,8 +153,9 @@ class CompiledModel:
         self._called = slots.called()
         self._whole = self._whole_numbers()
         self.handle: int | None = self.engine.begin(
-            address_of(self._whole), address_of(self._values), _at(slots.foreign_c), _at(slots.user_c), self._called[0]
-        )
+            address_of(self._whole), address_of(self._values), _at(slots.foreign_c), _at(slots.user_c),
+            _at(slots.asking.c if slots.asking else None),
+        )  # fmt: skip
         if not self.handle:
             raise MemoryError("no memory for the compiled model")
 

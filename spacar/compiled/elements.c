@@ -5,7 +5,6 @@
    so it is with user functions and prescribed motions that are no polynomials.
    All vectors are in the order of the result files. V and M are lists of the entries of the elements. */
 enum { MAX_ITERATIONS = 20 };
-enum { ASK_MOTION, ASK_STRESS, ASK_STRAIN, ASK_CONVECTIVE, ASK_INERTIA, ASK_OUTPUT }; /* as in slots.py */
 
 /* A batch that Python evaluates: with the elements last, as its families have them. */
 typedef struct {
@@ -20,12 +19,9 @@ typedef struct {
     const Foreign *foreign;
 } Batch;
 
-/* What a user function is told, and what it answers: forces (nx), stresses (ne). asking: how it is asked, NULL: as the rest.
+/* What a user function is told, and what it answers: forces (nx), stresses (ne).
    lost: whether there have been sentences about stresses that cannot act: then Python is asked at outputs. */
-typedef struct { real *x, *xd, *e, *ed, *force, *sigma; Asking *asking; int lost; } User;
-
-/* 0, or another number after which the evaluation ends: Python keeps the error. */
-typedef int (*Ask)(int what, int batch, double t);
+typedef struct { real *x, *xd, *force, *e, *ed, *sigma; int lost; } User;
 
 typedef struct { int n, *row, *column, *source; } Entries; /* (n) each; `source` is a place in `values` */
 
@@ -49,7 +45,7 @@ typedef struct {
     const real *x0;                       /* (nx) reference configuration: the values of fixed coordinates */
     const real *x_motion, *e_motion;      /* (n, 3): start, rate, acceleration; or value, rate, acceleration at t */
     const User *user;                     /* NULL: no user function */
-    Ask ask;
+    Asking *asking;                       /* NULL where nothing is asked of Python */
 } Spec;
 
 /* The last evaluated state, shared with Python; (nx) or (ne). A model may have several, each on its own path. */
@@ -119,7 +115,7 @@ static int strain(const Model *m, const real *x, const real *near, real *e)
             const Foreign *f = k->foreign;
             for (int i = 0; i < n; i++) for (int j = 0; j < k->nxe; j++) f->x[j * n + i] = x[k->x[i * k->nxe + j]];
             for (int i = 0; i < n; i++) for (int r = 0; r < k->nee; r++) f->near[r * n + i] = near[k->e[i * k->nee + r]];
-            if (m->s.ask(ASK_STRAIN, b, 0.0)) return NOT_ANSWERED;
+            if (ask(m->s.asking, ASK_STRAIN, b, 0.0)) return NOT_ANSWERED;
             for (int i = 0; i < n; i++) for (int r = 0; r < k->nee; r++) e[k->e[i * k->nee + r]] = f->e[r * n + i];
             memcpy(m->values + *offset, f->V, sizeof(real) * n * k->nee * k->nxe);
         }
@@ -163,11 +159,11 @@ static int inertia(const Model *m, const real *x, const real *v, int want_convec
                     f->v[j * n + i] = v[k->x[i * k->nxe + j]];
                 }
             if (k->nee) {
-                if (m->s.ask(ASK_CONVECTIVE, b, 0.0)) return NOT_ANSWERED;
+                if (ask(m->s.asking, ASK_CONVECTIVE, b, 0.0)) return NOT_ANSWERED;
                 for (int i = 0; i < n; i++) for (int r = 0; r < k->nee; r++) m->h[k->e[i * k->nee + r]] = f->H[r * n + i];
             }
             if (k->inertia) {
-                if (m->s.ask(ASK_INERTIA, b, 0.0)) return NOT_ANSWERED;
+                if (ask(m->s.asking, ASK_INERTIA, b, 0.0)) return NOT_ANSWERED;
                 memcpy(m->values + *offset, f->M, sizeof(real) * n * k->nxe * k->nxe);
                 for (int i = 0; i < n; i++)
                     for (int j = 0; j < k->nxe; j++) m->convected[k->x[i * k->nxe + j]] += f->h[j * n + i];

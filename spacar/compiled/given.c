@@ -18,7 +18,7 @@ static int take_given(Model *m, State *at, double t, const real *y, real *x, rea
     memcpy(x, s->x0, sizeof(real) * s->n_fixed_x);
     memset(xd, 0, sizeof(real) * nx);
     memset(xdd, 0, sizeof(real) * nx);
-    if (!s->polynomial && s->ask(ASK_MOTION, 0, t)) return NOT_ANSWERED;
+    if (!s->polynomial && ask(s->asking, ASK_MOTION, 0, t)) return NOT_ANSWERED;
     for (int i = 0; i < s->n_x_input; i++) {
         const int k = s->x_input + i;
         prescribed(s, s->x_motion + 3 * i, t, &x[k], &xd[k], &xdd[k]);

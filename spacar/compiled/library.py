@@ -46,8 +46,7 @@ class CUser(ctypes.Structure):
     """`User` of elements.c."""
 
     _fields_ = [
-        *((name, DOUBLES) for name in ("x", "xd", "e", "ed", "force", "sigma")),
-        ("asking", ctypes.c_void_p), ("lost", ctypes.c_int),
+        *((name, DOUBLES) for name in ("x", "xd", "force", "e", "ed", "sigma")), ("lost", ctypes.c_int),
     ]  # fmt: skip
 
 
@@ -55,9 +54,10 @@ class CAsking(ctypes.Structure):
     """`Asking` of asking.c."""
 
     _fields_ = [
-        ("python", ctypes.c_void_p), ("function", ctypes.c_void_p), ("told", ctypes.c_void_p * 8),
-        ("read", ctypes.c_void_p), ("keep", ctypes.c_void_p), ("rows", ctypes.c_void_p * 2), ("values", DOUBLES * 2),
-        ("t", ctypes.c_double), ("n", ctypes.c_int * 2), ("reading", ctypes.c_int), ("stopped", ctypes.c_int),
+        ("python", ctypes.c_void_p), ("sigma", DOUBLES), ("force", DOUBLES), ("n_sigma", ctypes.c_int),
+        *((name, ctypes.c_void_p) for name in ("function", *(f"told_{k}" for k in range(8)))),
+        *((name, ctypes.c_void_p) for name in ("back", "answer", "keep", "read", "rows")),
+        ("t", ctypes.c_double), *((name, ctypes.c_int) for name in ("n_force", "within", "stopped")),
     ]  # fmt: skip
 
 

@@ -356,7 +356,7 @@ static int read_spec(Model *m, const int *whole, real *numbers, const Foreign *c
 }
 
 /* A model of the arrays of `read_spec`; NULL when there is no memory. */
-static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const *foreign, const User *user, Ask ask)
+static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const *foreign, const User *user, Asking *asking)
 {
     Memory memory = {0};
     Model *m = cleared(&memory, 1, sizeof(Model));
@@ -365,7 +365,7 @@ static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const
     const Spec *spec = &m->s;
     if (read_spec(m, whole, numbers, foreign)) { spacar_end(m); return NULL; }
     m->s.user = user;
-    m->s.ask = ask;
+    m->s.asking = asking;
     const int nx = spec->nx, ne = spec->ne;
     int elements = 0;
     for (int b = 0; b < spec->n_batches; b++) elements += spec->batches[b].n;

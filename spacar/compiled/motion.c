@@ -127,7 +127,7 @@ static int stresses(const Model *m, double t, const real *x, const real *e, cons
     for (int r = 0; r < s->ne; r++) user->ed[r] = ed ? ed[r] : rate(m, r, xd);
     memset(user->force, 0, sizeof(real) * s->nx);
     memset(user->sigma, 0, sizeof(real) * s->ne);
-    if (user->asking ? ask_function(user->asking, t) : s->ask(ASK_STRESS, 0, t)) return NOT_ANSWERED;
+    if (ask_stresses(s->asking, t)) return NOT_ANSWERED;
     for (int i = 0; i < s->nx; i++) m->applied[i] += user->force[i];
     for (int r = s->n_rows; r < s->ne; r++) sigma[r] += user->sigma[r];
     return OK;

@@ -57,7 +57,7 @@ static int show(Model *m, Passage *p, int i)
     p->status = spacar_evaluate(m, s, p->t[i], (const real *)state_of(m, p, i), p->exact, p->jump);
     if (p->status < 0) return 0;
     memcpy(row_of(p, i), s->x, sizeof(real) * (6 * nx + 4 * ne)); /* as `spacar_state` has laid them out */
-    const int told = m->s.user && m->s.user->lost && m->s.ask(ASK_OUTPUT, 0, p->t[i]);
+    const int told = m->s.user && m->s.user->lost && ask(m->s.asking, ASK_OUTPUT, 0, p->t[i]);
     p->last = !told && harmless(m, p) ? HARMLESS : LOOKED_AT;
     return p->last == HARMLESS;
 }

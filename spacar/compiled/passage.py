@@ -154,6 +154,8 @@ class Passage:
 
     def _last(self, block: FramesInRows, y: Array) -> FramesInRows:
         """That of the last output of a call, at which Python looks; or what says why there is none."""
+        if self.c.last == LOOKED_AT:
+            self.shown.solver.slots.interrupted()  # C asks about sentences of an output
         if self.c.last == NOT_SHOWN:
             if self.c.status == NOT_ANSWERED:
                 self.shown.solver.slots.raise_error()

@@ -87,6 +87,7 @@ class PassageOfCases:
             return
         if c.last == NOT_SHOWN and c.status == NOT_ANSWERED:
             self.solver.slots.raise_error()
+        self.solver.slots.interrupted()  # C asks about sentences of an output
         raise not_followed(float(self.times[self.output + c.done - 1]))
 
 

@@ -2,9 +2,8 @@
 batches of a new element that has no functions in C yet (its NumPy family, all elements of a batch at once).
 
 Everything else stays in C, so one such element or one user function costs its own share only. Arrays are shared: C
-writes the state into them, Python the answer. An exception is kept, ends the evaluation in C and is raised after it.
-
-C asks through one callback of ctypes (`_answer`); the user function of a single case it asks itself (`asking`).
+writes the state into them, Python the answer. An exception is kept, ends the evaluation in C and is raised after it:
+`asking`, where C takes the usual answers of the user function of a single case itself.
 
 Several cases have a function each, loaded for it as for a run of its own: functions are called once a lane, with what
 they get alone. Lanes that only fill a vector up have the answer of the last case.
@@ -14,21 +13,21 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
-from typing import Any, cast
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.asking import AnsweringLaw, Asking, python
+from spacar.compiled.asking import AnsweringLaw, Asking
 from spacar.compiled.library import CForeign, CUser, address_of
 from spacar.compiled.numbers import Elements
 from spacar.elements.family import Configuration, Family
 from spacar.mechanism.mechanism import Drive, Polynomial, UserSignal
 from spacar.mechanism.placed_vectors import PlacedVector, placed
 
-ASK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_int, ctypes.c_double)
-MOTION, STRESS, STRAIN, CONVECTIVE, INERTIA, OUTPUT = range(6)  # as ASK_MOTION ... in elements.c
-ANSWERED, NOT_ANSWERED = 0, 1
+MOTION, STRESS, STRAIN, CONVECTIVE, INERTIA, OUTPUT = range(6)  # as ASK_MOTION ... in asking.c
+WIDTH = ctypes.sizeof(ctypes.c_double)
 
 
 class ForeignBatch:
@@ -68,7 +67,7 @@ def law(
     """
     answering = getattr(user, "answering", None)  # USERSIG: numbers, no arrays
     if answering is not None:
-        written: AnsweringLaw = answering(told, sigma.data, force.data)
+        written: AnsweringLaw = answering(told, sigma, force)
         return written
 
     def answer(t: float) -> dict[int, str]:
@@ -98,7 +97,6 @@ class Slots:
         self.foreign = {b: ForeignBatch(e.family) for b, e in enumerate(elements) if e.family is not None}
         # whether a family here may find its elements outside the range of their theory
         self.has_limits = any(type(f.family).troubles is not Family.troubles for f in self.foreign.values())
-        self.error: BaseException | None = None
         self.failed: int | None = None  # the case whose function did not answer the last question
         self.lost: list[dict[int, str]] = [{}] * max(len(users), 1)  # sentences by row of e, of every case
         self.first_lost: list[dict[int, str]] = [{} for _ in users]  # the first ones of all outputs of several cases
@@ -111,12 +109,12 @@ class Slots:
             for b, batch in self.foreign.items():
                 self.foreign_c[b] = ctypes.addressof(batch.c)
         self.user_c: CUser | None = None
-        self.asking: Asking | None = None
         if users:
-            self.user_c = c = CUser()
-            (x, xd, self.force), of_x = _shared((3, nx, lanes))
-            (e, ed, self.sigma), of_e = _shared((3, ne, lanes))
-            (c.x, c.xd, c.force), (c.e, c.ed, c.sigma) = of_x, of_e
+            parts = [0, nx, 2 * nx, 3 * nx, 3 * nx + ne, 3 * nx + 2 * ne, 3 * nx + 3 * ne]  # x, xd, force; e, ed, sigma
+            shared = np.zeros((parts[-1], lanes))
+            first, row = address_of(shared), WIDTH * lanes
+            self.user_c = CUser(*[first + row * begin for begin in parts[:-1]])
+            x, xd, self.force, e, ed, self.sigma = [shared[i:k] for i, k in pairwise(parts)]
             guarded = (e, "e"), (ed, "ep"), (x, "x"), (xd, "xp")
             self.laws = tuple([
                 law(
@@ -127,54 +125,46 @@ class Slots:
                 )
                 for lane, user in enumerate(users)
             ])  # fmt: skip
-            table = python()
-            if lanes == 1 and table is not None and hasattr(users[0], "answering"):
-                self.asking = Asking(cast(AnsweringLaw, self.laws[0]), table, c, self.lost)
+        self.asking: Asking | None = None
+        if users or self.foreign or not self.polynomial:
+            alone = self.laws[0] if lanes == 1 and users and hasattr(users[0], "answering") else None
+            self.asking = Asking(alone, self.user_c, self.lost)
 
     def called(self) -> tuple[Any, ...]:
-        """What C calls, for the model to keep (kept here it would be a circle of references): first the callback for
-        all questions, None where C has none."""
-        if self.polynomial and not (self.foreign or self.laws):
-            return (None,)
-        return ASK(self._answer), *(self.asking.functions() if self.asking else ())
+        """What C calls, for the model to keep (kept here it would be a circle of references)."""
+        return self.asking.calls(self._answer) if self.asking else ()
 
-    def _answer(self, what: int, batch: int, t: float) -> int:
-        stopped = self.asking is not None and self.asking.c.stopped
-        if stopped or (self.error is not None and not isinstance(self.error, Exception)):
-            return NOT_ANSWERED  # Ctrl-C: nobody is asked any more
-        try:
-            if what == STRESS:
-                if self.lanes == 1:
-                    self.lost[0] = self.laws[0](t)
-                else:
-                    for lane, answer in enumerate(self.laws):
-                        self.failed = lane
-                        self.lost[lane] = answer(t)
-                    if len(self.laws) < self.lanes:
-                        self._fill(len(self.laws), self.sigma, self.force)
-                if self.user_c is not None and any(self.lost):
-                    self.user_c.lost = 1
-            elif what == STRAIN:
-                self.foreign[batch].strain()
-            elif what == CONVECTIVE:
-                self.foreign[batch].convective()
-            elif what == INERTIA:
-                self.foreign[batch].inertia()
-            elif what == OUTPUT and self.lanes > 1:
-                for first, lost in zip(self.first_lost, self.lost, strict=True):
-                    first |= lost | first
-            elif what == OUTPUT:
-                self.outputs.append(self.lost[0])
-                if not self.told.issuperset(self.lost[0]):
-                    self.told.update(self.lost[0])
-                    return NOT_ANSWERED  # a sentence that is new is handed on at once
+    def _answer(self, what: int, batch: int, t: float) -> bool:
+        """Answer C; whether it has to stop there all the same."""
+        if what == STRESS:
+            if self.lanes == 1:
+                self.lost[0] = self.laws[0](t)
             else:
-                self._move(t)
-        except BaseException as error:  # nothing may pass through C
-            self.error = error
-            return NOT_ANSWERED
+                for lane, answer in enumerate(self.laws):
+                    self.failed = lane
+                    self.lost[lane] = answer(t)
+                if len(self.laws) < self.lanes:
+                    self._fill(len(self.laws), self.sigma, self.force)
+            if self.user_c is not None and any(self.lost):
+                self.user_c.lost = 1
+        elif what == STRAIN:
+            self.foreign[batch].strain()
+        elif what == CONVECTIVE:
+            self.foreign[batch].convective()
+        elif what == INERTIA:
+            self.foreign[batch].inertia()
+        elif what == OUTPUT and self.lanes > 1:
+            for first, lost in zip(self.first_lost, self.lost, strict=True):
+                first |= lost | first
+        elif what == OUTPUT:
+            self.outputs.append(self.lost[0])
+            if not self.told.issuperset(self.lost[0]):
+                self.told.update(self.lost[0])
+                return True  # a sentence that is new is handed on at once
+        else:
+            self._move(t)
         self.failed = None
-        return ANSWERED
+        return False
 
     def _move(self, t: float) -> None:
         for lane, drive in enumerate(self.drives):
@@ -193,26 +183,12 @@ class Slots:
 
     def raise_error(self) -> None:
         """Raise what happened in the last call, if anything did."""
-        error, raised = self._kept()
-        if raised is not None and self.asking is not None:
-            error = self.asking.explained(raised)
+        error = None if self.asking is None else self.asking.raised()
         if error is not None:
             raise error
 
     def interrupted(self) -> None:
         """Raise what is no failure of the state, such as Ctrl-C. A failure is forgotten, because it will come again."""
-        for error in self._kept():
-            if error is not None and not isinstance(error, Exception):
-                raise error
-
-    def _kept(self) -> tuple[BaseException | None, BaseException | None]:
-        """What was kept here and what by `asking`; both keep nothing then."""
-        error, self.error = self.error, None
-        return error, None if self.asking is None else self.asking.raised()
-
-
-def _shared(shape: tuple[int, int, int]) -> tuple[Array, list[int]]:
-    """Arrays (k, n, lanes) of zeros and the addresses of its k parts."""
-    together = np.zeros(shape)
-    first, size = address_of(together), together[0].nbytes
-    return together, [first + k * size for k in range(shape[0])]
+        error = None if self.asking is None else self.asking.raised()
+        if error is not None and not isinstance(error, Exception):
+            raise error

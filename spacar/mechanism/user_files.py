@@ -11,7 +11,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from os.path import basename, dirname, join, splitext
 from pathlib import Path
 from types import CodeType, ModuleType
@@ -21,6 +21,7 @@ import numpy as np
 
 from spacar.deck import Deck, Statement
 from spacar.errors import InputError, Message
+from spacar.records import quickly_made
 
 STATEMENTS = {"USERSIG": "forces and stresses", "USERINP": "prescribed motion", "USERTRAJ": "trajectory"}
 
@@ -77,46 +78,50 @@ def _refusal(deck: Deck, statement: Statement, reason: str) -> InputError:
     return InputError([Message("error", deck.source, statement.line, statement.keyword, reason, "input.user-function")])
 
 
+@quickly_made
 @dataclass(frozen=True, eq=False)
 class Loaded:
-    """A function made from a user's file. No module is known under its name, so it travels (pickle, copy) as the way
-    in which it was made, and is loaded again where it arrives.
+    """A function made from a user's file. No module is known under its name, so it travels (pickle, copy) as the
+    statement that names it, and is loaded again where it arrives.
 
     breaks  times at which it jumps [s], from `breaks` of its module
-    anew    gives it once more, from the text that was read, in a module of its own. Raises as `load`
+    code    what was executed, of the text at `path`
     """
 
     function: Callable[..., Any]
-    load: Callable[..., Loaded]
-    arguments: tuple[Any, ...]
     breaks: tuple[float, ...]
-    anew: Callable[[], Loaded]
+    deck: Deck
+    statement: Statement
+    path: str
+    code: CodeType
 
     def __call__(self, *arguments: Any) -> Any:
         return self.function(*arguments)
 
     def __reduce__(self) -> tuple[Callable[..., Loaded], tuple[Any, ...]]:
-        return self.load, self.arguments
+        return load_function, (self.deck, self.statement)
+
+    def anew(self) -> Loaded:
+        """It once more, from the text that was read, in a module of its own. Raises as `load_function`."""
+        return _made(self.deck, self.statement, self.path, self.code)
 
 
 def load_function(deck: Deck, statement: Statement) -> Loaded:
     """The function `name` of `name.py` in the directory of the input file."""
-    name = str(statement.values[0])
-
-    def refuse(reason: str) -> InputError:
-        return _refusal(deck, statement, reason)
-
+    refuse = partial(_refusal, deck, statement)
     path, text = _found(deck, statement, refuse)
-    code = _compiled(path, text, refuse)
+    return _made(deck, statement, path, _compiled(path, text, refuse))
 
-    def anew() -> Loaded:
-        module = _executed(code, path, refuse)
-        function = getattr(module, _stem(path), None) or getattr(module, name, None)
-        if not callable(function):
-            raise refuse(f"{path} does not define a function {name}")
-        return Loaded(function, load_function, (deck, statement), _breaks(module, path, refuse), anew)
 
-    return anew()
+def _made(deck: Deck, statement: Statement, path: str, code: CodeType) -> Loaded:
+    refuse = partial(_refusal, deck, statement)
+    name, stem = str(statement.values[0]), _stem(path)
+    own = vars(_executed(code, path, stem, refuse))
+    function = own.get(stem) or own.get(name)
+    if not callable(function):
+        raise refuse(f"{path} does not define a function {name}")
+    breaks = _breaks(own["breaks"], path, refuse) if "breaks" in own else ()
+    return Loaded(function, breaks, deck, statement, path, code)
 
 
 def _found(deck: Deck, statement: Statement, refuse: Callable[[str], Exception]) -> tuple[str, bytes]:
@@ -141,11 +146,8 @@ def _stem(path: str) -> str:
     return splitext(basename(path))[0]
 
 
-def _breaks(module: ModuleType, path: str, refuse: Callable[[str], Exception]) -> tuple[float, ...]:
+def _breaks(given: Any, path: str, refuse: Callable[[str], Exception]) -> tuple[float, ...]:
     """The times of jumps that a module declares."""
-    if not hasattr(module, "breaks"):
-        return ()
-    given = module.breaks
     try:
         times = np.asarray(given, dtype=float)
     except (TypeError, ValueError):
@@ -165,7 +167,7 @@ def import_file(path: Path, refuse: Callable[[str], Exception]) -> ModuleType:
     """The module in a user's Python file, from its text as it stands now: no bytecode is kept beside a model. Raises
     what `refuse` makes of the reason why it cannot be loaded."""
     name = str(path)
-    return _executed(_compiled(name, _text(name, refuse), refuse), name, refuse)
+    return _executed(_compiled(name, _text(name, refuse), refuse), name, _stem(name), refuse)
 
 
 def _compiled(path: str, text: bytes, refuse: Callable[[str], Exception]) -> CodeType:
@@ -180,8 +182,8 @@ def _code(path: str, text: bytes) -> CodeType:
     return compile(text, path, "exec", dont_inherit=True)
 
 
-def _executed(code: CodeType, path: str, refuse: Callable[[str], Exception]) -> ModuleType:
-    module = ModuleType(f"spacar_user_{_stem(path)}")
+def _executed(code: CodeType, path: str, stem: str, refuse: Callable[[str], Exception]) -> ModuleType:
+    module = ModuleType(f"spacar_user_{stem}")
     module.__file__ = path
     try:
         exec(code, vars(module))

@@ -28,6 +28,7 @@ from spacar.mechanism.numbering import Numbering
 from spacar.mechanism.placed_vectors import PlacedVector, placed
 from spacar.mechanism.user_files import Loaded, load_function, one_line
 from spacar.modes import find_mode
+from spacar.records import quickly_made
 
 
 def call(function: Callable[..., Any], name: str, t: float, *arguments: Any) -> tuple[Any, Any]:
@@ -108,18 +109,31 @@ def whole(row: Sequence[float]) -> tuple[int, int]:
     return int(a), int(b)
 
 
-def _form(rows: Any, places: dict[tuple[Any, Any], int]) -> Form:
-    """The numbers and the place of every row of an answer that was read, one after the other; none of an answer that is
-    no list of a few rows of three, each with a place of its own."""
+def _form(
+    rows: Any, places: dict[tuple[Any, Any], int], find: Callable[[int, int], int], first: int, values: Any
+) -> Form | None:
+    """Write the values of a list of a few rows of three numbers, each with a place of its own from `first` on, and give
+    the numbers and the place of every row, one after the other; the places are remembered. Else None, when some may
+    have been written."""
     if type(rows) is not list or len(rows) > FEW:
-        return []
+        return None
     form: Form = []
-    for row in rows:
-        if type(row) not in ROWS or len(row) != 3 or not {type(row[0]), type(row[1])} <= NUMBERS:
-            return []
-        form += row[0], row[1], places.get((row[0], row[1]))
-    own = set(form[2::3])
-    return form if len(own) == len(rows) and None not in own else []
+    total = 0.0
+    try:
+        for row in rows:
+            a, b, value = row
+            if type(row) not in ROWS or not {type(a), type(b), type(value)} <= NUMBERS:
+                return None
+            i = find(*whole(row))
+            if i < first or i in form[2::3]:
+                return None
+            values[i] = value
+            total += value
+            places[a, b] = i
+            form += a, b, i
+    except (KeyError, TypeError, ValueError, OverflowError):
+        return None
+    return form if isfinite(total) else None
 
 
 def _again(rows: Any, form: Form, values: Any) -> float:
@@ -170,6 +184,7 @@ def load_user_signal(deck: Deck, statement: Statement, numbering: Numbering) -> 
     return UserLaw(function, name, numbering, le, lnp, along, function.breaks)
 
 
+@quickly_made
 @dataclass(frozen=True)
 class UserLaw:
     """USERSIG as a function (t, e, ed, x, xd) -> UserForces."""
@@ -201,9 +216,7 @@ class UserLaw:
                 d[i] += row[4]
         return UserForces(sigma, force, k_e, d_e, k_x, d_x, lost)
 
-    def answering(
-        self, told: tuple[PlacedVector, ...], sigma: memoryview[float], force: memoryview[float]
-    ) -> Answering:
+    def answering(self, told: tuple[PlacedVector, ...], sigma: Array, force: Array) -> Answering:
         """What asks the function at the guarded vectors e, ed, x, xd and writes what it returns into sigma and force,
         which are zero then."""
         return Answering(self, told, sigma, force)
@@ -272,12 +285,10 @@ class Answering:
     """The answers of a law for the engine, at vectors that change: written into sigma (ne,) and force (nx,).
 
     function, told   what is called with the time and with these
-    forms            of the last answer that was read anew, of stresses and forces: `_form`
+    forms            `_form` of stresses and forces of the last answer that was read anew, if it has them
     """
 
-    def __init__(
-        self, law: UserLaw, told: tuple[PlacedVector, ...], sigma: memoryview[float], force: memoryview[float]
-    ) -> None:
+    def __init__(self, law: UserLaw, told: tuple[PlacedVector, ...], sigma: Array, force: Array) -> None:
         self.law, self.function, self.told = law, law._function, law._given(*told)
         self.values = sigma, force
         self.forms: tuple[Form, Form] | None = None
@@ -311,21 +322,25 @@ class Answering:
 
     def _read(self, t: float, sig: Any, f: Any) -> dict[int, str]:
         law, (sigma, force) = self.law, self.values
-        if self.forms:
-            for form, values in zip(self.forms, self.values, strict=True):  # a part may have been written
+        n = law.numbering
+        if law.stresses or law.forces:
+            for form, values in zip(self.forms or (), self.values, strict=False):  # a part may have been written
                 for i in form[2::3]:
                     values[i] = 0.0
             if isfinite(_added(sig, law.stresses, sigma) + _added(f, law.forces, force)):
                 return {}
+            sigma[:] = force[:] = 0.0
+        of_sig = _form(sig, law.stresses, n.e_index, law._first, sigma)
+        of_f = None if of_sig is None else _form(f, law.forces, n.x_index, 0, force)
+        if of_sig is not None and of_f is not None:
+            self.forms = of_sig, of_f
+            return {}
+        self.forms = None
+        sigma[:] = force[:] = 0.0
         *found, lost = law._rows(t, sig, f)
         for rows, values in zip(found, self.values, strict=True):
-            if self.forms:
-                for i in range(len(values)):
-                    values[i] = 0.0
             for i, row in rows:
                 values[i] += row[2]
-        if not lost:
-            self.forms = _form(sig, law.stresses), _form(f, law.forces)
         return lost
 
 

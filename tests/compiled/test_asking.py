@@ -44,7 +44,7 @@ USUAL = "    return t, [[1, 1, -0.3 * ep[0]], (1, 2, 0.1)], [[3, 1, 0.5 + t]]\n"
 
 
 def model(folder: Path, body: str, text: str = ARM) -> Path:
-    (folder / "law.py").write_text(HEAD + body)
+    (folder / "law.py").write_text(HEAD + (body or "    pass\n"))
     (folder / "model.dat").write_text(text)
     return folder / "model.dat"
 
@@ -62,7 +62,7 @@ def tip(path: Path) -> Any:
 @pytest.fixture
 def called_back(monkeypatch: pytest.MonkeyPatch) -> None:
     """A Python without the functions that C calls."""
-    monkeypatch.setattr("spacar.compiled.slots.python", lambda: None)
+    monkeypatch.setattr("spacar.compiled.asking.python", lambda: None)
 
 
 def asked(path: Path, times: int = 8) -> list[Any]:
@@ -117,7 +117,7 @@ def test_answers_are_those_that_are_called_back(tmp_path: Path, which: str, monk
     assert asking.python() is not None
     found = outcomes(path)
     assert isinstance(found, list) or found[1].startswith("user-function.")
-    monkeypatch.setattr("spacar.compiled.slots.python", lambda: None)
+    monkeypatch.setattr("spacar.compiled.asking.python", lambda: None)
     assert found == outcomes(path)
 
 
@@ -143,7 +143,7 @@ def test_sentences_come_and_go_as_when_called_back(tmp_path: Path, monkeypatch: 
     sentences = [sentence for block in found for sentence in block]
     assert [bool(s) for s in sentences] == [False, False, True, True, False, False]
     assert sum("has no effect" in line for line in report) == 1
-    monkeypatch.setattr("spacar.compiled.slots.python", lambda: None)
+    monkeypatch.setattr("spacar.compiled.asking.python", lambda: None)
     assert (found, report) == lost()
 
 
@@ -170,26 +170,60 @@ def test_nobody_is_asked_after_ctrl_c_until_it_was_raised(tmp_path: Path) -> Non
 INTERRUPTED = """
 import _thread, signal, sys, threading
 import spacar
+from spacar.compiled.element_parameters import SUPPORTED
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # tests in the background inherit that it is ignored
-spacar.run(1, sys.argv[1], duration=1e-3)  # imports are done
+kind, path = sys.argv[1:]
+if kind == "element":
+    del SUPPORTED["PLTRUSS"]
+
+def go(**options):
+    if kind == "lanes":
+        spacar.sweep(path, {"EM.1": [1.0, 1.1]}, "x[3,1]@end", jobs=1, batch=True, **options)
+    else:
+        spacar.run(1, path, **options)
+
+go(duration=1e-3)  # imports are done
 for k in range(8):
-    threading.Timer(0.1 + 0.01 * k, _thread.interrupt_main).start()
+    first = threading.Timer(0.1 + 0.007 * k, _thread.interrupt_main)
+    second = threading.Timer(8.0, _thread.interrupt_main)  # ends what did not hear the first one
+    for timer in (first, second):
+        timer.daemon = True
+        timer.start()
     try:
-        spacar.run(1, sys.argv[1])
-        print("went on")
+        go()
+        print("ended")
     except KeyboardInterrupt:
         print("interrupted")
+    print("late" if second.finished.is_set() else "at once")
+    second.cancel()
 """
+CHAIN = "".join([
+    *(f"PLBEAM {k} {2 * k - 1} {2 * k} {2 * k + 1} {2 * k + 2}\nX {2 * k + 1} {k}. 0.\n" for k in range(1, 9)),
+    *(f"DYNE {k} 2 3\n" for k in range(1, 9)),
+    "PLTRUSS 99 1 17\nRLSE 99 1\nX 1 0. 0.\nFIX 1\n%s\nEND HALT\n%s\n",
+    *(f"EM {k} 1.\nESTIFF {k} 0. 100.\n" for k in range(1, 9)),
+    "XF 17 0. 1.\nESTIFF 99 1.\nTIMESTEP 1e5 10\nEND END\n",
+])  # fmt: skip
+SINE = "    return t, [], [[2, 1, np.sin(t), np.cos(t), -np.sin(t)]]\n"
+QUESTIONS = {  # where nothing is asked but this: the model, the body of its function
+    "one case": (ARM.replace("TIMESTEP 0.1 5", "TIMESTEP 1e4 10"), "    return t, [[1, 1, np.sin(1e4 * t)]], []\n"),
+    "motion": (CHAIN % ("INPUTX 2 1", "INPUTX 2 1\nUSERINP law"), SINE),
+    "lanes": (CHAIN % ("FIX 2", "USERSIG law"), "    return t, [[1, 2, np.sin(50.0 * t)]], []\n"),
+    "element": (CHAIN % ("FIX 2", ""), ""),
+}
 
 
-def test_ctrl_c_between_the_questions_is_heard(tmp_path: Path) -> None:
-    """Python notices it where the function begins: a callback of ctypes writes 'Exception ignored' then and goes on."""
-    body = "    return t, [[1, 1, np.sin(1e4 * t)]], []\n"
-    text = ARM.replace("TIMESTEP 0.1 5", "TIMESTEP 1e4 10")
-    command = [sys.executable, "-c", INTERRUPTED, str(model(tmp_path, body, text))]
+@pytest.mark.parametrize("kind", QUESTIONS)
+def test_ctrl_c_between_the_questions_is_heard(tmp_path: Path, kind: str) -> None:
+    """Python notices it where what C calls begins: a callback of ctypes writes 'Exception ignored' then and goes on."""
+    text, body = QUESTIONS[kind]
+    path = model(tmp_path, body, text)
+    if kind == "motion":
+        (tmp_path / "law.py").write_text("import numpy as np\ndef law(t, step):\n" + body)
+    command = [sys.executable, "-c", INTERRUPTED, kind, str(path)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
-    assert (done.stdout, done.stderr) == (8 * "interrupted\n", "")
+    assert (done.stdout, done.stderr) == (8 * "interrupted\nat once\n", "")
 
 
 def test_the_traceback_shows_the_function(tmp_path: Path) -> None:
@@ -216,7 +250,7 @@ def test_questions_leave_nothing_behind(tmp_path: Path) -> None:
     ):
         made = evaluator(model(tmp_path, body))
         solver, slots = made.solver, made.solver.slots
-        told = slots.asking.answering.told
+        told = slots.asking.law.told
         made._y[:] = 0.0
 
         def many(n: int, made: CompiledDynamics = made) -> None:

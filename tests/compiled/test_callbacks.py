@@ -44,3 +44,19 @@ def test_a_user_function_leaves_no_circle_behind(tmp_path):
         assert slots() is None
     finally:
         gc.enable()
+
+
+def test_the_file_of_a_user_function_keeps_no_deck(tmp_path):
+    """The function and its module refer to each other; nothing large hangs on them."""
+    (tmp_path / "law.py").write_text(FUNCTION)
+    (tmp_path / "model.dat").write_text(CANTILEVER)
+    gc.collect()
+    gc.disable()
+    try:
+        mechanism = spacar.frames(1, tmp_path / "model.dat").mechanism
+        mechanism.user_signal.anew()
+        deck = weakref.ref(mechanism.deck)
+        del mechanism
+        assert deck() is None
+    finally:
+        gc.enable()

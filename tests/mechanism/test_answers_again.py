@@ -75,7 +75,7 @@ class Asked:
         self.sigma, self.force = np.zeros(n.ne), np.zeros(n.nx)
         law = UserLaw(lambda t, *_: (t, *self.next), "law", n, n.le - 1, n.lnp - 1, False)
         told = tuple(placed(np.zeros(size), "x") for size in (n.ne, n.ne, n.nx, n.nx))
-        self.answer = law.answering(told, self.sigma.data, self.force.data)
+        self.answer = law.answering(told, self.sigma, self.force)
 
     def __call__(self, which: str) -> tuple[Any, ...]:
         self.next = ANSWERS[which]
