@@ -11,7 +11,9 @@ Every returned pair is checked (`spacar.linear.backward_error`); a doubtful one 
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +24,9 @@ from spacar.linear import backward_error
 from spacar.linear_systems import DENSE_LIMIT
 from spacar.linearization.matrices import Linearization
 from spacar.linearization.state_matrix import assembled_state_matrix, require_mass, selected
+
+if TYPE_CHECKING:
+    from spacar.compiled.small_pencil import SmallPencil
 
 Complex = NDArray[np.complex128]
 SYMMETRIC = 1e-9  # relative asymmetry below which a matrix counts as symmetric (rounding of assembled sums)
@@ -64,20 +69,27 @@ def is_zero(values: Complex) -> NDArray[np.bool_]:
 
 
 def vibration_modes(
-    L: Linearization, q: Index, s: Index, report: Report, static: Index | None = None, wanted: int | None = None
-) -> Modes:
+    L: Linearization, q: Index, s: Index, report: Report, static: Index | None = None, wanted: int | None = None,
+    compiled: bool = False,
+) -> Modes:  # fmt: skip
     """Eigenvalues and eigenvectors about the linearization point for the rows q, s (see chosen_rows): all, or at least
-    the `wanted` pairs of lowest modulus.
+    the `wanted` pairs of lowest modulus. `compiled`: those of small undamped systems with C.
 
     `static` are degrees of freedom that may have no inertia: those without mass and damping follow the others by
     K alone, and only the finite eigenvalues are returned (theory-warping.md section 1).
     """
     M, C, K = selected(L.m0, q, q), selected(L.damping, q, q), selected(L.stiffness, q, s)
-    if static is not None and np.array_equal(q, s):
+    if static is not None and len(static) and np.array_equal(q, s):
         still = np.isin(q, static) & ~M.any(axis=1) & ~C.any(axis=1) & ~C.any(axis=0)
         if still.any():
             return _condensed(M, C, K, still, report)
     require_mass(L, q)
+    if compiled and len(q) == len(s) and not C.any():
+        diagonal = M.diagonal()
+        if (diagonal > 0.0).all() and not _takes_few(len(q), wanted):
+            small = small_pencil(K, M, 1.0 / np.sqrt(diagonal))
+            if small is not None:
+                return undamped_modes(K, M, report, wanted, small)
     return modes_of_matrices(M, C, K, selected(L.ak0, s, q), selected(L.bk0, s, s), report, wanted)
 
 
@@ -191,20 +203,50 @@ def _eig(A: Array, report: Report) -> tuple[Complex, Complex]:
     return values, vectors
 
 
-def undamped_modes(K: Array, M: Array, report: Report, wanted: int | None = None) -> Modes:
-    """Modes of M qdd + K q = 0 from the symmetric eigenproblem, all or the `wanted` of lowest modulus. Raises
-    AnalysisError for an indefinite mass matrix."""
-    squares, shapes = polished(K, M, *symmetric_pencil(K, M, wanted))
+def undamped_modes(
+    K: Array, M: Array, report: Report, wanted: int | None = None, small: SmallPencil | None = None
+) -> Modes:
+    """Modes of M qdd + K q = 0 from the symmetric eigenproblem, all or the `wanted` of lowest modulus. `small`: that of
+    K and M in C. Raises AnalysisError for an indefinite mass matrix."""
+    squares, shapes = polished(K, M, *(symmetric_pencil(K, M, wanted) if small is None else small.pairs()))
     if wanted is not None and wanted < len(squares):
         lowest = np.sort(np.argsort(np.abs(squares), kind="stable")[:wanted])
         squares, shapes = squares[lowest], shapes[:, lowest]
-    eta = backward_error.of_pencil(K, M, squares, shapes, 1.0 / np.sqrt(M.diagonal()))
+    if small is None:
+        eta = backward_error.of_pencil(K, M, squares, shapes, 1.0 / np.sqrt(M.diagonal()))
+    else:
+        eta = small.error(squares, shapes)
     backward_error.warn(report, eta, squares, "omega^2", backward_error.rounding(len(K)))
+    if (squares > 0.0).all():
+        return _oscillations(squares, shapes)
     root = np.sqrt(squares.astype(complex))  # omega, or i kappa for an unstable mode
     values = np.concatenate((1j * root, -1j * root))
     shapes = np.hstack((shapes, shapes)).astype(complex)
     vectors = np.vstack((shapes, shapes * values))
     return arranged(values, vectors, len(K))
+
+
+def _oscillations(squares: Array, shapes: Array) -> Modes:
+    """As `arranged` for omega^2 > 0 (m,) and real shapes (n, m), without sorting and scaling both conjugates."""
+    order = (-squares).argsort(kind="stable")
+    squares, shapes = squares[order], shapes[:, order]
+    n, m = shapes.shape
+    omega, pivot = np.sqrt(squares), shapes[np.abs(shapes).argmax(axis=0), np.arange(m)]
+    shapes = shapes * (np.copysign(1.0, pivot) / (backward_error.lengths(shapes) * np.sqrt(1.0 + squares)))
+    values, vectors = np.zeros((m, 2), complex), np.zeros((2 * n, m, 2), complex)
+    values.imag[:, 0], values.imag[:, 1] = omega, -omega
+    vectors.real[:n] = shapes[:, :, None]
+    vectors.imag[n:] = (shapes[:, :, None] * omega[:, None]) * (1.0, -1.0)
+    return Modes(values.ravel(), vectors.reshape(2 * n, 2 * m), n)
+
+
+def small_pencil(A: Array, B: Array, scale: Array, least: float = 0.0) -> SmallPencil | None:
+    """A z = value B z in C, scaled from both sides; None where NumPy has to decide, or is as fast."""
+    from spacar.compiled.small_pencil import NotSmall, SmallPencil
+
+    with suppress(NotSmall):
+        return SmallPencil(A, B, scale, SYMMETRIC, least)
+    return None
 
 
 def symmetric_pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Array, Array]:
@@ -226,14 +268,20 @@ def symmetric_pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Arr
     return squares, vectors * scale[:, None]
 
 
+def _takes_few(n: int, wanted: int | None) -> bool:
+    """Are the `wanted` modes of n degrees of freedom computed alone?"""
+    return n > FEW_FROM and wanted is not None and wanted * FEW <= n
+
+
 def _pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Array, Array]:
     """omega^2 ascending and vectors, M of unit diagonal. Larger ones, for which SciPy is loaded anyway, take one
     routine of LAPACK, in half of the time, and the few lowest (by bisection and inverse iteration of the tridiagonal
     form) in a third of that. Raises LinAlgError when M is not positive definite."""
     n = len(K)
-    if n > FEW_FROM and wanted is not None and wanted * FEW <= n:
+    if _takes_few(n, wanted):
         from scipy.linalg.lapack import dsygvx
 
+        assert wanted is not None
         last = wanted + BESIDE
         squares, vectors, found, _, failed = dsygvx(K, M, range="I", il=1, iu=last)
         # with a negative one those of lowest modulus may not be among them
@@ -260,10 +308,11 @@ def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, 
     (F^T Y) c has theta = 1/(omega^2 + s^2) with small relative errors: K itself is not multiplied. Left alone where
     it does not apply (an unstable mode that is not among the low ones).
     """
-    largest = float(np.max(np.abs(squares), initial=0.0))
+    size = np.abs(squares)
+    largest = float(np.maximum.reduce(size, initial=0.0))
     if len(squares) < len(K):  # the largest is not among them, but at least this
         largest = max(largest, float(np.max(np.diag(K) / np.diag(M))))
-    low = np.flatnonzero(np.abs(squares) < POLISHED * largest)
+    low = np.flatnonzero(size < POLISHED * largest)
     if not len(low):
         return squares, shapes
     positive = squares[squares > ROUNDING * largest]

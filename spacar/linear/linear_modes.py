@@ -98,7 +98,8 @@ def state_space_matrices(run: Run) -> Iterator[Sequence[Frame]]:
 class LinearizedSolution:
     """A stored stationary solution with its linearization L, or for large systems the sparse tangent instead.
 
-    `wanted`: number of lowest modes; `reduced`: no dense matrices at any step of the run.
+    `wanted`: number of lowest modes; `reduced`: no dense matrices at any step of the run; `compiled`: L comes from C,
+    which also serves its small matrices.
     """
 
     frame: Frame
@@ -108,6 +109,7 @@ class LinearizedSolution:
     wanted: int
     reduced: bool
     condition: Conditioning
+    compiled: bool = False
 
 
 def _stored_system(run: Run, may_move: bool) -> StoredSystem:
@@ -185,7 +187,7 @@ def stationary(
         L = linearize(dynamics, state.xdd, state.sigma) if about is None else about.linearization()
         _store_matrices(frame, L, dynamics)
         frame = output.add(frame, dynamics, L)
-        yield LinearizedSolution(frame, dynamics, L, None, wanted, reduced, condition)
+        yield LinearizedSolution(frame, dynamics, L, None, wanted, reduced, condition, about is not None)
 
 
 def lost_digits(condition: float) -> float:
@@ -265,8 +267,8 @@ def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
         modes = _sparse_vibration(run, solution.tangent, solution.wanted)
     else:
         assert solution.L is not None
-        rows = chosen_rows(solution.L, solution.dynamics)
-        modes = vibration_modes(solution.L, *rows, run.report, run.mechanism.numbering.twist_rates, solution.wanted)
+        rows, static = chosen_rows(solution.L, solution.dynamics), run.mechanism.numbering.twist_rates
+        modes = vibration_modes(solution.L, *rows, run.report, static, solution.wanted, solution.compiled)
     store = solution.frame.matrices
     if solution.reduced:
         store.update(vibration_motions(modes))
@@ -298,12 +300,12 @@ def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = Tru
         frame.xcompl = np.zeros(run.mechanism.numbering.nx)
         run.report.add("no dynamic degrees of freedom: there are no load multipliers")
         return
-    tangent, L = solution.tangent, solution.L
+    tangent, L, compiled = solution.tangent, solution.L, solution.compiled
     if tangent is not None:
         frame.xcompl = sparse_compliances(tangent)
     else:
         assert L is not None
-        frame.xcompl = directional_compliances(L, dynamic, run.report)
+        frame.xcompl = directional_compliances(L, dynamic, run.report, compiled)
     try:
         if tangent is not None:
             modes = lowest_buckling(tangent, run.report, solution.wanted)
@@ -311,7 +313,8 @@ def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = Tru
                 run.report.add(NO_STRESS)
         else:
             assert L is not None
-            modes = buckling_modes(*buckling_matrices(solution.dynamics, L, dynamic), run.report).first(len(dynamic))
+            matrices = buckling_matrices(solution.dynamics, L, dynamic)
+            modes = buckling_modes(*matrices, run.report, compiled).first(len(dynamic))
     except AnalysisError as error:
         if required:
             raise
