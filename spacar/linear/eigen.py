@@ -11,7 +11,6 @@ Every returned pair is checked (`spacar.linear.backward_error`); a doubtful one 
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -24,6 +23,7 @@ from spacar.linear import backward_error
 from spacar.linear_systems import DENSE_LIMIT
 from spacar.linearization.matrices import Linearization
 from spacar.linearization.state_matrix import assembled_state_matrix, require_mass, selected
+from spacar.records import quickly_made
 
 if TYPE_CHECKING:
     from spacar.compiled.small_pencil import SmallPencil
@@ -37,6 +37,7 @@ FEW_FROM = 30  # degrees of freedom; SciPy is loaded by the solution before thes
 ROUNDING = 1e-12  # omega^2 below this fraction of the largest may be rigid motions
 
 
+@quickly_made
 @dataclass(frozen=True)
 class Modes:
     """values (n,), vectors (n_state, n): eigenvalues [rad/s] and state eigenvectors; n_positions rows are positions.
@@ -244,9 +245,10 @@ def small_pencil(A: Array, B: Array, scale: Array, least: float = 0.0) -> SmallP
     """A z = value B z in C, scaled from both sides; None where NumPy has to decide, or is as fast."""
     from spacar.compiled.small_pencil import NotSmall, SmallPencil
 
-    with suppress(NotSmall):
+    try:
         return SmallPencil(A, B, scale, SYMMETRIC, least)
-    return None
+    except NotSmall:
+        return None
 
 
 def symmetric_pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Array, Array]:

@@ -29,6 +29,7 @@ from spacar.linear.stored_system import StoredSystem
 from spacar.linear_systems import SingularMatrixError
 from spacar.linearization.matrices import Linearization, linearize
 from spacar.linearization.state_matrix import selected
+from spacar.records import quickly_made
 from spacar.stationary import LoadLevel, StationarySolver, load_program
 from spacar.stationary.loading import stored_levels
 from spacar.stationary.tangent import SparseTangent
@@ -38,6 +39,7 @@ from spacar.stream import Run
 LARGE = 200
 SHARE = 4  # all modes together cost less than the lowest ones if these are more than one in four
 MASS_AND_DAMPING, STIFFNESS = ("m0", "c0", "d0"), ("k0", "n0", "g0")
+EPS = float(np.finfo(float).eps)
 LOST = 1e-6  # chosen: relative error of the matrices above which there is a warning
 
 
@@ -94,6 +96,7 @@ def state_space_matrices(run: Run) -> Iterator[Sequence[Frame]]:
     run.report.lines.extend(store.idle.lines())
 
 
+@quickly_made
 @dataclass(frozen=True)
 class LinearizedSolution:
     """A stored stationary solution with its linearization L, or for large systems the sparse tangent instead.
@@ -133,7 +136,7 @@ def stationary(
     """The stored stationary solutions. `reducible`: no dense matrices for large systems unless OUTLEVEL asks for them.
     A `store` in sparse form makes the linearizations itself.
     """
-    from spacar.compiled import mechanism_of
+    from spacar.compiled.compiled_elements import mechanism_of
 
     mechanism, settings = mechanism_of(run), run.mechanism.settings
     n = mechanism.numbering
@@ -192,7 +195,7 @@ def stationary(
 
 def lost_digits(condition: float) -> float:
     """Part of the reduced matrices that may be rounding."""
-    return float(np.finfo(float).eps) * condition**2
+    return EPS * condition**2
 
 
 def say_lost_digits(run: Run, reduced: bool) -> None:
