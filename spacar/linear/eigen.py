@@ -211,7 +211,8 @@ def undamped_modes(
     K and M in C. Raises AnalysisError for an indefinite mass matrix."""
     squares, shapes = polished(K, M, *(symmetric_pencil(K, M, wanted) if small is None else small.pairs()))
     if wanted is not None and wanted < len(squares):
-        lowest = np.sort(np.argsort(np.abs(squares), kind="stable")[:wanted])
+        lowest = np.abs(squares).argsort(kind="stable")[:wanted]
+        lowest.sort()
         squares, shapes = squares[lowest], shapes[:, lowest]
     if small is None:
         eta = backward_error.of_pencil(K, M, squares, shapes, 1.0 / np.sqrt(M.diagonal()))
@@ -313,15 +314,15 @@ def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, 
     size = np.abs(squares)
     largest = float(np.maximum.reduce(size, initial=0.0))
     if len(squares) < len(K):  # the largest is not among them, but at least this
-        largest = max(largest, float(np.max(np.diag(K) / np.diag(M))))
-    low = np.flatnonzero(size < POLISHED * largest)
+        largest = max(largest, float(np.max(K.diagonal() / M.diagonal())))
+    low = (size < POLISHED * largest).nonzero()[0]
     if not len(low):
         return squares, shapes
     positive = squares[squares > ROUNDING * largest]
     s2 = 1e-3 * float(positive[0]) if len(positive) else POLISHED * largest
     s2 = max(s2, -2.0 * float(squares[low[0]]))  # unstable modes have theta > 0 too
     Q = K + s2 * M
-    d = 1.0 / np.sqrt(np.maximum(np.abs(np.diag(K)) + s2 * np.diag(M), 1e-300))
+    d = 1.0 / np.sqrt(np.maximum(np.abs(K.diagonal()) + s2 * M.diagonal(), 1e-300))
     F = M @ shapes[:, low]
     try:
         Y = np.linalg.solve(Q * (d[:, None] * d), F * d[:, None]) * d[:, None]
@@ -333,7 +334,7 @@ def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, 
         return squares, shapes
     reduced = np.linalg.solve(lower, np.linalg.solve(lower, (work + work.T) / 2).T)
     theta, c = np.linalg.eigh((reduced + reduced.T) / 2)
-    if not np.all(theta > 0.0):
+    if not (theta > 0.0).all():
         return squares, shapes
     vectors = Y @ np.linalg.solve(lower.T, c) / np.sqrt(theta)  # Y^T M Y -> 1
     squares, shapes = squares.copy(), shapes.copy()
