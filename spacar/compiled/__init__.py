@@ -25,6 +25,7 @@ evaluation. Here the same equations run in C:
                in the band; rest_equations.c has residual and tangent, rest_newton.c Newton's iteration, definite.c
                proves stability, band.c and dense.c have the linear systems, walk.c goes over load levels, linearized.c
                gives what the linearized equations consist of
+    pencil.c   load multipliers, frequencies and compliances of small models, around LAPACK (`small_pencil`)
 
 What has no form in C (user functions, some elements, motions that are no polynomials) is asked of Python (`slots`); the
 user function of a single case C asks itself (asking.c, `asking`). The engine is built with the package where there is a

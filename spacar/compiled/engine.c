@@ -31,6 +31,7 @@
 #include "definite.c"
 #include "walk.c"
 #include "linearized.c"
+#include "pencil.c"
 
 /* The kinds, then the functions in the order of `ELEMENT_FUNCTIONS` in library.py. */
 const void *const ELEMENTS[] = {
@@ -40,6 +41,7 @@ const void *const ELEMENTS[] = {
     spacar_equilibrium_begin, spacar_equilibrium_end, spacar_equilibrium_newton, spacar_equilibrium_point,
     spacar_equilibrium_factor, spacar_equilibrium_sign, spacar_equilibrium_definite,
     spacar_equilibrium_walk, spacar_equilibrium_linearize,
+    spacar_pencil_reduce, spacar_pencil_back, spacar_pencil_error, spacar_compliances,
 };
 #endif
 

@@ -114,7 +114,7 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
 }  # fmt: skip
 
 # in the order of the second table in engine.c: batches.c, equilibrium.c, rest_newton.c,
-# definite.c, walk.c, linearized.c
+# definite.c, walk.c, linearized.c, pencil.c
 ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "strain": (None, *[POINTER] * 5),
     "convective": (None, *[POINTER] * 4),
@@ -133,6 +133,10 @@ ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "equilibrium_definite": (INTEGER, POINTER),
     "equilibrium_walk": (None, POINTER, POINTER),
     "equilibrium_linearize": (INTEGER, POINTER, POINTER),
+    "pencil_reduce": (INTEGER, POINTER),
+    "pencil_back": (None, POINTER, POINTER),
+    "pencil_error": (INTEGER, POINTER, POINTER, POINTER, POINTER, ctypes.c_int64),
+    "compliances": (INTEGER, POINTER),
 }
 
 
@@ -172,6 +176,10 @@ class ElementFunctions:
     equilibrium_definite: Any
     equilibrium_walk: Any
     equilibrium_linearize: Any
+    pencil_reduce: Any
+    pencil_back: Any
+    pencil_error: Any
+    compliances: Any
 
 
 class Engine:

@@ -68,11 +68,11 @@ def warn(
     Without `limit`: what rounding explains.
     """
     limit = rounding(len(error)) if limit is None else limit
-    doubtful = ~(error <= limit)
-    if doubtful.any():
+    usual = error <= limit
+    if not usual.all():
         worst = int(np.argmax(np.where(np.isnan(error), np.inf, error)))
         report.add(
-            f"warning: {int(doubtful.sum())} of {len(error)} {what} have fewer digits than usual; the worst one,"
+            f"warning: {int((~usual).sum())} of {len(error)} {what} have fewer digits than usual; the worst one,"
             f" {values[worst]:.6g}, has a relative residual of {error[worst]:.2g} (limit {limit:.1g}); {advice}"
         )
 

@@ -13,21 +13,26 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
-from spacar.linear.eigen import is_symmetric
+from spacar.linear.eigen import is_symmetric, small_pencil
 from spacar.linearization.matrices import Linearization
 from spacar.linearization.state_matrix import selected, selected_columns
+from spacar.records import quickly_made
 
 NOTHING = 1e-13  # mu below this fraction of the largest is an infinite multiplier
 PAIR = 1e-6  # relative difference of moduli below which multipliers count as +- the same: loads are known to 1e-8
 NO_STRESS = "no stress, no load multiplier: the geometric stiffness vanishes"
 SINGULAR_K0 = "the stiffness matrix K0 is singular: a load multiplier is zero"
 SINGULAR = 1e-14  # singular values of the scaled K below this fraction of the largest are zero
+CERTAIN = 1e-2 / SINGULAR  # condition number, of which rounding may take digits, from which singular values decide
+NEGLIGIBLE = 1e-12  # part of the largest size of an unknown that does not scale it
 
 
+@quickly_made
 @dataclass(frozen=True)
 class BucklingModes:
     """multipliers (n,), infinite where the load has no effect; modes (n, n) of norm 1 over the dynamic rows.
@@ -56,44 +61,57 @@ class BucklingModes:
         return BucklingModes(self.multipliers[:n], modes / np.where(norm > 0.0, norm, 1.0))
 
 
-def buckling_modes(K0: Array, G0: Array, report: Report) -> BucklingModes:
-    """Load multipliers of K0 + lambda G0, both (n, n)."""
+def buckling_modes(K0: Array, G0: Array, report: Report, compiled: bool = False) -> BucklingModes:
+    """Load multipliers of K0 + lambda G0, both (n, n). `compiled`: small ones in C, where that gives them."""
     n = len(K0)
-    scale = _scale(K0)
-    product = scale[:, None] * scale
-    K, G = K0 * product, G0 * product
-    if not G.any():
+    if not G0.any():
         report.add(NO_STRESS)
         return BucklingModes(np.full(n, np.inf), np.eye(n))
+    scale = _scale(K0)
+    load, least = -G0, n * backward_error.EPS  # a pivot that is rounding
+    small = small_pencil(load, K0, scale, least) if compiled else None
+    if small is not None:
+        mu, modes = small.pairs()
+        multipliers, finite = _multipliers(mu)
+        backward_error.warn(report, small.error(mu, modes)[finite], multipliers[finite], "load multipliers")
+        return _ordered(multipliers, modes)
+    product = scale[:, None] * scale
+    K, load = K0 * product, load * product
     lower = None
-    if is_symmetric(K) and is_symmetric(G):
+    if is_symmetric(K) and is_symmetric(load):
         try:
             lower = np.linalg.cholesky(K)
-            if float(np.minimum.reduce(lower.diagonal())) ** 2 <= n * backward_error.EPS:  # a pivot that is rounding
+            if float(np.minimum.reduce(lower.diagonal())) ** 2 <= least:
                 lower = None
         except np.linalg.LinAlgError:
             lower = None
-    load = -G
     if lower is not None:
         reduced = np.linalg.solve(lower, np.linalg.solve(lower, load).T)
         mu, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
         modes = np.linalg.solve(lower.T, vectors)
     else:
-        mu, modes = _general(K, G, report)
+        mu, modes = _general(K, -load, report)
+    multipliers, finite = _multipliers(mu)
+    pairs = multipliers[finite], modes[:, finite]
+    backward_error.warn(report, backward_error.of_scaled_pencil(K, load, *pairs), pairs[0], "load multipliers")
+    return _ordered(multipliers, modes * scale[:, None])
+
+
+def _multipliers(mu: Array) -> tuple[Array, NDArray[np.bool_] | slice]:
+    """1/mu, and which of them are finite."""
     size = np.abs(mu)
     largest = float(np.maximum.reduce(size))
     if largest == np.inf:
         largest = float(size[size < np.inf].max(initial=0.0))
     finite = size > NOTHING * largest
     if finite.all():
-        multipliers = 1.0 / mu
-        pairs = multipliers, modes
-    else:
-        multipliers = np.where(finite, 1.0 / np.where(finite, mu, 1.0), np.inf)
-        pairs = multipliers[finite], modes[:, finite]
-    backward_error.warn(report, backward_error.of_scaled_pencil(K, load, *pairs), pairs[0], "load multipliers")
+        return 1.0 / mu, slice(None)
+    return np.where(finite, 1.0 / np.where(finite, mu, 1.0), np.inf), finite
+
+
+def _ordered(multipliers: Array, modes: Array) -> BucklingModes:
     order = order_of(multipliers)
-    modes = modes[:, order] * scale[:, None]
+    modes = modes[:, order]
     return BucklingModes(multipliers[order], modes / backward_error.lengths(modes))
 
 
@@ -169,22 +187,28 @@ def _without(right: Array, left: Array, K: Array, G: Array, report: Report) -> t
 def _scale(K: Array) -> Array:
     d = np.sqrt(np.abs(K.diagonal()))
     largest = float(np.maximum.reduce(d, initial=0.0))
-    return 1.0 / np.where(d > 1e-12 * largest, d, largest or 1.0)
+    return 1.0 / np.where(d > NEGLIGIBLE * largest, d, largest or 1.0)
 
 
-def directional_compliances(L: Linearization, dynamic: Index, report: Report) -> Array:
-    """(nx,) diagonal of W K^-1 W^T; infinite where a singular K moves the coordinate."""
+def directional_compliances(L: Linearization, dynamic: Index, report: Report, compiled: bool = False) -> Array:
+    """(nx,) diagonal of W K^-1 W^T; infinite where a singular K moves the coordinate. `compiled`: small ones in C."""
     K, W = selected(L.stiffness, dynamic, dynamic), selected_columns(L.W, dynamic)
     if not len(dynamic):
         return np.zeros(len(W))
+    if compiled:
+        from spacar.compiled.small_pencil import compliances
+
+        found = compliances(K, W, NEGLIGIBLE, CERTAIN)
+        if found is not None:
+            return found
     scale = _scale(K)
     K, Ws = K * (scale[:, None] * scale), W * scale
     try:
         own = np.linalg.solve(K, np.eye(len(K)))  # the compliances of the degrees of freedom
     except np.linalg.LinAlgError:
         own = np.full_like(K, np.inf)
-    # at least s_1/s_n, of which rounding may take digits: where there is a doubt singular values decide
-    if backward_error.norm(K) * backward_error.norm(own) < 1e-2 / SINGULAR:
+    # at least s_1/s_n
+    if backward_error.norm(K) * backward_error.norm(own) < CERTAIN:
         return np.asarray(np.add.reduce((Ws @ own) * Ws, axis=1))
     s = np.linalg.svd(K, compute_uv=False)
     if s[-1] > SINGULAR * s[0]:

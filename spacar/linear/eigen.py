@@ -12,6 +12,7 @@ Every returned pair is checked (`spacar.linear.backward_error`); a doubtful one 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,10 @@ from spacar.linear import backward_error
 from spacar.linear_systems import DENSE_LIMIT
 from spacar.linearization.matrices import Linearization
 from spacar.linearization.state_matrix import assembled_state_matrix, require_mass, selected
+from spacar.records import quickly_made
+
+if TYPE_CHECKING:
+    from spacar.compiled.small_pencil import SmallPencil
 
 Complex = NDArray[np.complex128]
 SYMMETRIC = 1e-9  # relative asymmetry below which a matrix counts as symmetric (rounding of assembled sums)
@@ -32,6 +37,7 @@ FEW_FROM = 30  # degrees of freedom; SciPy is loaded by the solution before thes
 ROUNDING = 1e-12  # omega^2 below this fraction of the largest may be rigid motions
 
 
+@quickly_made
 @dataclass(frozen=True)
 class Modes:
     """values (n,), vectors (n_state, n): eigenvalues [rad/s] and state eigenvectors; n_positions rows are positions.
@@ -64,20 +70,27 @@ def is_zero(values: Complex) -> NDArray[np.bool_]:
 
 
 def vibration_modes(
-    L: Linearization, q: Index, s: Index, report: Report, static: Index | None = None, wanted: int | None = None
-) -> Modes:
+    L: Linearization, q: Index, s: Index, report: Report, static: Index | None = None, wanted: int | None = None,
+    compiled: bool = False,
+) -> Modes:  # fmt: skip
     """Eigenvalues and eigenvectors about the linearization point for the rows q, s (see chosen_rows): all, or at least
-    the `wanted` pairs of lowest modulus.
+    the `wanted` pairs of lowest modulus. `compiled`: those of small undamped systems with C.
 
     `static` are degrees of freedom that may have no inertia: those without mass and damping follow the others by
     K alone, and only the finite eigenvalues are returned (theory-warping.md section 1).
     """
     M, C, K = selected(L.m0, q, q), selected(L.damping, q, q), selected(L.stiffness, q, s)
-    if static is not None and np.array_equal(q, s):
+    if static is not None and len(static) and np.array_equal(q, s):
         still = np.isin(q, static) & ~M.any(axis=1) & ~C.any(axis=1) & ~C.any(axis=0)
         if still.any():
             return _condensed(M, C, K, still, report)
     require_mass(L, q)
+    if compiled and len(q) == len(s) and not C.any():
+        diagonal = M.diagonal()
+        if (diagonal > 0.0).all() and not _takes_few(len(q), wanted):
+            small = small_pencil(K, M, 1.0 / np.sqrt(diagonal))
+            if small is not None:
+                return undamped_modes(K, M, report, wanted, small)
     return modes_of_matrices(M, C, K, selected(L.ak0, s, q), selected(L.bk0, s, s), report, wanted)
 
 
@@ -191,20 +204,52 @@ def _eig(A: Array, report: Report) -> tuple[Complex, Complex]:
     return values, vectors
 
 
-def undamped_modes(K: Array, M: Array, report: Report, wanted: int | None = None) -> Modes:
-    """Modes of M qdd + K q = 0 from the symmetric eigenproblem, all or the `wanted` of lowest modulus. Raises
-    AnalysisError for an indefinite mass matrix."""
-    squares, shapes = polished(K, M, *symmetric_pencil(K, M, wanted))
+def undamped_modes(
+    K: Array, M: Array, report: Report, wanted: int | None = None, small: SmallPencil | None = None
+) -> Modes:
+    """Modes of M qdd + K q = 0 from the symmetric eigenproblem, all or the `wanted` of lowest modulus. `small`: that of
+    K and M in C. Raises AnalysisError for an indefinite mass matrix."""
+    squares, shapes = polished(K, M, *(symmetric_pencil(K, M, wanted) if small is None else small.pairs()))
     if wanted is not None and wanted < len(squares):
-        lowest = np.sort(np.argsort(np.abs(squares), kind="stable")[:wanted])
+        lowest = np.abs(squares).argsort(kind="stable")[:wanted]
+        lowest.sort()
         squares, shapes = squares[lowest], shapes[:, lowest]
-    eta = backward_error.of_pencil(K, M, squares, shapes, 1.0 / np.sqrt(M.diagonal()))
+    if small is None:
+        eta = backward_error.of_pencil(K, M, squares, shapes, 1.0 / np.sqrt(M.diagonal()))
+    else:
+        eta = small.error(squares, shapes)
     backward_error.warn(report, eta, squares, "omega^2", backward_error.rounding(len(K)))
+    if (squares > 0.0).all():
+        return _oscillations(squares, shapes)
     root = np.sqrt(squares.astype(complex))  # omega, or i kappa for an unstable mode
     values = np.concatenate((1j * root, -1j * root))
     shapes = np.hstack((shapes, shapes)).astype(complex)
     vectors = np.vstack((shapes, shapes * values))
     return arranged(values, vectors, len(K))
+
+
+def _oscillations(squares: Array, shapes: Array) -> Modes:
+    """As `arranged` for omega^2 > 0 (m,) and real shapes (n, m), without sorting and scaling both conjugates."""
+    order = (-squares).argsort(kind="stable")
+    squares, shapes = squares[order], shapes[:, order]
+    n, m = shapes.shape
+    omega, pivot = np.sqrt(squares), shapes[np.abs(shapes).argmax(axis=0), np.arange(m)]
+    shapes = shapes * (np.copysign(1.0, pivot) / (backward_error.lengths(shapes) * np.sqrt(1.0 + squares)))
+    values, vectors = np.zeros((m, 2), complex), np.zeros((2 * n, m, 2), complex)
+    values.imag[:, 0], values.imag[:, 1] = omega, -omega
+    vectors.real[:n] = shapes[:, :, None]
+    vectors.imag[n:] = (shapes[:, :, None] * omega[:, None]) * (1.0, -1.0)
+    return Modes(values.ravel(), vectors.reshape(2 * n, 2 * m), n)
+
+
+def small_pencil(A: Array, B: Array, scale: Array, least: float = 0.0) -> SmallPencil | None:
+    """A z = value B z in C, scaled from both sides; None where NumPy has to decide, or is as fast."""
+    from spacar.compiled.small_pencil import NotSmall, SmallPencil
+
+    try:
+        return SmallPencil(A, B, scale, SYMMETRIC, least)
+    except NotSmall:
+        return None
 
 
 def symmetric_pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Array, Array]:
@@ -226,14 +271,20 @@ def symmetric_pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Arr
     return squares, vectors * scale[:, None]
 
 
+def _takes_few(n: int, wanted: int | None) -> bool:
+    """Are the `wanted` modes of n degrees of freedom computed alone?"""
+    return n > FEW_FROM and wanted is not None and wanted * FEW <= n
+
+
 def _pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Array, Array]:
     """omega^2 ascending and vectors, M of unit diagonal. Larger ones, for which SciPy is loaded anyway, take one
     routine of LAPACK, in half of the time, and the few lowest (by bisection and inverse iteration of the tridiagonal
     form) in a third of that. Raises LinAlgError when M is not positive definite."""
     n = len(K)
-    if n > FEW_FROM and wanted is not None and wanted * FEW <= n:
+    if _takes_few(n, wanted):
         from scipy.linalg.lapack import dsygvx
 
+        assert wanted is not None
         last = wanted + BESIDE
         squares, vectors, found, _, failed = dsygvx(K, M, range="I", il=1, iu=last)
         # with a negative one those of lowest modulus may not be among them
@@ -260,17 +311,18 @@ def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, 
     (F^T Y) c has theta = 1/(omega^2 + s^2) with small relative errors: K itself is not multiplied. Left alone where
     it does not apply (an unstable mode that is not among the low ones).
     """
-    largest = float(np.max(np.abs(squares), initial=0.0))
+    size = np.abs(squares)
+    largest = float(np.maximum.reduce(size, initial=0.0))
     if len(squares) < len(K):  # the largest is not among them, but at least this
-        largest = max(largest, float(np.max(np.diag(K) / np.diag(M))))
-    low = np.flatnonzero(np.abs(squares) < POLISHED * largest)
+        largest = max(largest, float(np.max(K.diagonal() / M.diagonal())))
+    low = (size < POLISHED * largest).nonzero()[0]
     if not len(low):
         return squares, shapes
     positive = squares[squares > ROUNDING * largest]
     s2 = 1e-3 * float(positive[0]) if len(positive) else POLISHED * largest
     s2 = max(s2, -2.0 * float(squares[low[0]]))  # unstable modes have theta > 0 too
     Q = K + s2 * M
-    d = 1.0 / np.sqrt(np.maximum(np.abs(np.diag(K)) + s2 * np.diag(M), 1e-300))
+    d = 1.0 / np.sqrt(np.maximum(np.abs(K.diagonal()) + s2 * M.diagonal(), 1e-300))
     F = M @ shapes[:, low]
     try:
         Y = np.linalg.solve(Q * (d[:, None] * d), F * d[:, None]) * d[:, None]
@@ -282,7 +334,7 @@ def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, 
         return squares, shapes
     reduced = np.linalg.solve(lower, np.linalg.solve(lower, (work + work.T) / 2).T)
     theta, c = np.linalg.eigh((reduced + reduced.T) / 2)
-    if not np.all(theta > 0.0):
+    if not (theta > 0.0).all():
         return squares, shapes
     vectors = Y @ np.linalg.solve(lower.T, c) / np.sqrt(theta)  # Y^T M Y -> 1
     squares, shapes = squares.copy(), shapes.copy()

@@ -29,6 +29,7 @@ from spacar.linear.stored_system import StoredSystem
 from spacar.linear_systems import SingularMatrixError
 from spacar.linearization.matrices import Linearization, linearize
 from spacar.linearization.state_matrix import selected
+from spacar.records import quickly_made
 from spacar.stationary import LoadLevel, StationarySolver, load_program
 from spacar.stationary.loading import stored_levels
 from spacar.stationary.tangent import SparseTangent
@@ -38,6 +39,7 @@ from spacar.stream import Run
 LARGE = 200
 SHARE = 4  # all modes together cost less than the lowest ones if these are more than one in four
 MASS_AND_DAMPING, STIFFNESS = ("m0", "c0", "d0"), ("k0", "n0", "g0")
+EPS = float(np.finfo(float).eps)
 LOST = 1e-6  # chosen: relative error of the matrices above which there is a warning
 
 
@@ -94,11 +96,13 @@ def state_space_matrices(run: Run) -> Iterator[Sequence[Frame]]:
     run.report.lines.extend(store.idle.lines())
 
 
+@quickly_made
 @dataclass(frozen=True)
 class LinearizedSolution:
     """A stored stationary solution with its linearization L, or for large systems the sparse tangent instead.
 
-    `wanted`: number of lowest modes; `reduced`: no dense matrices at any step of the run.
+    `wanted`: number of lowest modes; `reduced`: no dense matrices at any step of the run; `compiled`: L comes from C,
+    which also serves its small matrices.
     """
 
     frame: Frame
@@ -108,6 +112,7 @@ class LinearizedSolution:
     wanted: int
     reduced: bool
     condition: Conditioning
+    compiled: bool = False
 
 
 def _stored_system(run: Run, may_move: bool) -> StoredSystem:
@@ -131,7 +136,7 @@ def stationary(
     """The stored stationary solutions. `reducible`: no dense matrices for large systems unless OUTLEVEL asks for them.
     A `store` in sparse form makes the linearizations itself.
     """
-    from spacar.compiled import mechanism_of
+    from spacar.compiled.compiled_elements import mechanism_of
 
     mechanism, settings = mechanism_of(run), run.mechanism.settings
     n = mechanism.numbering
@@ -185,12 +190,12 @@ def stationary(
         L = linearize(dynamics, state.xdd, state.sigma) if about is None else about.linearization()
         _store_matrices(frame, L, dynamics)
         frame = output.add(frame, dynamics, L)
-        yield LinearizedSolution(frame, dynamics, L, None, wanted, reduced, condition)
+        yield LinearizedSolution(frame, dynamics, L, None, wanted, reduced, condition, about is not None)
 
 
 def lost_digits(condition: float) -> float:
     """Part of the reduced matrices that may be rounding."""
-    return float(np.finfo(float).eps) * condition**2
+    return EPS * condition**2
 
 
 def say_lost_digits(run: Run, reduced: bool) -> None:
@@ -265,8 +270,8 @@ def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
         modes = _sparse_vibration(run, solution.tangent, solution.wanted)
     else:
         assert solution.L is not None
-        rows = chosen_rows(solution.L, solution.dynamics)
-        modes = vibration_modes(solution.L, *rows, run.report, run.mechanism.numbering.twist_rates, solution.wanted)
+        rows, static = chosen_rows(solution.L, solution.dynamics), run.mechanism.numbering.twist_rates
+        modes = vibration_modes(solution.L, *rows, run.report, static, solution.wanted, solution.compiled)
     store = solution.frame.matrices
     if solution.reduced:
         store.update(vibration_motions(modes))
@@ -298,12 +303,12 @@ def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = Tru
         frame.xcompl = np.zeros(run.mechanism.numbering.nx)
         run.report.add("no dynamic degrees of freedom: there are no load multipliers")
         return
-    tangent, L = solution.tangent, solution.L
+    tangent, L, compiled = solution.tangent, solution.L, solution.compiled
     if tangent is not None:
         frame.xcompl = sparse_compliances(tangent)
     else:
         assert L is not None
-        frame.xcompl = directional_compliances(L, dynamic, run.report)
+        frame.xcompl = directional_compliances(L, dynamic, run.report, compiled)
     try:
         if tangent is not None:
             modes = lowest_buckling(tangent, run.report, solution.wanted)
@@ -311,7 +316,8 @@ def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = Tru
                 run.report.add(NO_STRESS)
         else:
             assert L is not None
-            modes = buckling_modes(*buckling_matrices(solution.dynamics, L, dynamic), run.report).first(len(dynamic))
+            matrices = buckling_matrices(solution.dynamics, L, dynamic)
+            modes = buckling_modes(*matrices, run.report, compiled).first(len(dynamic))
     except AnalysisError as error:
         if required:
             raise

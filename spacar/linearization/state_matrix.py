@@ -44,6 +44,7 @@ def _in_order(n: int) -> bytes:
     return np.arange(n).tobytes()
 
 
+EPS = float(np.finfo(float).eps)
 MASSLESS = "singular mass matrix: a degree of freedom carries no mass; add XM or EM"
 
 
@@ -55,10 +56,10 @@ def require_mass(L: Linearization, q: Index) -> None:
     """
     diagonal, size = L.m0.diagonal()[q], abs(L.M)
     W = selected_columns(L.W, q)
-    rounding = np.finfo(float).eps * len(W)
+    rounding = EPS * len(W)
     with np.errstate(over="ignore", invalid="ignore"):
         # 2 |w_i w_j| <= w_i^2 + w_j^2: a bound that costs little and tells what is known of ordinary masses
-        if (diagonal > rounding * np.einsum("iq,iq,i->q", W, W, np.asarray(size.sum(1)).ravel())).all():
+        if (diagonal > rounding * (np.asarray(size.sum(1)).ravel() @ np.square(W))).all():
             return
         W = np.abs(W)
         terms = (W * np.asarray(size @ W)).sum(0)

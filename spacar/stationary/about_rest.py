@@ -117,14 +117,15 @@ class AboutRest(NamedTuple):
         W, We, m0, of_e = self.W, self.We, self.m0, (n.ne, n.ne)
         nothing = zero_matrix((n.nx, n.nx))
         Sd = matrix(*active_entries(m.damping, n.e_class["input"].stop), of_e)
-        c0, d0, n0, bk0 = np.zeros((4, n.ndof, n.ndof))
+        c0, d0, n0, bk0, ak0 = np.zeros((5, n.ndof, n.ndof))
+        ak0.reshape(-1)[:: n.ndof + 1] = 1.0
         if len(m.damping[0]):
             d0 = We.T @ Sd @ We
         if len(m.deformation_inertia[0]):
             m0 = m0 + We.T @ matrix(*m.deformation_inertia, of_e) @ We
         Z, Ze, Y, Ye, Yv, Yev = no_rates(n.ne, n.nx, n.ndof, n.nkdof)
         return Linearization(
-            m0=m0, c0=c0, d0=d0, k0=self.k0, n0=n0, g0=self.g0, ak0=np.eye(n.ndof), bk0=bk0,
+            m0=m0, c0=c0, d0=d0, k0=self.k0, n0=n0, g0=self.g0, ak0=ak0, bk0=bk0,
             W=W, We=We, G=W, Ge=We, Z=Z, Ze=Ze, Y=Y, Ye=Ye, Yv=Yv, Yev=Yev,
             sigma=self.sigma, V=self.V, M=self.mass, inertia_x=self.geometric, inertia_v=nothing,
             load_x=self.gravity, load_v=nothing, S=self.S, Sd=Sd, geometric_terms=self.terms,

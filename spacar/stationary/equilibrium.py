@@ -10,7 +10,6 @@ narrow band. It answers None where something is unusual: a singular matrix, a gr
 from __future__ import annotations
 
 import ctypes
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,6 +21,7 @@ from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.linear_systems import BAND_LIMIT, DENSE_LIMIT
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import Mechanism
+from spacar.records import cached_property
 from spacar.stationary.contract import NO_DIGITS, SINGULAR, SPREAD, Astray
 from spacar.stationary.definite import SAFE, WEIGHT, WIDEST
 from spacar.stationary.flexibility import is_tube
@@ -243,10 +243,10 @@ class Equilibrium:
             if family.n_deformations:
                 group.V = gradient
                 gradient += 8 * len(b.e) * b.x.size
-                S = np.ascontiguousarray(family.stiffness()[0])
+                S = np.array(family.stiffness()[0], order="C")  # that of the family is read-only
                 if S.any():
                     keep.append(S)
-                    group.S = S.ctypes.data
+                    group.S = address_of(S)
         return groups, count
 
     @cached_property

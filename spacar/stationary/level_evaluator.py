@@ -21,7 +21,7 @@ from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import Converged, Demand, newton
 from spacar.stationary.passed_levels import Known, PassedLevels, pass_levels
 from spacar.stationary.resting_tangent import RestingTangent
-from spacar.stationary.stability import CRITICAL, Stability, stability
+from spacar.stationary.stability import CRITICAL, STABLE, Stability, stability
 from spacar.stationary.stationary_equations import Given, Iterate, StationaryEquations
 from spacar.stationary.tangent import SparseTangent
 
@@ -237,7 +237,7 @@ class LevelEvaluator:
         hopeful = noise <= CRITICAL and (before is None or before.negative == 0) and self.mechanism.numbering.nddof
         engine = self._engine if hopeful else None
         if engine is not None and engine.is_definite(p) and (regular or engine.sign(p) is not None):
-            return Stability(0, 0, True)
+            return STABLE
         return stability(self.equations, self.tangent, p, noise, regular, before)
 
     def sign(self, p: Iterate, factored: bool) -> float:

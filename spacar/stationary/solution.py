@@ -13,6 +13,7 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
+from spacar.records import quickly_made
 from spacar.stationary.about_rest import AboutRest
 from spacar.stationary.contract import Tangent
 from spacar.stationary.level_evaluator import LevelEvaluator
@@ -28,6 +29,7 @@ MOST_PASSED = 64  # levels in one call of C: an interruption waits for no more
 SINGULAR_SLIP = 1e-8  # relative: the stress of a slip that its law does not give
 
 
+@quickly_made
 @dataclass(frozen=True)
 class StationarySolution:
     """The state of a level.
@@ -153,13 +155,16 @@ class StationarySolver:
     def solve(self, target: LoadLevel) -> None:
         """Go to a load level. Raises AnalysisError as the class says."""
         walk = self._begun(target)
-        idle = self._idle and target.additional == 0.0 and walk.level.path > 0.0
-        if idle and not target.store:
+        idle = self._idle and target.additional == 0.0
+        if idle and walk.level.path > 0.0 and not target.store:
             self.iterations = 0
             return
         if not self.mechanism.numbering.nddof and not target.store:
             return  # `Kinematics` itself divides the way to the prescribed values
-        walk.go(target)
+        if idle and walk.is_exact:
+            walk.stay(target)
+        else:
+            walk.go(target)
         self.iterations = walk.iterations
         if target.store:
             self._place(walk.point, target)

@@ -57,6 +57,9 @@ class Stability:
         return f"{self.negative} negative eigenvalue{'s' * (self.negative != 1)}"
 
 
+STABLE = Stability(0, 0, True)
+
+
 def stability(
     q: StationaryEquations,
     tangent: Tangent,
@@ -74,12 +77,12 @@ def stability(
         return None
     if isinstance(tangent, RestingTangent):
         if tangent.natural(p) and (regular or _regular(q, tangent, p)):
-            return Stability(0, 0, True)
+            return STABLE
         if tangent.symmetric:
             critical = noise > CRITICAL
             hopeful = not critical and (before is None or before.negative == 0)
             if hopeful and tangent.is_definite(p) and (regular or _regular(q, tangent, p)):
-                return Stability(0, 0, True)
+                return STABLE
             negative, zero = tangent.inertia(p)
             return Stability(max(negative - q.ne, 0), q.nf if critical else zero, True, critical)
     if not _regular(q, tangent, p):

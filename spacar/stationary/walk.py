@@ -35,7 +35,7 @@ from spacar.stationary.loading import LoadLevel, loads_grow
 from spacar.stationary.newton import Converged, Demand
 from spacar.stationary.passed_levels import ELSEWHERE, FARTHEST, FASTER, REMEMBERED, RETURNED, WIDE, Known
 from spacar.stationary.singular import FreeMotion
-from spacar.stationary.stability import Stability, critical_motion
+from spacar.stationary.stability import STABLE, Stability, critical_motion
 from spacar.stationary.stationary_equations import Given, Iterate, StationaryEquations
 from spacar.stationary.turning import LimitPoint, around
 
@@ -107,6 +107,18 @@ class Walk:
         self._reach(target)
 
     @property
+    def is_exact(self) -> bool:
+        """Is the residual of the last state rounding, and its stability known exactly?"""
+        return self.point.quiet and self.stable is not None and self.stable.exact and not self.stable.critical
+
+    def stay(self, target: LoadLevel) -> None:
+        """At the last state, at a level at which the same acts."""
+        self.evaluator.load(target)
+        self.iterations = 0
+        self._accept(target.path, Converged(self.point, 0, 0.0, regular=False))
+        self._reach(target)
+
+    @property
     def has_direction(self) -> bool:
         """Are there states from which the next one can be predicted?"""
         return len(self.path) > 1
@@ -115,8 +127,7 @@ class Walk:
         """Along levels, of which the last one may be stored, as many as C passes in one call
         (`spacar.stationary.passed_levels`)."""
         e = self.evaluator
-        ordinary = self.stable is not None and self.stable == Stability(0, 0, True)
-        if not ordinary or self._arbitrary or self._large or not e.mechanism.numbering.nddof:
+        if self.stable != STABLE or self._arbitrary or self._large or not e.mechanism.numbering.nddof:
             return 0
         passed = e.pass_levels(levels, self.path, self.limit, self.tolerance)
         if passed is None:

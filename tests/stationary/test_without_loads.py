@@ -1,0 +1,55 @@
+"""Where nothing acts, all levels have the state of the start, which is found once."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar.deck import parse_deck
+from spacar.stationary.walk import Walk
+
+BEAM = """PLBEAM 1 1 2 3 4
+X 3 1. 0.
+FIX 1
+FIX 2
+DYNE 1 2 3
+END
+HALT
+EM 1 2.
+ESTIFF 1 0. 3.
+ITERSTEP 10 3 1e-10
+{more}END
+END
+"""
+
+
+def solved(mode, more=""):
+    return spacar.run(mode, parse_deck(BEAM.format(more=more), mode))
+
+
+@pytest.mark.parametrize("general", [False, True])
+def test_it_is_the_state_that_an_iteration_finds(general, monkeypatch):
+    deck = parse_deck(BEAM.format(more=""), 7)
+    monkeypatch.setattr(Walk, "is_exact", False)
+    expected = spacar.run(7, deck, compiled=not general)
+    monkeypatch.undo()
+    monkeypatch.setattr(Walk, "go", None)  # no iteration
+    found = spacar.run(7, deck, compiled=not general)
+    x, predicted = ([f.x for f in result.frames] for result in (found, expected))
+    np.testing.assert_allclose(x, predicted, rtol=1e-14)  # the prediction of the iteration rounds
+    np.testing.assert_allclose(found.frequencies, expected.frequencies, rtol=1e-12)
+    assert found.report == expected.report
+    assert [f.statistics for f in found.frames] == [f.statistics for f in expected.frames]
+
+
+@pytest.mark.parametrize("more", ["XF 3 0. 0.1\n", "ESIG 1 0. 0.1\n", "GRAVITY 0. -1.\n"])
+def test_what_acts_is_walked_to(more, monkeypatch):
+    walked = []
+    for name in ("go", "pass_by"):
+        function = getattr(Walk, name)
+        monkeypatch.setattr(
+            Walk, name, lambda self, *args, function=function: (walked.append(1), function(self, *args))[1]
+        )
+    solved(7, more)
+    assert walked
