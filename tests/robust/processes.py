@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import shutil
 import signal
@@ -26,7 +27,9 @@ def start(folder, *words, **options):
     settings = {"cwd": folder, "env": ENVIRONMENT, "stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE,
                 "stderr": subprocess.PIPE, "text": True,
                 "preexec_fn": lambda: signal.signal(signal.SIGINT, signal.default_int_handler)}  # fmt: skip
-    return subprocess.Popen([str(SPACAR), *map(str, words)], **settings | options)
+    process = subprocess.Popen([str(SPACAR), *map(str, words)], **settings | options)
+    atexit.register(process.kill)  # when a test fails before its end
+    return process
 
 
 def done(folder, *words, **options):
