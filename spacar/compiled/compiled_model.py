@@ -152,16 +152,13 @@ class CompiledModel:
         self.slots = slots = Slots(numbers.elements, drives, motions, users, (n.nx, n.ne, cases))
         self._called = slots.called()
         self._whole = self._whole_numbers()
-        self.handle: int | None = self.engine.begin(
+        handle: int | None = self.engine.begin(
             address_of(self._whole), address_of(self._values), _at(slots.foreign_c), _at(slots.user_c),
             _at(slots.asking.c if slots.asking else None),
         )  # fmt: skip
-        if not self.handle:
+        if not handle:
             raise MemoryError("no memory for the compiled model")
-
-    def __del__(self) -> None:
-        if getattr(self, "handle", None):  # without it nothing has begun
-            self.engine.end(self.handle)
+        self.handle, self._owner = handle, self.engine.owner(handle)
 
     def _rows(self, begin: int, n: int) -> Array:
         """The n rows (n, cases) of the numbers from row `begin` behind the motions on."""

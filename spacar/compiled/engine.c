@@ -48,7 +48,7 @@ const void *const ELEMENTS[] = {
 /* The kinds of elements, then the functions in the order of `FUNCTIONS` in library.py. */
 const void *const BUILD[] = {
     KINDS,
-    spacar_begin, spacar_end, spacar_renew, spacar_state, spacar_start, spacar_evaluate, spacar_rhs, spacar_stages, spacar_forget, spacar_gradient,
+    spacar_begin, spacar_end, spacar_capsules, spacar_dropped, spacar_renew, spacar_state, spacar_start, spacar_evaluate, spacar_rhs, spacar_stages, spacar_forget, spacar_gradient,
     spacar_determinant, spacar_reduced_mass, spacar_guard, spacar_rcond, spacar_rcond_everywhere,
     spacar_adams_begin, spacar_adams, spacar_adams_value, spacar_runge_kutta, spacar_newton,
     spacar_show, spacar_pass_adams, spacar_pass_runge_kutta,

@@ -11,6 +11,7 @@ import ctypes
 import hashlib
 import os
 import sys
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -87,6 +88,8 @@ POINTER, NUMBER, INTEGER = ctypes.c_void_p, ctypes.c_double, ctypes.c_int
 FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine.c: result, arguments
     "begin": (POINTER, POINTER, POINTER, POINTER, POINTER, POINTER),
     "end": (None, POINTER),
+    "capsules": (None, POINTER),
+    "dropped": (None, POINTER),
     "renew": (None, POINTER),
     "state": (None, POINTER, POINTER, POINTER),
     "start": (INTEGER, POINTER, POINTER, POINTER, POINTER, NUMBER, NUMBER, NUMBER, INTEGER),
@@ -182,6 +185,24 @@ class ElementFunctions:
     compliances: Any
 
 
+def _new_capsule() -> Callable[..., object] | None:
+    """PyCapsule_New(pointer, name, destructor), where Python has capsules."""
+    try:
+        return ctypes.PYFUNCTYPE(ctypes.py_object, POINTER, POINTER, POINTER)(("PyCapsule_New", ctypes.pythonapi))
+    except AttributeError:
+        return None
+
+
+class _Owner:
+    """The same in another Python."""
+
+    def __init__(self, end: Callable[[int], None], model: int) -> None:
+        self.end, self.model = end, model
+
+    def __del__(self) -> None:
+        self.end(self.model)
+
+
 class Engine:
     """The functions of one build, for `lanes` cases at a time. `kinds`: number and count of parameters by name."""
 
@@ -195,9 +216,18 @@ class Engine:
             name, _, count = word.partition("/")
             self.kinds[name] = k, int(count)
         _bind(self, FUNCTIONS, addresses)
+        self._new, self._dropped = _new_capsule(), ctypes.cast(self.dropped, POINTER).value
+        if self._new is not None:
+            self.capsules(ctypes.cast(ctypes.pythonapi.PyCapsule_GetPointer, POINTER))
+
+    def owner(self, model: int) -> object:
+        """What ends a model with its last reference, without a call of Python: within a `__del__` a Ctrl-C is lost."""
+        return _Owner(self.end, model) if self._new is None else self._new(model, None, self._dropped)
 
     begin: Any
     end: Any
+    capsules: Any
+    dropped: Any
     renew: Any
     state: Any
     start: Any

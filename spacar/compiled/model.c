@@ -263,6 +263,11 @@ static void spacar_end(Model *m)
     give_back(&memory);
 }
 
+/* A capsule of Python ends a model with its last reference: a `__del__` would drop the Ctrl-C that is noticed within it. */
+static void *(*capsule_pointer)(void *capsule, const char *name);
+static void spacar_capsules(void *(*pointer)(void *, const char *)) { capsule_pointer = pointer; }
+static void spacar_dropped(void *capsule) { spacar_end(capsule_pointer(capsule, NULL)); }
+
 static const int *next_whole(const int **at, int n) { *at += n; return *at - n; }
 static real *next_numbers(real **at, size_t n) { *at += n; return *at - n; }
 static const double *next_sizes(real **at, size_t n)

@@ -168,13 +168,12 @@ def test_nobody_is_asked_after_ctrl_c_until_it_was_raised(tmp_path: Path) -> Non
 
 
 INTERRUPTED = """
-import gc, signal, sys, time
+import signal, sys, time
 import scipy.linalg, scipy.sparse.linalg  # an interrupt within an import is another matter
 import spacar
 from spacar.compiled.element_parameters import SUPPORTED
 
 signal.signal(signal.SIGALRM, signal.default_int_handler)  # a clock that presses Ctrl-C
-gc.disable()  # Python drops what it notices within a `__del__`, that of a former run
 kind, path = sys.argv[1:]
 if kind == "element":
     del SUPPORTED["PLTRUSS"]
