@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.expressions.frequencies import frequencies
-from spacar.expressions.result_places import ELEMENT, NODE, place
+from spacar.expressions.result_places import ELEMENT, NODE, place, places
 from spacar.frame import E_FIELDS, X_FIELDS, Frame, StoredFrames, column, joined
 from spacar.mechanism.result_tables import model_tables
 from spacar.records import quickly_made
@@ -149,9 +149,9 @@ class Result:
             return self.tables[name]
         raise UsageError(f"the variable {name} was not computed in this run of mode {self.mode}", "result.missing")
 
-    def node(self, number: int, coordinate: int, variable: str = "x") -> Array:
-        """(steps,) one coordinate (from 1) of the node of this number; variable: x, xd, xdd, fx, fxgrav, fxtot,
-        xcompl or xerr.
+    def node(self, number: int, coordinate: int | None = None, variable: str = "x") -> Array:
+        """(steps,) one coordinate (from 1) of the node of this number, or (steps, n) all of them; variable: x, xd, xdd,
+        fx, fxgrav, fxtot, xcompl or xerr.
         """
         if variable not in X_VARIABLES:
             raise UsageError(
@@ -159,17 +159,23 @@ class Result:
             )
         return self._entry(variable, self.lnp, number, coordinate, NODE)
 
-    def element(self, number: int, mode: int, variable: str = "e") -> Array:
-        """(steps,) one deformation mode (from 1) of the element `number`; variable: e, ed, edd or sig."""
+    def element(self, number: int, mode: int | None = None, variable: str = "e") -> Array:
+        """(steps,) one deformation mode (from 1) of the element `number`, or (steps, n) all of them; variable: e, ed,
+        edd or sig.
+        """
         if variable not in E_VARIABLES:
             raise UsageError(
                 f"{variable} is no variable of elements; these are {', '.join(E_VARIABLES)}", "result.variable"
             )
         return self._entry(variable, self.le, number, mode, ELEMENT)
 
-    def _entry(self, variable: str, table: NDArray[np.int64], number: int, k: int, words: tuple[str, str]) -> Array:
-        """(steps,) what `place` finds, of its own."""
+    def _entry(
+        self, variable: str, table: NDArray[np.int64], number: int, k: int | None, words: tuple[str, str]
+    ) -> Array:
+        """(steps,) what `place` finds, of its own; without k (steps, n) what `places` finds."""
         found = self._column(variable)
         if found is None:
             found = self[variable]  # says what is wrong
+        if k is None:
+            return np.asarray(found).take(places(table, number, words), 1)
         return np.array(found[:, place(table, number, k, words)])

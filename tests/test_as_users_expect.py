@@ -81,6 +81,11 @@ def test_a_result_plots_expressions(crank, tmp_path):
         crank.plot()
 
 
+def test_all_coordinates_of_a_node_at_once(crank):
+    assert np.array_equal(crank.node(6), np.column_stack([crank.node(6, 1), crank.node(6, 2)]))
+    assert np.array_equal(crank.element(1, variable="sig")[:, 0], crank.element(1, 1, "sig"))
+
+
 def test_frequencies_are_those_of_the_eigenvalues(cantilever, crank):
     """Of 20 eigenvalues in ten pairs, the ten moduli over 2 pi; to rounding of one hypot."""
     values = cantilever["eigval"][0] @ np.array([1.0, 1j])
@@ -94,6 +99,8 @@ def test_frequencies_are_those_of_the_eigenvalues(cantilever, crank):
 @pytest.mark.parametrize(
     ("ask", "sentence"),
     [
+        (lambda r: r.node(99), "node 99 does not exist; nodes are 1 to 7"),
+        (lambda r: r.element(5), "element 5 does not exist; elements are 1 to 4"),
         (lambda r: r.node(99, 1), "node 99 does not exist; nodes are 1 to 7"),
         (lambda r: r.node(0, 1), "node 0 does not exist; nodes are 1 to 7"),
         (lambda r: r.node(6, 3), "node 6 has the coordinates 1 to 2, not 3"),

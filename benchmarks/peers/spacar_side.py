@@ -23,6 +23,12 @@ def folder() -> Path:
 
 
 @lru_cache
+def file(name: str) -> Path:
+    """That of a scenario."""
+    return folder() / f"{name}.dat"
+
+
+@lru_cache
 def beam(n: int, bent: bool, angles: bool = False) -> Path:
     """The file of a cantilever of n inextensible elements; with the force of S5, or for the three frequencies of S8.
     `angles`: in the angle measure (ADEFORM), which has fourth order."""
@@ -44,7 +50,7 @@ def run(name: str, error: float | None, code: int | None) -> spacar.Result:
     options = {} if error is None else {"atol": error, "rtol": error}
     if code is not None:
         options["integrator"] = code
-    return spacar.run(1, folder() / f"{name}.dat", **options)
+    return spacar.run(1, file(name), **options)
 
 
 def answer(name: str, error: float | None, code: int | None) -> np.ndarray:
@@ -54,14 +60,12 @@ def answer(name: str, error: float | None, code: int | None) -> np.ndarray:
         return result.node(6, 1, "xdd")
     if name == "S1b":
         return result.node(2, 1)[1:]
-    node, directions = (7, (1, 2)) if name == "S3a" else (8, (1, 2, 3))
-    return np.array([result.node(node, k)[-1] for k in directions])
+    return result.node(7 if name == "S3a" else 8)[-1]
 
 
 def bent(n: int, angles: bool = False) -> np.ndarray:
     """S5."""
-    result = spacar.run(8, beam(n, True, angles))
-    return np.array([result.node(2 * n + 1, k)[-1] for k in (1, 2)])
+    return spacar.run(8, beam(n, True, angles)).node(2 * n + 1)[-1]
 
 
 def frequencies(n: int) -> np.ndarray:

@@ -40,11 +40,19 @@ def place(table: NDArray[np.int64], number: int, k: int, words: tuple[str, str])
         if found:
             return found - 1
     what, entry = words
-    there = np.flatnonzero(np.any(rows != 0, axis=1)) + 1
-    if number not in there:
-        known = f"{what}s are {listed(there)}" if len(there) else f"there are no {what}s"
-        raise UsageError(f"{what} {number} does not exist; {known}", "expression.number")
-    row = rows[number - 1]
-    has = listed(np.flatnonzero(row) + 1)
-    many = "s" * int(np.count_nonzero(row) > 1)
-    raise UsageError(f"{what} {number} has the {entry}{many} {has}, not {k}", "expression.number")
+    own = places(rows, number, words)
+    has = listed(np.flatnonzero(rows[number - 1]) + 1)
+    raise UsageError(f"{what} {number} has the {entry}{'s' * (len(own) > 1)} {has}, not {k}", "expression.number")
+
+
+def places(table: NDArray[np.int64], number: int, words: tuple[str, str]) -> NDArray[np.int64]:
+    """0-based columns of all entries of a node or an element, as `place`. Raises UsageError."""
+    rows = np.asarray(table)
+    if number in range(1, len(rows) + 1):
+        row = rows[int(number) - 1]
+        found: NDArray[np.int64] = row[row > 0] - 1
+        if len(found):
+            return found
+    there, what = np.flatnonzero(np.any(rows != 0, axis=1)) + 1, words[0]
+    known = f"{what}s are {listed(there)}" if len(there) else f"there are no {what}s"
+    raise UsageError(f"{what} {number} does not exist; {known}", "expression.number")
