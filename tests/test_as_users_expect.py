@@ -100,7 +100,7 @@ def test_frequencies_are_those_of_the_eigenvalues(cantilever, crank):
     ("ask", "sentence"),
     [
         (lambda r: r.node(99), "node 99 does not exist; nodes are 1 to 7"),
-        (lambda r: r.element(5), "element 5 does not exist; elements are 1 to 4"),
+        (lambda r: r.element(5), "element 5 does not exist; elements are 1 to 2"),
         (lambda r: r.node(99, 1), "node 99 does not exist; nodes are 1 to 7"),
         (lambda r: r.node(0, 1), "node 0 does not exist; nodes are 1 to 7"),
         (lambda r: r.node(6, 3), "node 6 has the coordinates 1 to 2, not 3"),
