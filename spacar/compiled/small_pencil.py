@@ -10,7 +10,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.compiled.library import DOUBLES, NUMBER, address_of, element_functions
 
-LARGEST = 50  # unknowns; above, LAPACK is as fast or faster
+LARGEST = 50  # unknowns; from there on LAPACK is as fast (compliances from 36 on, load multipliers later)
 WHOLE = ctypes.c_int64
 
 

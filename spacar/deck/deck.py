@@ -171,10 +171,11 @@ class Deck:
 
 
 def statements(deck: Deck) -> tuple[Statement, ...]:
-    """Those of a deck that has its index from the start."""
+    """Those of a deck that was read: it has its index from the start, and most runs ask for columns only."""
     return deck.index.statements()
 
 
+# In the place of the field, which stands in the dictionary of a deck where it was given (`replace`, `parse`)
 Deck.statements = cached_property(statements)  # type: ignore[assignment]
 
 
@@ -244,7 +245,7 @@ def parse(
     if not contents.shorthand:
         own = vars(deck)
         own["index"] = contents.found  # the checks have made it
-        del own["statements"]
+        del own["statements"]  # made from the index when somebody asks
     return deck
 
 
