@@ -8,7 +8,7 @@ which says what is wrong.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -40,20 +40,27 @@ class _Template:
             return
         self.lines = split_lines(deck.text)
         self.place = {id(s): k for k, s in enumerate(deck.statements)}
-        self.groups = [[self.place[id(s)] for s in group] for group in deck.index.groups]
-        own = set(self.checked(deck.statements) or ())
+        self.members = [[self.place[id(s)] for s in group] for group in deck.index.groups]
+        self.group = {k: g for g, members in enumerate(self.members) for k in members}
+        own = set(self.checked(self.index({})) or ())
         self.read = tuple([m for m in deck.messages if m not in own])  # not those of the checks
 
-    def checked(self, statements: tuple[Statement, ...]) -> list[Message] | None:
+    def index(self, changed: Mapping[int, Statement]) -> StatementIndex:
+        """The index with other statements at some places; groups without them are those of the deck."""
+        given, groups = self.deck.statements, [*self.deck.index.groups]
+        for g in {self.group[k] for k in changed}:
+            groups[g] = StatementGroup.of(*[changed.get(k, given[k]) for k in self.members[g]])
+        return StatementIndex(groups, self.deck.index.interleaved)
+
+    def checked(self, index: StatementIndex) -> list[Message] | None:
         """Messages of the checks, None when there is an error, or another one in a block that the mode skips."""
-        groups = [StatementGroup.of(*[statements[k] for k in group]) for group in self.groups]
         outline = Outline(metre=1.0)
-        for group in groups:
+        for group in index.groups:
             if group.keyword in ELEMENT_TYPES:
                 outline.add(group)
         findings, others = Findings(self.deck.source), Findings(self.deck.source)
         by_block = {block: findings if block in self.used else others for block in (1, 2, 3)}
-        check(StatementIndex(groups, self.deck.index.interleaved), outline, self.deck.mode, self.deck.third, by_block)
+        check(index, outline, self.deck.mode, self.deck.third, by_block)
         if self.skipped is None:
             self.skipped = others.messages
         return None if findings.errors or others.messages != self.skipped else findings.messages
@@ -69,24 +76,28 @@ def with_numbers(deck: Deck, edits: Sequence[Edit]) -> Deck | None:
     template = _template(deck)
     if not template.usable:
         return None
-    statements, lines = list(deck.statements), list(template.lines)
+    changed, lines = dict[int, Statement](), list(template.lines)
     for s, position, value in edits:
         k = template.place.get(id(s))
         if k is None or s.block not in template.used or not isinstance(s.place, str) or not is_in_range(value, "0"):
             return None
-        now = statements[k]  # another of its arguments may have been changed before
+        now = changed.get(k, s)  # another of its arguments may have been changed before
         start = now.columns[position - 1] - 1
         line = lines[s.line - 1]
         line = lines[s.line - 1] = line[:start] + value_text(value) + line[word_end(line, start) :]
         values: tuple[Value, ...] = (*now.values[: position - 1], float(value), *now.values[position:])
-        statements[k] = now._replace(values=values, place=without_comments(line))
+        changed[k] = now._replace(values=values, place=without_comments(line))
     for s, _, _ in edits:
         is_long, was_long = (len(of[s.line - 1]) > LONGEST_LINE for of in (lines, template.lines))
         if is_long != was_long:
             return None
-    messages = template.checked(tuple(statements))
+    index = template.index(changed)
+    messages = template.checked(index)
     if messages is None:
         return None
     text = "\n".join(lines)
     found = sorted((*template.read, *messages), key=lambda m: m.line or 0)
-    return replace(deck, statements=tuple(statements), text=text, data=text.encode(), messages=tuple(found))
+    statements = tuple([changed.get(k, s) for k, s in enumerate(deck.statements)])
+    made = replace(deck, statements=statements, text=text, data=text.encode(), messages=tuple(found))
+    vars(made)["index"] = index  # the checks have made it
+    return made
