@@ -63,7 +63,7 @@ def compiled_family(family: Family) -> Family:
     if isinstance(family, CompiledElements) or family.form not in SUPPORTED:
         return family
     name, parameters_of = SUPPORTED[family.form]
-    kind, count = engine().kinds.get(name, (-1, 0))
+    kind, count = engine(1).kinds.get(name, (-1, 0))
     parameters = parameters_of(family)
     if name not in element_functions().kinds or count != len(parameters) or parameters.dtype != float:
         return family

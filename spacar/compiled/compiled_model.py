@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.compiled.element_parameters import GUARD
-from spacar.compiled.library import CState, address_of, engine, why_off
+from spacar.compiled.library import WIDTH, CState, address_of, engine, why_off
 from spacar.compiled.numbers import Numbers, without_form
 from spacar.compiled.slots import Slots
 from spacar.kinematics.kinematics import FARTHEST_GUESS, LARGEST_JUMP
@@ -37,7 +37,6 @@ def why_not_in_lanes(mechanism: Mechanism) -> str | None:
 # Largest scaled correction that ends the iteration of a stored position: one more follows the first that is below
 # CONVERGED, so that velocities and accelerations are those of the position to rounding.
 EXACT = 1e-15
-WIDTH = ctypes.sizeof(ctypes.c_double)
 PLACED = 2  # `known` of a state that was placed with its accelerations: transfer functions are not its own
 FAR_AWAY, DOUBTFUL_MASS = 1, 2  # of start.c
 NOT_ANSWERED = -6  # of sparse.c: Python could not answer, and keeps the error

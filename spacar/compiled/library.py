@@ -75,6 +75,7 @@ class CState(ctypes.Structure):
     ]  # fmt: skip
 
 
+WIDTH = ctypes.sizeof(ctypes.c_double)  # of a number in memory
 _NOTHING = ctypes.c_char * 0
 
 

@@ -15,8 +15,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.compiled_model import WIDTH, CompiledModel, State
-from spacar.compiled.library import INTEGER, NUMBER, POINTER, address_of
+from spacar.compiled.compiled_model import CompiledModel, State
+from spacar.compiled.library import INTEGER, NUMBER, POINTER, WIDTH, address_of
 from spacar.compiled.march_structures import CMarch
 from spacar.compiled.methods_in_c import (
     ARRIVED,

@@ -143,7 +143,7 @@ def form_of(family: Family) -> tuple[int, Array]:
     known = SUPPORTED.get(family.form)
     if known is not None:
         name, of_family = known
-        kind, count = engine().kinds.get(name, (FOREIGN, 0))
+        kind, count = engine(1).kinds.get(name, (FOREIGN, 0))
         parameters = of_family(family)
         if count == len(parameters):
             return kind, parameters

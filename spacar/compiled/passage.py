@@ -20,9 +20,9 @@ from typing import Protocol
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, WIDTH, CompiledModel, State
+from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, CompiledModel, State
 from spacar.compiled.element_parameters import GUARD
-from spacar.compiled.library import DOUBLES, INTEGER, INTEGERS, NUMBER, POINTER, address_of
+from spacar.compiled.library import DOUBLES, INTEGER, INTEGERS, NUMBER, POINTER, WIDTH, address_of
 from spacar.frame import Frame, FramesInRows
 from spacar.integrators.problem import Counts, Passed, counts
 from spacar.integrators.times import EvenTimes

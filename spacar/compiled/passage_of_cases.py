@@ -10,9 +10,9 @@ import ctypes
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, WIDTH, CompiledModel, State
+from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, CompiledModel, State
 from spacar.compiled.element_parameters import GUARD
-from spacar.compiled.library import address_of
+from spacar.compiled.library import WIDTH, address_of
 from spacar.compiled.passage import COUNTS, HARMLESS, LONGEST, NONE, NOT_SHOWN, UNLIMITED, CPassage, counted
 from spacar.errors import AnalysisError
 from spacar.integrators.problem import Counts, Passed

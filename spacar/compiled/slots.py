@@ -20,14 +20,13 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.compiled.asking import AnsweringLaw, Asking
-from spacar.compiled.library import CForeign, CUser, address_of
+from spacar.compiled.library import WIDTH, CForeign, CUser, address_of
 from spacar.compiled.numbers import Elements
 from spacar.elements.family import Configuration, Family
 from spacar.mechanism.mechanism import Drive, Polynomial, UserSignal
 from spacar.mechanism.placed_vectors import PlacedVector, placed
 
 MOTION, STRESS, STRAIN, CONVECTIVE, INERTIA, OUTPUT = range(6)  # as ASK_MOTION ... in asking.c
-WIDTH = ctypes.sizeof(ctypes.c_double)
 
 
 class ForeignBatch:

@@ -4,6 +4,7 @@ nothing stays behind."""
 from __future__ import annotations
 
 import gc
+import signal
 import subprocess
 import sys
 import threading
@@ -211,6 +212,7 @@ QUESTIONS = {  # where nothing is asked but this: the model, the body of its fun
 }
 
 
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no clock that interrupts")
 @pytest.mark.parametrize("kind", QUESTIONS)
 def test_ctrl_c_between_the_questions_is_heard(tmp_path: Path, kind: str) -> None:
     """Python notices it where what C calls begins: a callback of ctypes writes 'Exception ignored' then and goes on."""

@@ -6,7 +6,7 @@ import weakref
 import pytest
 
 import spacar
-from spacar.compiled.library import why_off
+from spacar.compiled.library import engine, why_off
 from spacar.forward.motion import chosen
 
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
@@ -30,33 +30,44 @@ END
 FUNCTION = "def law(t, ne, le, e, ep, nx, lnp, x, xp):\n    return t, [[1, 2, 0.1]], []\n"
 
 
-def test_a_user_function_leaves_no_circle_behind(tmp_path):
+@pytest.fixture
+def path(tmp_path):
+    """A model with a user function; nobody looks for circles while it is used."""
     (tmp_path / "law.py").write_text(FUNCTION)
     (tmp_path / "model.dat").write_text(CANTILEVER)
     gc.collect()
     gc.disable()
-    try:
-        evaluator = chosen(spacar.frames(1, tmp_path / "model.dat"))
-        evaluator.start()
-        slots = weakref.ref(evaluator.solver.slots)
-        assert slots().laws
-        del evaluator
-        assert slots() is None
-    finally:
-        gc.enable()
+    yield tmp_path / "model.dat"
+    gc.enable()
 
 
-def test_the_file_of_a_user_function_keeps_no_deck(tmp_path):
+def test_a_user_function_leaves_no_circle_behind(path):
+    evaluator = chosen(spacar.frames(1, path))
+    evaluator.start()
+    slots = weakref.ref(evaluator.solver.slots)
+    assert slots().laws
+    del evaluator
+    assert slots() is None
+
+
+def test_the_file_of_a_user_function_keeps_no_deck(path):
     """The function and its module refer to each other; nothing large hangs on them."""
-    (tmp_path / "law.py").write_text(FUNCTION)
-    (tmp_path / "model.dat").write_text(CANTILEVER)
-    gc.collect()
-    gc.disable()
-    try:
-        mechanism = spacar.frames(1, tmp_path / "model.dat").mechanism
-        mechanism.user_signal.anew()
-        deck = weakref.ref(mechanism.deck)
-        del mechanism
-        assert deck() is None
-    finally:
-        gc.enable()
+    mechanism = spacar.frames(1, path).mechanism
+    mechanism.user_signal.anew()
+    deck = weakref.ref(mechanism.deck)
+    del mechanism
+    assert deck() is None
+
+
+def test_a_model_ends_without_capsules_too(path, monkeypatch):
+    """As in a Python that has none: once, with its last reference."""
+    c, ended = engine(1), []
+    end = c.end
+    monkeypatch.setattr(c, "_new", None)
+    monkeypatch.setattr(c, "end", lambda model: (ended.append(model), end(model)))
+    evaluator = chosen(spacar.frames(1, path))
+    evaluator.start()
+    model = evaluator.solver.handle
+    assert not ended
+    del evaluator
+    assert ended == [model]
