@@ -77,7 +77,7 @@ class CompiledPositionMatrix(PositionMatrix):
 def _condition(mechanism: Mechanism, gradient: Callable[[], Gradient]) -> float:
     """The condition number of V[E, U] from its entries."""
     rows, columns, values = gradient()
-    return of_entries(mechanism, rows, columns, values[:, 0])
+    return of_entries(mechanism, (rows, columns, values[:, 0]))
 
 
 class General:

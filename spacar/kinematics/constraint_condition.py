@@ -19,9 +19,9 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from spacar.arrays import Array, Index
+from spacar.arrays import Array
+from spacar.kinematics.difference_matrix import Entries, entries_of, scaled_difference_matrix
 from spacar.kinematics.kinematics import Kinematics
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
@@ -52,7 +52,7 @@ class Conditioning:
         if len(k.E) > ESTIMATED_FROM:
             return cls(float("inf"), partial(_estimate, k))
         s = k.sweep
-        return cls(_bound(k), partial(of_entries, k.mechanism, s.v_rows, s.v_columns, s.v_entries.copy()))
+        return cls(_bound(k), partial(of_entries, k.mechanism, (s.v_rows, s.v_columns, s.v_entries.copy())))
 
 
 def _bound(k: Kinematics) -> float:
@@ -76,15 +76,25 @@ def condition_number(k: Kinematics) -> float:
     """At the placed configuration; infinite when singular, 1 without unknowns."""
     if len(k.E) > ESTIMATED_FROM:
         return _estimate(k)
-    return of_gradient(k.mechanism, k.sweep.gradient())
+    return of_entries(k.mechanism, entries_of(k.sweep))
+
+
+def of_entries(mechanism: Mechanism, entries: Entries) -> float:
+    """The same from the entries of V, for some hundred unknowns at most."""
+    n = mechanism.numbering
+    return of_scaled(scaled_difference_matrix(mechanism, entries, n.velocity_equations, n.velocity_unknowns))
 
 
 def of_gradient(mechanism: Mechanism, V: Array) -> float:
-    """The same from V, (ne, nx), for some hundred unknowns at most."""
+    """The same from V, (ne, nx)."""
     E, U = mechanism.numbering.velocity_equations, mechanism.numbering.velocity_unknowns
-    if not len(E):
+    return of_scaled(V[E[:, None], U] * mechanism.scale[U] / mechanism.deformation_scale[E, None])
+
+
+def of_scaled(D: Array) -> float:
+    """s_1/s_n of D (n, n)."""
+    if not len(D):
         return 1.0
-    D = V[E[:, None], U] * mechanism.scale[U] / mechanism.deformation_scale[E, None]
     if len(D) > SQUARED_FROM:
         least, most = _ends(D.T @ D)
         if EPS * most < SQUARED * least:
@@ -101,15 +111,6 @@ def _ends(A: Array) -> tuple[float, float]:
     ends = (dstebz(diagonal, beside, 2, 0.0, 0.0, k, k, 0.0, "E")[1][0] for k in (1, len(A)))
     least, most = ends
     return float(least), float(most)
-
-
-def of_entries(
-    mechanism: Mechanism, rows: Index | NDArray[np.int32], columns: Index | NDArray[np.int32], values: Array
-) -> float:
-    """The same from the entries of V that are not zero by structure."""
-    V = np.zeros((mechanism.numbering.ne, mechanism.numbering.nx))
-    V[rows, columns] = values
-    return of_gradient(mechanism, V)
 
 
 def _estimate(k: Kinematics) -> float:

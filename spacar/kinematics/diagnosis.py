@@ -34,7 +34,7 @@ from spacar.kinematics.advice import (
     effects,
     paste_lines,
 )
-from spacar.kinematics.difference_matrix import ZERO, scaled_difference_matrix
+from spacar.kinematics.difference_matrix import ZERO, entries_of, scaled_difference_matrix
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.null_space import LARGEST_DECOMPOSED, norm_estimate, null_space
 from spacar.kinematics.self_stress import scaled_part
@@ -133,7 +133,7 @@ def _decomposed(
         left, others = null_space(D.T.tocsr(), size, ZERO)
         right = null_space(D, size, ZERO)[0]
         return left, right, np.array([size, others[0]]), size / float(others[0])
-    D = scaled_difference_matrix(mechanism, sweep.gradient())[np.ix_(rows, columns)]
+    D = scaled_difference_matrix(mechanism, entries_of(sweep), rows, columns)
     if not D.size:
         return np.eye(len(rows)), np.eye(len(columns)), np.zeros(0), 1.0
     left, s, right = np.linalg.svd(D)

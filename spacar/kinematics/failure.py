@@ -10,7 +10,7 @@ from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import AnalysisError
 from spacar.kinematics.diagnosis import Diagnosis, diagnose
-from spacar.kinematics.difference_matrix import ZERO, scaled_difference_matrix
+from spacar.kinematics.difference_matrix import ZERO, entries_of, scaled_difference_matrix
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
@@ -86,8 +86,8 @@ def position_failure(
     smallest = float("nan")
     D = np.zeros((0, 0))
     if len(kinematics.c) <= LARGEST_DIAGNOSED:
-        V = kinematics.sweep.gradient()
-        D = scaled_difference_matrix(kinematics.mechanism, V)[np.ix_(kinematics.h, kinematics.c)]
+        entries = entries_of(kinematics.sweep)
+        D = scaled_difference_matrix(kinematics.mechanism, entries, kinematics.h, kinematics.c)
     if np.isfinite(D).all() and D.size:
         _, s, right = np.linalg.svd(D)
         smallest = float(s[-1])

@@ -18,7 +18,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.errors import AnalysisError
-from spacar.kinematics.difference_matrix import ZERO, scaled_difference_matrix
+from spacar.kinematics.difference_matrix import ZERO, entries_of, scaled_difference_matrix
 from spacar.kinematics.fold import is_single_root
 from spacar.linear_systems.dense import DenseSystem
 from spacar.linear_systems.reciprocal_condition import reciprocal_condition
@@ -111,7 +111,7 @@ class PositionMatrix:
         k = self.kinematics
         if len(k.U) > MOST_NAMED:
             return "some of its coordinates (too many to be told apart)"
-        D = scaled_difference_matrix(k.mechanism, k.sweep.gradient())[np.ix_(k.E, k.U)]
+        D = scaled_difference_matrix(k.mechanism, entries_of(k.sweep), k.E, k.U)
         motion = np.abs(np.linalg.svd(D)[2][-1]).round(9)
         order = np.argsort(-motion, kind="stable")[:3]
         return ", ".join(k.numbering.x_name(int(k.U[i])) for i in order if motion[i] > 0.1)

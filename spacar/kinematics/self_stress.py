@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spacar.arrays import Array, Index
+from spacar.kinematics.difference_matrix import entries_of, scaled_difference_matrix
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.null_space import LARGEST_DECOMPOSED, norm_estimate, null_space, on_null_space
 from spacar.mechanism.layout import Batch
@@ -43,7 +44,7 @@ def redundancies(mechanism: Mechanism, rows: Index, x: Array | None = None) -> A
     if max(len(rows), len(moving)) > LARGEST_DECOMPOSED:
         return _of_large(mechanism, sweep, rows, moving)
     row_scale, scale = mechanism.deformation_scale[rows], mechanism.scale[moving]
-    R = sweep.gradient()[np.ix_(rows, moving)] * scale / row_scale[:, None]
+    R = scaled_difference_matrix(mechanism, entries_of(sweep), rows, moving)
     if not R.size:
         return np.zeros((len(rows), 0))
     left, s, right = np.linalg.svd(R)

@@ -5,11 +5,12 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from spacar.deck import parse_deck
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.kinematics import constraint_condition
+from spacar.kinematics import constraint_condition, difference_matrix
 from spacar.mechanism import build
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
@@ -24,3 +25,18 @@ def test_three_digits(model, n):
     exact = constraint_condition.of_gradient(k.mechanism, k.sweep.gradient())
     assert len(k.E) > 100
     assert constraint_condition._estimate(k) == pytest.approx(exact, rel=3e-3)
+
+
+def test_a_submatrix_is_made_alone(monkeypatch):
+    """No array of the size deformations x coordinates is made for the few rows that are asked for (a frame whose
+    coordinates are all degrees of freedom asks for none), and entries of the same place add up."""
+    evaluator = Dynamics(build(parse_deck(sizes.MODELS["planar"](12), mode=1), 1))
+    evaluator.place(0.0, evaluator.start())
+    k = evaluator.kinematics
+    rows, columns, values = difference_matrix.entries_of(k.sweep)
+    whole = k.sweep.gradient() * k.mechanism.scale / k.mechanism.deformation_scale[:, None]
+    twice = np.tile(rows, 2), np.tile(columns, 2), np.concatenate((0.25 * values, 0.75 * values))
+    monkeypatch.setattr(k.sweep, "gradient", None)
+    D = difference_matrix.scaled_difference_matrix(k.mechanism, twice, k.E, k.U)
+    np.testing.assert_allclose(D, whole[np.ix_(k.E, k.U)], rtol=1e-15)
+    assert constraint_condition.condition_number(k) == pytest.approx(constraint_condition.of_scaled(D), rel=1e-12)

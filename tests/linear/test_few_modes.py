@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -70,13 +68,9 @@ def ring(n: int, weight: float) -> np.ndarray:
 def test_condition_number_from_squares(weight, squared, monkeypatch):
     """From D^T D as by singular values; where the squares have lost it, singular values are asked."""
     D = ring(80, weight)
-    mechanism = SimpleNamespace(
-        numbering=SimpleNamespace(velocity_equations=np.arange(80), velocity_unknowns=np.arange(80)),
-        scale=np.ones(80), deformation_scale=np.ones(80),
-    )  # fmt: skip
     exact, asked = np.linalg.svd, []
     monkeypatch.setattr(np.linalg, "svd", lambda *a, **k: asked.append(1) or exact(*a, **k))
-    assert constraint_condition.of_gradient(mechanism, D) == pytest.approx(weight, rel=1e-6 if squared else 1e-9)
+    assert constraint_condition.of_scaled(D) == pytest.approx(weight, rel=1e-6 if squared else 1e-9)
     assert bool(asked) != squared
 
 
