@@ -25,7 +25,7 @@ import numpy as np
 import spacar
 from spacar.arrays import Array
 from spacar.deck import Deck, parse_deck
-from spacar.deck.finer import refine
+from spacar.deck.rewrite.refine import refine
 from spacar.errors import AnalysisError
 from spacar.studies.accuracy import stiff
 from spacar.studies.error_norm import amplitudes, distance

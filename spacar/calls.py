@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spacar.deck import Deck, read_deck
-from spacar.deck.finer import refine_divisible
+from spacar.deck.rewrite.refine import refine_divisible
 from spacar.errors import UsageError
 from spacar.mechanism import build
 from spacar.modes import Mode, find_mode

@@ -31,7 +31,8 @@ class Deck:
     built in code); `text` the whole text; `visualization` the raw lines of that section or of NAME.spv; `messages`
     warnings and information; `mode` the mode it was checked for; `third` the kind of its third block; `spans` where
     each block begins and ends in the text (line, column). `shorthand` are the statements UNITS, SECTION, MATERIAL and
-    BEAMSEC as given: `statements` has what they stand for, in SI, and `sections` the constants.
+    BEAMSEC as given: `statements` has what they stand for, in SI, and `sections` the constants. `divided` has the parts
+    of every beam of the file that became several, `refined` the deck whose beams were divided, into how many each.
     """
 
     statements: tuple[Statement, ...]
@@ -47,6 +48,8 @@ class Deck:
     shorthand: tuple[Statement, ...] = ()
     sections: tuple[BeamSection, ...] = ()
     drawn: int = 0  # lines of `visualization` that follow from the sections; they come first
+    divided: Mapping[int, tuple[int, ...]] = field(default_factory=dict, repr=False)
+    refined: tuple[Deck, Mapping[int, int]] | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         # The summary lies above this room: it asks the modes and, for results, the mechanism.
@@ -241,6 +244,7 @@ def parse(
         shorthand=contents.shorthand,
         sections=expansion.sections if expansion else (),
         drawn=len(added),
+        divided={s.element: s.parts for s in expansion.sections if len(s.parts) > 1} if expansion else {},
     )
     if not contents.shorthand:
         own = vars(deck)

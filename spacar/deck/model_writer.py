@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from textwrap import wrap
 
-from spacar.deck.divide import PAIRS
 from spacar.deck.findings import alternatives
 from spacar.deck.keyword_table import ELEMENT_TYPES, KEYWORDS
 from spacar.deck.model_arguments import (
@@ -23,6 +22,7 @@ from spacar.deck.model_arguments import (
     statement_arguments,
 )
 from spacar.deck.reference import rules
+from spacar.deck.rewrite.divide import PAIRS
 from spacar.deck.section_block import ROWS
 from spacar.deck.table_types import Keyword, Parameter, Variant
 

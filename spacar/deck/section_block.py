@@ -17,10 +17,11 @@ from spacar.deck.cross_section import (
     spatial_rows,
     warping_rows,
 )
-from spacar.deck.divide import PAIRS, divided, made, obstacles, stiffness_modes
 from spacar.deck.expansion import WORDS, BeamSection, Expansion
 from spacar.deck.findings import Findings, alternatives
 from spacar.deck.outline import Outline
+from spacar.deck.rewrite.divide import PAIRS, divided, obstacles, stiffness_modes
+from spacar.deck.rewrite.references import made
 from spacar.deck.statement import Statement
 from spacar.deck.statement_group import StatementGroup
 from spacar.deck.table_elements import ELEMENT_TYPES

@@ -28,7 +28,7 @@ def types_with(statement: str, planar: bool | None = None) -> str:
 
 def _statement(t: ElementType) -> Keyword:
     head = (
-        integer("element number"),
+        integer("element number", "element"),
         *(integer(n, f"{role} node") for n, role in zip(t.node_names, t.nodes, strict=True)),
     )
     space = "planar" if t.planar else "spatial"

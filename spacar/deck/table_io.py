@@ -10,6 +10,7 @@ from spacar.deck.table_types import (
     ELEMENT,
     MODE,
     NODE,
+    NODE_OR_ELEMENT,
     ORIENTATION,
     POSITION,
     BlockKind,
@@ -113,7 +114,7 @@ TRAJECTORIES = (
         (
             form(
                 (
-                    integer("node or element number"),
+                    integer("node or element number", NODE_OR_ELEMENT),
                     integer("front type: 0 constant acceleration, 1 sine, 2 squared sine", default=0),
                 ),
                 1,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 from functools import cache
 
+NODE_OR_ELEMENT = "node or element"  # what TRFRONT names: that which has a path in its trajectory
 COORDINATES = {"position": (2, 3), "orientation": (1, 4), "warping": (0, 1)}
 """Number of coordinates of a node by its role, in planar and in spatial models."""
 
@@ -45,8 +46,8 @@ class BlockKind(Enum):
 class Parameter:
     """One position of a statement.
 
-    `kind` is integer, real or name. `of` says what a number refers to: element, node, position node,
-    orientation node, coordinate, mode, input, output. `default` None means that the value must be given.
+    `kind` is integer, real or name. `of` says what a number refers to: element, node, position node, orientation node,
+    NODE_OR_ELEMENT, coordinate, mode, input, output. `default` None means that the value must be given.
     """
 
     meaning: str

@@ -17,8 +17,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck
-from spacar.deck.deck import parse
-from spacar.deck.deck_writer import write_rows
+from spacar.deck.rewrite.rebuild import rebuilt
 from spacar.deck.statement import Statement, Value
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import UsageError
@@ -68,17 +67,17 @@ def driven(deck: Deck, mechanism: Mechanism, move: StrokeMove, end: float, loads
     names = {name: keyword for keyword, name in classes.items()}
     freed = _replaced(mechanism, move)
     about = [("e" if move.deformation else "x", move.number, move.place), *([freed[0]] if freed else [])]
-    blocks: list[list[Row]] = [[], []]
+    kinematics: list[Row] = []
+    dynamics: list[Row] = []
     for s in deck.statements:
-        if s.block > 2 or s.keyword in (*ADDITIONAL, *STORED) or (s.block == 2 and _start_of(s) in about):
-            continue
-        blocks[s.block - 1] += _without(s, mechanism, about) if s.block == 1 else [(s.keyword, *s.values)]
-    blocks[0].append((names[wanted], move.number, move.place))
+        if s.block == 1 and s.keyword not in STORED:
+            kinematics += _without(s, mechanism, about)
+        elif s.block == 2 and s.keyword not in (*ADDITIONAL, *STORED) and _start_of(s) not in about:
+            dynamics.append((s.keyword, *s.values))
+    kinematics.append((names[wanted], move.number, move.place))
     if freed is not None and freed[1]:
-        blocks[0].append((freed[1], *freed[0][1:]))
-    blocks[1] = [*_with_loads(blocks[1], loads), *_stroke_rows(mechanism, move, end)]
-    made = parse(write_rows(blocks), deck.source, 10, path=deck.path, visualization=deck.visualization)
-    return replace(made, shorthand=deck.shorthand, sections=deck.sections)
+        kinematics.append((freed[1], *freed[0][1:]))
+    return rebuilt(deck, kinematics, [*_with_loads(dynamics, loads), *_stroke_rows(mechanism, move, end)])
 
 
 def _with_loads(rows: Sequence[Row], loads: Sequence[Row]) -> list[Row]:

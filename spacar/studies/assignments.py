@@ -31,8 +31,8 @@ from spacar.deck.cross_section import SHAPES
 from spacar.deck.deck import parse
 from spacar.deck.deck_writer import splice
 from spacar.deck.keyword_table import KEYWORDS, BlockKind
+from spacar.deck.rewrite.substitution import with_numbers
 from spacar.deck.statement import Value
-from spacar.deck.substitution import with_numbers
 from spacar.deck.table_types import Parameter
 from spacar.errors import UsageError
 

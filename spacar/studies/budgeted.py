@@ -22,7 +22,7 @@ from shlex import quote
 import numpy as np
 
 from spacar.calls import frames
-from spacar.deck.finer import flexible_beams
+from spacar.deck.rewrite.refine import flexible_beams
 from spacar.errors import AnalysisError
 from spacar.mechanism.element_batches import by_angles
 from spacar.stream import Run

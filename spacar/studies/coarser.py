@@ -12,12 +12,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
-from spacar.deck.divide import BEAMS, MOTIONS
+from spacar.deck.rewrite.divide import ALIKE, BEAMS, CLASSES
+from spacar.deck.rewrite.rebuild import rebuilt, rows
+from spacar.deck.rewrite.references import ELEMENT, NODE, about, named
 from spacar.deck.statement import Value
 from spacar.errors import UsageError
 
 IN_LINE = 1e-9  # sine of the angle between the two axes, which are known to the digits of a file
-KEPT = (*MOTIONS, "ESIG", "DELESIG", "MEE")
 
 
 def merged(deck: Deck) -> tuple[Deck, list[int]]:
@@ -32,32 +33,18 @@ def merged(deck: Deck) -> tuple[Deck, list[int]]:
     nodes = {node for *_, middle in pairs for node in middle}
     beams = {s.integer(0): s for s in deck.of(*BEAMS, block=1)}
     ends = {a: b for b, a in gone.items()}
-    blocks: list[list[tuple[Value, ...]]] = [[], [], []]
+    found = []
     for s in deck.statements:
-        number = s.values[0] if s.values else None
-        element = s.keyword in ELEMENT_TYPES
-        if (
-            (element and number in gone)
-            or (s.keyword == "X" and number in nodes)
-            or ((_of_element(s) or _zero(s)) and number in gone)
-        ):
+        number = about(s)
+        if number in gone or (s.keyword == "X" and s.integer(0) in nodes):
             continue
-        values: tuple[Value, ...] = s.values
-        if element and number in ends:
+        if number in ends and s.keyword in ELEMENT_TYPES:
             half = len(ELEMENT_TYPES[s.keyword].nodes) // 2
-            values = (
-                *values[: 1 + half],
-                *beams[ends[int(number)]].values[1 + half : 1 + 2 * half],
-                *values[1 + 2 * half :],
-            )
-        blocks[s.block - 1].append((s.keyword, *values))
-    made = Deck.build(*blocks, mode=deck.mode, source=f"{deck.source} (merged)", path=deck.path)
+            end = beams[ends[number]].values[1 + half : 1 + 2 * half]
+            s = s._replace(values=(*s.values[: 1 + half], *end, *s.values[1 + 2 * half :]))
+        found.append(s)
+    made = rebuilt(deck, *rows(found), what=" (merged)")
     return made, [middle[0] for *_, middle in pairs]
-
-
-def _of_element(s: Statement) -> bool:
-    """Is the first value of the statement an element?"""
-    return s.keyword in ("DYNE", "RLSE", "INPUTE", "KINE", "LDEFORM", "ADEFORM", "EM", "ESTIFF", "EDAMP")
 
 
 def _pairs(deck: Deck) -> list[tuple[int, int, tuple[int, ...]]]:
@@ -68,12 +55,8 @@ def _pairs(deck: Deck) -> list[tuple[int, int, tuple[int, ...]]]:
         for k in range(1, 1 + len(ELEMENT_TYPES[s.keyword].nodes)):
             users.setdefault(s.integer(k), []).append(s.integer(0))
     position = {s.integer(0): np.array(s.reals(1, 3)) for s in deck.of("X", block=1)}
-    named = {
-        s.values[0]
-        for s in deck.statements
-        if s.values and s.keyword not in (*ELEMENT_TYPES, "X") and not _of_element(s)
-    }
-    about = {s.integer(0): _about(deck.statements, s.integer(0)) for s in elements if s.keyword in BEAMS}
+    needed = {n for s in deck.statements if s.keyword not in (*ELEMENT_TYPES, "X") for n in named(s, NODE)}
+    said = {s.integer(0): _about(deck.statements, s.integer(0)) for s in elements if s.keyword in BEAMS}
     by_start = {s.values[1 : 1 + len(ELEMENT_TYPES[s.keyword].nodes) // 2]: s for s in elements if s.keyword in BEAMS}
     used: set[int] = set()
     found = []
@@ -85,8 +68,8 @@ def _pairs(deck: Deck) -> list[tuple[int, int, tuple[int, ...]]]:
         b = by_start.get(middle)
         if b is None or b is a or b.keyword != a.keyword or b.integer(0) in used:
             continue
-        alike = a.values[1 + 2 * half :] == b.values[1 + 2 * half :] and about[a.integer(0)] == about[b.integer(0)]
-        if not alike or any(len(users[m]) != 2 or m in named for m in middle):
+        alike = a.values[1 + 2 * half :] == b.values[1 + 2 * half :] and said[a.integer(0)] == said[b.integer(0)]
+        if not alike or any(len(users[m]) != 2 or m in needed for m in middle):
             continue
         zero = np.zeros(3)
         p, m, q = (position.get(n, zero) for n in (a.integer(1), middle[0], b.integer(1 + half)))
@@ -106,9 +89,9 @@ def _about(statements: Sequence[Statement], element: int) -> list[tuple[str, tup
     """What statements say of an element; when it cannot be merged, an object that equals no other."""
     found = []
     for s in statements:
-        if s.values and s.values[0] == element and s.keyword not in ELEMENT_TYPES:
-            if s.keyword in KEPT and not _zero(s):
-                return object()
-            if _of_element(s):
+        if element in named(s, ELEMENT) and s.keyword not in ELEMENT_TYPES:
+            if s.keyword in (*CLASSES, *ALIKE) and s.block < 3:
                 found.append((s.keyword, s.values[1:]))
+            elif not _zero(s):
+                return object()
     return sorted(found, key=repr)

@@ -25,7 +25,7 @@ from functools import partial
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.deck.finer import divisible_beams, with_pieces
+from spacar.deck.rewrite.refine import divisible_beams, with_pieces
 from spacar.errors import AnalysisError
 from spacar.frame import Frame
 from spacar.integrators.methods import METHODS

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from spacar.deck import Deck
-from spacar.deck.divide import BEAMS
+from spacar.deck.rewrite.divide import BEAMS
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.errors import Report, UsageError

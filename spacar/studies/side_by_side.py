@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.deck import Deck, Statement
+from spacar.deck.rewrite.references import places, renumbered
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.mechanism import Mechanism, build
 from spacar.mechanism.user_files import STATEMENTS
-from spacar.studies.assignments import parameters_of
 
 if TYPE_CHECKING:
     from spacar.compiled.numbers import Numbers
@@ -59,7 +59,7 @@ def alike(a: Deck, *others: Deck) -> bool:
 @lru_cache(maxsize=8)
 def _with_references(deck: Deck) -> list[tuple[Statement, list[int]]]:
     """Statements that matter, and the places of the values in them that are node or element numbers."""
-    return [(s, _references(deck, s)) for s in _statements(deck)]
+    return [(s, [i for i, _ in places(s)]) for s in _statements(deck)]
 
 
 def _like(statements: list[tuple[Statement, list[int]]], others: list[Statement]) -> bool:
@@ -89,7 +89,7 @@ def _start(single: Mechanism, together: Mechanism, x_of: Array, e_of: Array) -> 
         rows = getattr(n, classes)[name]
         values[rows] = y[at : at + rows.stop - rows.start]
         at += rows.stop - rows.start
-    return np.hstack([values[places[:, getattr(one, classes)[name]]] for values, places, classes, name in parts])
+    return np.hstack([values[where[:, getattr(one, classes)[name]]] for values, where, classes, name in parts])
 
 
 def start_of(mechanism: Mechanism) -> Array:
@@ -102,17 +102,11 @@ def copies(decks: Sequence[Deck]) -> Deck:
     """One deck with the mechanisms of all decks side by side. The decks are alike and have been checked."""
     first = decks[0]
     stride = _stride(first)
-    statements = []
-    references = [places for _, places in _with_references(first)]
+    statements: list[Statement] = []
     for k, deck in enumerate(decks):
-        for s, places in zip(_statements(deck), references, strict=True):
-            if not places:
-                statements += [s] * (k == 0 and s.keyword not in STATEMENTS)
-                continue
-            values = list(s.values)
-            for i in places:
-                values[i] = s.integer(i) + k * stride
-            statements.append(s._replace(values=tuple(values)))
+        own = [s for s in _statements(deck) if places(s) or (k == 0 and s.keyword not in STATEMENTS)]
+        shift = (k * stride).__add__
+        statements += renumbered(own, shift, shift)
     return Deck(tuple(statements), first.source, first.path, first.text, first.data, mode=1)
 
 
@@ -120,16 +114,8 @@ def _statements(deck: Deck) -> list[Statement]:
     return [s for s in deck.statements if s.block < 3 and s.keyword != "OUTLEVEL"]
 
 
-def _references(deck: Deck, s: Statement) -> list[int]:
-    """Places of the values that are node or element numbers."""
-    if s.keyword in ELEMENT_TYPES:
-        return list(range(1 + len(ELEMENT_TYPES[s.keyword].nodes)))
-    parameters = parameters_of(deck, s)
-    return [i for i in range(len(s.values)) if parameters[i].of == "element" or parameters[i].of.endswith("node")]
-
-
 def _stride(deck: Deck) -> int:
-    return max(s.integer(i) for s, places in _with_references(deck) for i in places)
+    return max(s.integer(i) for s, which in _with_references(deck) for i in which)
 
 
 def _places(single: Mechanism, together: Mechanism, n: int, stride: int) -> tuple[np.ndarray, np.ndarray]:

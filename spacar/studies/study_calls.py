@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from spacar.arrays import Array
 from spacar.calls import deck_of
 from spacar.deck import Deck
-from spacar.deck.finer import flexible_beams
+from spacar.deck.rewrite.refine import flexible_beams
 from spacar.errors import UsageError
 from spacar.modes import MODES, Mode, find_mode
 from spacar.options import checked_options

@@ -18,7 +18,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.calls import frames
 from spacar.deck import Deck
-from spacar.deck.finer import refine, refine_divisible
+from spacar.deck.rewrite.refine import refine, refine_divisible
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators.methods import METHODS
 from spacar.mechanism import build

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from spacar.deck import Deck
-from spacar.deck.finer import divisible_beams, flexible_beams
+from spacar.deck.rewrite.refine import divisible_beams, flexible_beams
 from spacar.errors import SpacarError
 from spacar.studies.coarser import merged
 from spacar.studies.compared import GENERAL

@@ -2,8 +2,8 @@
 
 Coordinates, velocities, accelerations and reactions are those of the nodes that both have. Deformations are those of
 the user's elements at these coordinates, e = D(x), ed = V xd, edd = V xdd + H(xd, xd); generalized stresses are the end
-moments and the means of normal force and torsion of the parts (`spacar.deck.divide.joined_preload`). Modes of vibration
-and buckling are displacements of the same nodes, then the degrees of freedom of the user: q = (dx, V dx).
+moments and the means of normal force and torsion of the parts (`joined_preload`). Modes of vibration and buckling are
+displacements of the same nodes, then the degrees of freedom of the user: q = (dx, V dx).
 
 Matrices of the linearized equations and transfer functions have no counterpart and are those of the user's mesh; the
 state space is that of the divided model.
@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.deck.divide import joined_preload
+from spacar.deck.rewrite.divide import joined_preload
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.frame import Frame
 from spacar.kinematics.element_sweep import ElementSweep

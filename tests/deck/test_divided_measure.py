@@ -8,7 +8,7 @@ import pytest
 
 import spacar
 from spacar.deck import parse_deck
-from spacar.deck.finer import refine
+from spacar.deck.rewrite.refine import refine
 from spacar.mechanism.element_batches import by_angles
 
 DATA = Path(__file__).parents[2] / "data"

@@ -10,8 +10,8 @@ import pytest
 import spacar
 from spacar.deck import parse_deck
 from spacar.deck.cross_section import MATERIALS, SHAPES, rectangle_torsion
-from spacar.deck.divide import divided
 from spacar.deck.length_unit import metres, shown_in
+from spacar.deck.rewrite.divide import divided
 from spacar.errors import InputError, UsageError
 
 

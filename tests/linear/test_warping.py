@@ -14,7 +14,7 @@ from warped_bars import bar
 
 import spacar
 from spacar.deck import parse_deck
-from spacar.deck.finer import refine
+from spacar.deck.rewrite.refine import refine
 from spacar.errors import AnalysisError
 
 DATA = Path(__file__).parents[2] / "data"

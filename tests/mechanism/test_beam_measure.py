@@ -9,7 +9,7 @@ from spacar_cli.main import main
 import spacar
 from spacar import Deck
 from spacar.compiled.numbers import without_form
-from spacar.deck.finer import refine
+from spacar.deck.rewrite.refine import refine
 from spacar.errors import InputError, UsageError
 from spacar.mechanism import build
 

@@ -11,7 +11,7 @@ import pytest
 
 import spacar
 from spacar.deck import parse_deck
-from spacar.deck.finer import refine
+from spacar.deck.rewrite.refine import refine
 from spacar.studies import budgeted
 from spacar.studies.quantities import quantity
 from spacar.studies.trade import Job, Setup, Trade, run_setup

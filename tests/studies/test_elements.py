@@ -10,7 +10,7 @@ import pytest
 
 import spacar
 from spacar.deck import parse_deck
-from spacar.deck.finer import divisible_beams, refine
+from spacar.deck.rewrite.refine import divisible_beams, refine
 from spacar.errors import UsageError
 
 

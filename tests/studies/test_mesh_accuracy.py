@@ -9,7 +9,7 @@ import pytest
 
 import spacar
 from spacar.deck import parse_deck
-from spacar.deck.finer import refine
+from spacar.deck.rewrite.refine import refine
 from spacar.errors import UsageError
 
 # Tip of an inextensible cantilever, L = 10, EI = 102, dead transverse load 14 (elliptic integrals; reference test S5).

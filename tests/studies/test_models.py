@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import Deck, divide
-from spacar.deck.finer import flexible_beams, refine
+from spacar.deck import Deck
+from spacar.deck.rewrite import divide
+from spacar.deck.rewrite.refine import flexible_beams, refine
 from spacar.errors import UsageError
 from spacar.mechanism import build
 from spacar.studies.models import linear_strain, rigid

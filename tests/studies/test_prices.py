@@ -10,7 +10,7 @@ import pytest
 
 import spacar
 from spacar.deck import parse_deck
-from spacar.deck.finer import refine
+from spacar.deck.rewrite.refine import refine
 from spacar.errors import UsageError
 from spacar.studies.coarser import merged
 from spacar.studies.judged import Reference

@@ -1,18 +1,17 @@
 """The same mechanism with more beams: n equal ones in the place of every flexible beam, or as many as are wanted in the
-place of each. How a beam is divided, and what cannot be, stands in `spacar.deck.divide`.
+place of each. How a beam is divided, and what cannot be, stands in `spacar.deck.rewrite.divide`.
 
 Tubes are not divided: a curved one would have to be divided along its arc (TUBE, PLTUBE).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 from spacar.deck.deck import Deck
-from spacar.deck.divide import BEAMS, beam_modes, divided, obstacles, stiffness_modes
-from spacar.deck.statement import Value
+from spacar.deck.rewrite.divide import BEAMS, beam_modes, divided, obstacles, stiffness_modes
+from spacar.deck.rewrite.rebuild import rebuilt, rows
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.errors import UsageError
 
@@ -73,18 +72,19 @@ def refine_divisible(deck: Deck, n: int) -> tuple[Deck, dict[int, str]]:
 def with_pieces(deck: Deck, pieces: Mapping[int, int]) -> tuple[Deck, dict[int, list[int]]]:
     """The mechanism with pieces[beam] equal elements in the place of these beams, which can be divided, and the
     elements that each of them became. Unit of length, sections, pictures and the digest of the file stay."""
-    blocks: list[list[tuple[Value, ...]]] = [[], [], []]
     statements, parts = divided(deck.statements, pieces)
-    for s in statements:
-        blocks[s.block - 1].append((s.keyword, *s.values))
     counts = {n for n in pieces.values() if n > 1}
     what = f" x {counts.pop()}" if len(counts) == 1 else " refined" if counts else ""
-    made = Deck.build(*blocks, mode=deck.mode, source=f"{deck.source}{what}", path=deck.path)
-    sections = tuple(
-        replace(s, parts=tuple(part for old in s.parts for part in parts.get(old, (old,)))) for s in deck.sections
-    )
-    same: dict[str, Any] = {k: getattr(deck, k) for k in ("data", "visualization", "drawn", "shorthand")}
-    return replace(made, sections=sections, **same), parts
+    made = rebuilt(deck, *rows(statements), what=what)
+
+    def finer(old: Sequence[int]) -> tuple[int, ...]:
+        return tuple(part for beam in old for part in parts.get(beam, (beam,)))
+
+    sections = tuple(replace(s, parts=finer(s.parts)) for s in deck.sections)
+    before = deck.divided
+    new = {n: tuple(of) for n, of in parts.items() if not any(n in of for of in before.values())}
+    whole = {n: finer(of) for n, of in before.items()} | new
+    return replace(made, sections=sections, divided=whole, refined=(deck, dict(pieces))), parts
 
 
 def divisible_beams(deck: Deck) -> tuple[tuple[int, ...], dict[int, str]]:

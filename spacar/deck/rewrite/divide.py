@@ -12,28 +12,30 @@ sigma_q l, so a part has m(xi_i)/h and m(xi_i+1)/h; the normal force is the same
 (moment divided by the length) is multiplied by n, that of warping (bimoment divided by l^2) by n^2 and linear along the
 beam. Twist rates at the new nodes are new dynamic degrees of freedom.
 
-Limits: start values and prescribed deformations are split by this linear theory, exact for small deformations. Both
-modes of a bending pair must be of one class. A released deformation (RLSE) that carries stiffness becomes dynamic in
-all parts but the last, which keeps the release; one without stiffness (a joint) cannot be split. MEE on a split beam
-and inputs or outputs (third block) on one are refused. The first part keeps the number of the parent, further
-elements and nodes get numbers above all others.
+Limits: start values and prescribed deformations are split by this linear theory, exact for small deformations. A
+released deformation (RLSE) that carries stiffness becomes dynamic in all parts but the last, which keeps the release;
+one without stiffness (a joint) cannot be split. Both modes of a bending pair must be of one class, or one dynamic and
+one released. `RULES` has the statements that can be split; any other one that names a split beam (MEE, inputs, outputs,
+paths) is refused. The first part keeps the number of the parent, further elements and nodes get numbers above all
+others.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import pairwise
+from operator import attrgetter
 
-from spacar.deck.keyword_table import KEYWORDS
-from spacar.deck.statement import Statement, Value
+from spacar.deck.rewrite.references import ELEMENT, about, made, named
+from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import BlockKind
 
 PAIRS = {t.keyword: t.split for t in ELEMENT_TYPES.values() if t.split}  # bending modes at p and q
 BEAMS = tuple(PAIRS)
 TORSION = {k: next((m for m, (n, _) in enumerate(ELEMENT_TYPES[k].modes, 1) if n == "torsion"), None) for k in BEAMS}
-PER_ELEMENT = ("EM", "ESTIFF", "EDAMP")
 CLASSES = ("DYNE", "RLSE", "INPUTE", "KINE")
+ALIKE = ("LDEFORM", "ADEFORM", "EM", "ESTIFF", "EDAMP")  # the same for every part
 MOTIONS = {"STARTDE": 2, "INPUTE": 3, "DELINPE": 1}  # how many values follow element and mode
 Vector = tuple[float, ...]
 
@@ -81,29 +83,66 @@ def obstacles(
                     " a node that the beams do not share)"
                 )
         for p, q in PAIRS[beams[number]]:
-            if modes.get(p) != modes.get(q):
+            if len({"DYNE" if c == "RLSE" else c for c in (modes.get(p), modes.get(q))}) > 1:
                 yield number, None, (
                     f"its bending modes {p} and {q} are of different classes ({modes.get(p, 'fixed')},"
                     f" {modes.get(q, 'fixed')})"
                 )
     for s in statements:
-        about: set[Value] = set()
-        if s.keyword == "MEE":
-            about = {s.values[0], s.values[2]} if len(s.values) == 5 else {s.values[0]}
-        if s.block == 3:
-            about = _elements_of_port(s)
-        for beam in sorted(about & split, key=str):
-            yield int(beam), s, "refer to nodes, or to a model without it"
+        if s.keyword not in ELEMENT_TYPES and (s.keyword, s.block) not in RULES:
+            for beam in sorted(split.intersection(named(s, ELEMENT))):
+                yield beam, s, "refer to nodes, or to a model without it"
 
 
-def _elements_of_port(s: Statement) -> set[Value]:
-    """Elements that a statement of the third block is about: OUTE, INPUTS ... port, element, mode; TRE element, ..."""
-    for block in BlockKind:
-        keyword = KEYWORDS.get((s.keyword, block)) if block.number == 3 else None
-        if keyword is not None:
-            parameters = keyword.variants[0].parameters
-            return {v for v, p in zip(s.values, parameters, strict=False) if p.of == "element"}
-    return set()
+@dataclass
+class _Division:
+    """What becomes of the statements about divided beams: modes and classes of these before, their parts, keywords and
+    motions, which are divided pair by pair: keyword and beam -> mode -> statement."""
+
+    modes: dict[int, dict[int, str]]
+    parts: dict[int, list[int]] = field(default_factory=dict)
+    keywords: dict[int, str] = field(default_factory=dict)
+    motions: dict[tuple[str, int], dict[int, Statement]] = field(default_factory=dict)
+
+    def alike(self, s: Statement, beam: int) -> list[Statement]:
+        return [made(s, part, *s.values[1:]) for part in self.parts[beam]]
+
+    def classes(self, s: Statement, beam: int) -> list[Statement]:
+        own = self.modes[beam]
+        modes = s.integers(1) or tuple(m for m, c in own.items() if c == s.keyword)
+        modes = tuple(m for m in modes if m in own)  # without those that are released in any case
+        if s.keyword != "RLSE":
+            return [made(s, part, *modes) for part in self.parts[beam]]
+        *others, last = self.parts[beam]
+        return [*(made(s, part, *modes, keyword="DYNE") for part in others), made(s, last, *modes)]
+
+    def preload(self, s: Statement, beam: int) -> list[Statement]:
+        keyword, parts = self.keywords[beam], self.parts[beam]
+        table = split_preload(keyword, s.reals(1, len(ELEMENT_TYPES[keyword].modes)), len(parts))
+        return [made(s, part, *row) for part, row in zip(parts, table, strict=True)]
+
+    def motion(self, s: Statement, beam: int) -> list[Statement]:
+        """Of all modes, in the place of the first."""
+        of, parts = self.motions.pop((s.keyword, beam), {}), self.parts[beam]
+        width = MOTIONS[s.keyword]
+        values = {mode: o.reals(2, width) for mode, o in of.items()}
+        found = []
+        for mode, rows in _split_motion(self.keywords[beam], values, width, len(parts)).items():
+            by = of.get(mode, s)
+            kept = parts[:-1] if self.modes[beam].get(mode) == "RLSE" else parts  # the last one follows
+            found += [made(by, part, mode, *row) for part, row in zip(kept, rows, strict=False)]
+        return found
+
+
+Rule = Callable[[_Division, Statement, int], list[Statement]]
+RULES: dict[tuple[str, int], Rule] = {
+    **{(k, 1): _Division.classes for k in CLASSES},
+    **{(k, block): _Division.alike for k in ALIKE for block in (1, 2)},
+    **{(k, 2): _Division.motion for k in MOTIONS},
+    ("ESIG", 2): _Division.preload,
+    ("DELESIG", 2): _Division.preload,
+}
+"""Keyword and block of the statements about a beam that can be divided -> what they become."""
 
 
 def divided(
@@ -118,21 +157,21 @@ def divided(
     top_node = max(s.integer(k) for s in elements.values() for k in range(1, 1 + len(ELEMENT_TYPES[s.keyword].nodes)))
     top_element = max(elements)
     position = {s.integer(0): s.reals(1, 3) for s in statements if s.keyword == "X" and s.block == 1}
-    split = beam_modes(statements)
-    parts: dict[int, list[int]] = {}
+    division = _Division(beam_modes(statements))
     found: list[Statement] = []
-    for s in statements:
-        if s.block != 1 or s.keyword not in BEAMS or s.integer(0) not in pieces:
+    for number, s in elements.items():
+        if s.keyword not in BEAMS or number not in pieces:
             continue
-        number, kind = s.integer(0), ELEMENT_TYPES[s.keyword]
+        kind = ELEMENT_TYPES[s.keyword]
         n = pieces[number]
-        parts[number] = [number, *range(top_element + 1, top_element + n)]
+        parts = division.parts[number] = [number, *range(top_element + 1, top_element + n)]
+        division.keywords[number] = s.keyword
         top_element += n - 1
         half = len(kind.nodes) // 2  # position, orientation(, warping) at each end
         inner = [tuple(range(top_node + half * i + 1, top_node + half * (i + 1) + 1)) for i in range(n - 1)]
         top_node += half * (n - 1)
         nodes = tuple(s.integer(i) for i in range(1, 1 + 2 * half))
-        for part, (a, b) in zip(parts[number], pairwise([nodes[:half], *inner, nodes[half:]]), strict=True):
+        for part, (a, b) in zip(parts, pairwise([nodes[:half], *inner, nodes[half:]]), strict=True):
             found.append(made(s, part, *a, *b, *s.values[1 + 2 * half :]))
         zero = (0.0, 0.0, 0.0)
         ends = [position.get(node, zero)[: 2 if kind.planar else 3] for node in (nodes[0], nodes[half])]
@@ -140,51 +179,16 @@ def divided(
             place = [a + (i / n) * (b - a) for a, b in zip(*ends, strict=True)]
             found.append(made(s, node, *place, keyword="X"))
     for s in statements:
-        if s.block == 1 and not (s.keyword in BEAMS and s.integer(0) in parts):
-            found += _kinematic(s, split, parts)
-    keywords = {number: elements[number].keyword for number in parts}
+        if s.block == 2 and s.keyword in MOTIONS and s.integer(0) in division.parts:
+            division.motions.setdefault((s.keyword, s.integer(0)), {})[s.integer(1)] = s
     for s in statements:
-        if s.block == 2:
-            found += _dynamic(s, parts, keywords)
-    found += _motions(statements, parts, keywords)
-    return found + [s for s in statements if s.block == 3], parts
-
-
-def made(origin: Statement, *values: Value, keyword: str = "", block: int = 0) -> Statement:
-    """A statement that another one stands for: messages about it name the line of that one; it has no columns."""
-    return Statement(keyword or origin.keyword, values, block or origin.block, origin.line)
-
-
-def _kinematic(s: Statement, split: dict[int, dict[int, str]], parts: dict[int, list[int]]) -> list[Statement]:
-    """What a statement of the kinematics block that is no divided beam becomes."""
-    if s.keyword == "ADEFORM" and not s.values:  # all elements
-        return [s]
-    if s.keyword in ("LDEFORM", "ADEFORM") and s.values[0] in parts:
-        return [made(s, part) for part in parts[s.integer(0)]]
-    if s.keyword not in CLASSES or s.values[0] not in parts:
-        return [s]
-    number = s.integer(0)
-    modes = s.integers(1) or tuple(m for m, c in split[number].items() if c == s.keyword)
-    modes = tuple(m for m in modes if m in split[number])  # without those that are released in any case
-    if s.keyword != "RLSE":
-        return [made(s, part, *modes) for part in parts[number]]
-    *others, last = parts[number]
-    return [*(made(s, part, *modes, keyword="DYNE") for part in others), made(s, last, *modes)]
-
-
-def _dynamic(s: Statement, parts: dict[int, list[int]], keywords: dict[int, str]) -> list[Statement]:
-    """What a statement of the dynamics block becomes; motions of divided beams come later, pair by pair."""
-    if s.keyword == "MEE" or not s.values or s.values[0] not in parts:
-        return [s]
-    number = s.integer(0)
-    n = len(parts[number])
-    if s.keyword in PER_ELEMENT:
-        return [made(s, part, *s.values[1:]) for part in parts[number]]
-    if s.keyword in ("ESIG", "DELESIG"):
-        keyword = keywords[number]
-        table = split_preload(keyword, s.reals(1, len(ELEMENT_TYPES[keyword].modes)), n)
-        return [made(s, part, *row) for part, row in zip(parts[number], table, strict=True)]
-    return [] if s.keyword in MOTIONS else [s]
+        beam = about(s)
+        if beam is None or beam not in division.parts:
+            found.append(s)
+        elif s.keyword not in ELEMENT_TYPES:
+            rule = RULES.get((s.keyword, s.block))
+            found += rule(division, s, beam) if rule else [s]
+    return sorted(found, key=attrgetter("block")), division.parts
 
 
 def split_preload(keyword: str, sigma: Vector, n: int) -> list[Vector]:
@@ -236,23 +240,6 @@ def split_pair(e_p: Vector, e_q: Vector, n: int) -> tuple[list[Vector], list[Vec
         at_p.append(tuple((slope(a, u, v) - c) / n for u, v, c in zip(e_p, e_q, chord, strict=True)))
         at_q.append(tuple(-(slope(b, u, v) - c) / n for u, v, c in zip(e_p, e_q, chord, strict=True)))
     return at_p, at_q
-
-
-def _motions(statements: Sequence[Statement], parts: dict[int, list[int]], keywords: dict[int, str]) -> list[Statement]:
-    """STARTDE, INPUTE and DELINPE of all parts of the divided beams."""
-    found = []
-    for keyword, width in MOTIONS.items():
-        given: dict[int, dict[int, Statement]] = {}
-        for s in statements:
-            if s.block == 2 and s.keyword == keyword and s.values[0] in parts:
-                given.setdefault(s.integer(0), {})[s.integer(1)] = s
-        for number, of in given.items():
-            values = {mode: s.reals(2, width) for mode, s in of.items()}
-            origin = next(iter(of.values()))
-            for mode, rows in _split_motion(keywords[number], values, width, len(parts[number])).items():
-                by = of.get(mode, origin)
-                found += [made(by, part, mode, *row) for part, row in zip(parts[number], rows, strict=True)]
-    return found
 
 
 def _split_motion(keyword: str, given: dict[int, Vector], width: int, n: int) -> dict[int, list[Vector]]:
