@@ -54,6 +54,7 @@ def forward(run: Run) -> Iterator[Sequence[Frame]]:
             yield (frame,)
             continue
         L = linearize(dynamics, frame.xdd, frame.sig, t=frame.t)
+        frame.lost = {**frame.lost, **_doubts(L)}
         _store_matrices(frame, L, dynamics)
         store.add(frame, L, dynamics)
         yield (output.add(frame, dynamics, L),)
@@ -188,6 +189,7 @@ def stationary(
             yield LinearizedSolution(frame, dynamics, None, tangent, wanted, reduced, condition)
             continue
         L = linearize(dynamics, state.xdd, state.sigma) if about is None else about.linearization()
+        frame.lost = {**frame.lost, **_doubts(L)}
         _store_matrices(frame, L, dynamics)
         frame = output.add(frame, dynamics, L)
         yield LinearizedSolution(frame, dynamics, L, None, wanted, reduced, condition, about is not None)
@@ -249,6 +251,11 @@ def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: floa
         " have them"
     )
     return True
+
+
+def _doubts(L: Linearization) -> dict[int, str]:
+    """Sentences about derivatives that a user function states, for `Frame.lost`, where rows of e are not negative."""
+    return {-1 - i: sentence for i, sentence in enumerate(L.doubts)}
 
 
 def _store_matrices(frame: Frame, L: Linearization, dynamics: Dynamics) -> None:

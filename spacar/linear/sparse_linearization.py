@@ -6,7 +6,8 @@ dxdd or a deformation d(edd)):
     accelerations (nx)  equilibrium -[M dxdd + ... + V^T dsigma] + df = 0;  fixed and input coordinates: P2 u - dxdd = 0
     positions (nx)      given values - dx = 0;  at the places of the calculable coordinates the rows h: given - V dx = 0
     velocities (nx)     given rates - dxd = 0;  at those of U the rows E: given rates - (V dxd + H1 dx) = 0
-    stresses (ne)       fixed and input deformations: P2 u - d(edd) = 0;  others: S de + Sd ded - s_u du - dsigma = 0
+    stresses (ne)       fixed and input deformations: P2 u - d(edd) = 0;
+                        others: S de + Sd ded + stress_x dx + stress_v dxd - s_u du - dsigma = 0
 
 Nothing is inverted and no degree of freedom appears in a product, so that relative coordinates cost no digits.
 """
@@ -21,6 +22,7 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import StressLaw
+from spacar.errors import AnalysisError
 from spacar.linear.descriptor import DescriptorSystem
 from spacar.linear.state_space import DRIVING_SIGN, Signal
 from spacar.linearization.coefficients import Coefficients, structure
@@ -91,7 +93,7 @@ class SparseLinearization:
         # accelerations: equilibrium
         rows = np.full(n.nx, -1)
         rows[p.moving_x] = p.a + p.moving_x
-        stiffness = c.inertia_x + c.geometric + c.gravity_x + c.user_x
+        stiffness = c.inertia_x + c.geometric + c.load_x + c.user_x
         damping, mass = c.inertia_v + c.user_v, c.M
         if inertia is not None:
             back = c.V.T @ inertia
@@ -111,8 +113,8 @@ class SparseLinearization:
             entries.add(matrix, rows, first, -1.0)
         rows = np.full(n.ne, -1)
         rows[len(p.given_e) :] = p.s + np.arange(len(p.given_e), n.ne)
-        entries.add(c.S @ c.V + c.Sd @ c.rate_x, rows, p.x, 1.0)
-        entries.add(c.Sd @ c.V, rows, p.v, 1.0)
+        entries.add(c.S @ c.V + c.Sd @ c.rate_x + c.stress_x, rows, p.x, 1.0)
+        entries.add(c.Sd @ c.V + c.stress_v, rows, p.v, 1.0)
         # rates of the state
         rows = np.full(n.ne, -1)
         rows[p.dynamic_e] = p.rate_e
@@ -206,7 +208,9 @@ def _filled(pattern: Any, A: Any) -> Any:
     wanted = np.repeat(rows, np.diff(A.indptr)) * width + A.indices
     places = np.minimum(np.searchsorted(known, wanted), max(len(known) - 1, 0))
     if len(wanted) and not np.array_equal(known[places], wanted):
-        raise ValueError("a linearization has entries where its structure has none")
+        text = "the linearized equations have entries where those of the first state had none: a user function"
+        text += " (USERSIG) has to return the same rows always, with zeros where nothing acts"
+        raise AnalysisError(text, "user-function.rows")
     data = np.zeros(len(known))
     data[places] = A.data
     return csr_array((data, pattern.indices, pattern.indptr), A.shape)

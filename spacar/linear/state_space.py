@@ -150,7 +150,7 @@ def _reactions(
     de, ded = L.Ge @ ds, L.We @ dqd + L.Ze @ ds
     free = np.arange(n.e_class["input"].stop, n.ne)
     dsigma = np.zeros((n.ne, ds.shape[1]))
-    dsigma[free] = (L.S @ de + L.Sd @ ded)[free]
+    dsigma[free] = (L.S @ de + L.Sd @ ded + L.stress_x @ dx + L.stress_v @ dxd)[free]
     dsigma[free, nz:] -= DRIVING_SIGN * Es[free]
     force = L.M @ dxdd + L.inertia_v @ dxd + L.inertia_x @ dx
     if dynamics.coupling.present:

@@ -3,14 +3,19 @@
 Of the coordinates x, rates v = xd, accelerations a = xdd and stresses sigma, about one state (theory-system.md 0, 4.1):
 
     d(M a + h + V^T sigma)      = M da + inertia_v dv + (inertia_x + geometric) dx + V^T dsigma
-    d(-f)                       = (gravity_x + user_x) dx + user_v dv
+    d(-f)                       = (load_x + user_x) dx + user_v dv
     d(ed) = V dv + rate_x dx,   rate_x = H1(v)
     d(edd) = V da + second_v dv + second_x dx,   second_v = H1(v) + H2(v), second_x = H1(a) + T(v)
-    dsigma = S de + Sd ded of the active rows (+ deformation_inertia dedd everywhere, part of M0)
+    dsigma = S de + Sd ded + stress_x dx + stress_v dv of the active rows (+ deformation_inertia dedd everywhere,
+             part of M0)
+
+load_x: gravity, constant moments and forces of the user, with e = D(x), ed = V v in these; user_x: the stiffness that
+the user states of forces (column k), which is no load. S, Sd, stress_x, stress_v contain the stresses of the user.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +35,7 @@ from spacar.linearization.contractions import (
     rate_gradient,
     scatter,
 )
+from spacar.linearization.user_derivatives import user_derivatives
 from spacar.mechanism.mechanism import UserForces
 
 
@@ -37,9 +43,11 @@ from spacar.mechanism.mechanism import UserForces
 class Coefficients:
     """The matrices of the module's formulas, sparse when the model is large (`spacar.linear_systems.matrix`).
 
-    V, rate_x, second_v, second_x  (ne, nx);  S, Sd, deformation_inertia  (ne, ne);  all others  (nx, nx)
+    V, rate_x, second_v, second_x, stress_x, stress_v  (ne, nx);  S, Sd, deformation_inertia  (ne, ne);
+    all others  (nx, nx)
     sigma   (ne,) stresses: rows fixed, input and dynamic from the equilibrium of the calculable coordinates
     moving  is there any motion? At rest rate_x, second_v, second_x are zero
+    doubts  sentences about derivatives that a user function states
     """
 
     V: Matrix
@@ -50,14 +58,17 @@ class Coefficients:
     inertia_x: Matrix
     inertia_v: Matrix
     geometric: Matrix
-    gravity_x: Matrix
+    load_x: Matrix
     user_x: Matrix
     user_v: Matrix
     S: Matrix
     Sd: Matrix
     deformation_inertia: Matrix
+    stress_x: Matrix
+    stress_v: Matrix
     sigma: Array
     moving: bool
+    doubts: tuple[str, ...] = ()
 
 
 def coefficients(
@@ -82,17 +93,23 @@ def coefficients(
     Me = matrix(*dynamics.mechanism.deformation_inertia, (n.ne, n.ne))
     stress = sigma + Me @ edd if dynamics.coupling.present else sigma
     S, Sd = matrix(*law.stiffness, (n.ne, n.ne)), matrix(*law.damping, (n.ne, n.ne))
-    force_k, force_d = np.zeros(n.nx), np.zeros(n.nx)
+    load_x, user_x, user_v = load_gradient(dynamics), *2 * (zero_matrix((n.nx, n.nx)),)
+    stress_x = stress_v = zero_matrix((n.ne, n.nx))
+    doubts: tuple[str, ...] = ()
     if user is not None:
         active = np.arange(n.ne) >= law.first
-        S, Sd = added(S, diagonal_matrix(user.sigma_k * active)), added(Sd, diagonal_matrix(user.sigma_d * active))
-        force_k, force_d = user.force_k, user.force_d
+        by = user_derivatives(dynamics.mechanism, t, sweep.e, V @ xd, x, xd, active).with_stated(user, V)
+        S, Sd = added(S, by.of("sigma", "e")), added(Sd, by.of("sigma", "ed"))
+        stress_x, stress_v, doubts = by.of("sigma", "x"), by.of("sigma", "xd"), by.doubts
+        user_x = diagonal_matrix(user.force_k)
+        load_x = load_x - user_x - (by.of("f", "x") + by.of("f", "e") @ V + by.of("f", "ed") @ rate_x)
+        user_v = -(by.of("f", "xd") + by.of("f", "ed") @ V)
     return Coefficients(
         V=V, M=M, rate_x=rate_x, second_v=second_v, second_x=second_x,
         inertia_x=scatter(n.nx, by_x), inertia_v=scatter(n.nx, by_v),
-        geometric=geometric_stiffness(sweep, stress), gravity_x=load_gradient(dynamics),
-        user_x=diagonal_matrix(force_k), user_v=diagonal_matrix(force_d), S=S, Sd=Sd,
-        deformation_inertia=Me, sigma=sigma, moving=moving,
+        geometric=geometric_stiffness(sweep, stress), load_x=load_x,
+        user_x=user_x, user_v=user_v, S=S, Sd=Sd, deformation_inertia=Me, stress_x=stress_x, stress_v=stress_v,
+        sigma=sigma, moving=moving, doubts=doubts,
     )  # fmt: skip
 
 
@@ -109,18 +126,24 @@ def structure(dynamics: Dynamics, moving: bool, law: StressLaw | None = None) ->
     by_moments = np.hstack(loads)
     square = (4, 4, by_moments.shape[1])
     i, j = (np.broadcast_to(r, square).ravel() for r in (by_moments[:, None, :], by_moments[None, :, :]))
-    signal = m.user_signal is not None
-    diagonals = [diagonal_matrix(np.full(k, float(signal))) for k in (n.nx, n.ne)]
+    told, pushed = (getattr(m.user_signal, rows, {}) for rows in ("stresses", "forces"))  # as far as it has been asked
+    by_stress, by_push = _full_rows(told.values(), (n.ne, n.nx)), _full_rows(pushed.values(), (n.nx, n.nx))
     laws = [matrix(rows, columns, np.ones(len(rows)), (n.ne, n.ne))
             for rows, columns, _ in (law.stiffness, law.damping, m.deformation_inertia)]  # fmt: skip
     return Coefficients(
         V=matrix(sweep.v_rows, sweep.v_columns, np.ones(len(sweep.v_rows)), (n.ne, n.nx)),
         M=matrix(sweep.m_rows, sweep.m_columns, np.ones(len(sweep.m_rows)), (n.nx, n.nx)),
         rate_x=blocks, second_v=blocks, second_x=blocks, inertia_x=massive, inertia_v=massive, geometric=curved,
-        gravity_x=massive + matrix(i, j, np.ones(len(i)), (n.nx, n.nx)), user_x=diagonals[0], user_v=diagonals[0],
-        S=laws[0] + diagonals[1], Sd=laws[1] + diagonals[1], deformation_inertia=laws[2], sigma=np.zeros(n.ne),
-        moving=moving,
+        load_x=massive + matrix(i, j, np.ones(len(i)), (n.nx, n.nx)), user_x=by_push, user_v=by_push,
+        S=laws[0], Sd=laws[1], deformation_inertia=laws[2], stress_x=by_stress, stress_v=by_stress,
+        sigma=np.zeros(n.ne), moving=moving,
     )  # fmt: skip
+
+
+def _full_rows(rows: Iterable[int], shape: tuple[int, int]) -> Matrix:
+    found = np.array(sorted(set(rows)), np.int64)
+    columns = np.tile(np.arange(shape[1]), len(found))
+    return matrix(found.repeat(shape[1]), columns, np.ones(len(columns)), shape)
 
 
 def equilibrium_stresses(dynamics: Dynamics, xdd: Array, edd: Array, sigma: Array, user: UserForces | None) -> Array:
@@ -136,9 +159,7 @@ def equilibrium_stresses(dynamics: Dynamics, xdd: Array, edd: Array, sigma: Arra
 
 
 def load_gradient(dynamics: Dynamics) -> Matrix:
-    """-df/dx of gravity and of constant global moments, (nx, nx). The stiffness and damping that user functions state
-    belong to K0 and D0.
-    """
+    """-df/dx of gravity and of constant global moments, (nx, nx)."""
     n, sweep = dynamics.numbering, dynamics.sweep
     out = zero_matrix((n.nx, n.nx))
     forces = dynamics.forces

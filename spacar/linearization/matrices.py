@@ -10,7 +10,8 @@ With G the configuration transfer, Z = d(xd)/ds at fixed qd, Y = d(xdd)/ds at fi
 
 sigma holds all stresses; those of the rows fixed, input and dynamic come from the equilibrium of the calculable
 coordinates (10), which makes the sum the exact derivative of the residual also away from equilibrium.
-Configuration-dependent gravity belongs to G0 because it is proportional to the load; released dampers and tube flow
+Configuration-dependent gravity and forces of the user (USERSIG) belong to G0 because they are proportional to the load,
+the stiffness and the stresses that a user function states to K0; released dampers and tube flow
 to N0 and C0.
 """
 
@@ -41,9 +42,11 @@ class Linearization:
     sigma   (ne,) stresses used in g0;  V (ne, nx);  M (nx, nx)
     inertia_x, inertia_v  (nx, nx) d(M a + h + V^T sigma)/dx at fixed sigma, dh/dv
     load_x, load_v        (nx, nx) -df/dx, -df/dv
-    S, Sd   (ne, ne) constitutive matrices of the active rows, the stated ones of user functions included
+    S, Sd   (ne, ne) constitutive matrices of the active rows, by which stresses of the user change with e, ed included
+    stress_x, stress_v  (ne, nx) what these change with x, xd beside that
     geometric_terms  sum over the elements of the largest entry of their Hs in the sizes of the coordinates [N m];
             infinite when it has not been asked for
+    doubts  sentences about derivatives that a user function states
 
     Those of type Matrix are sparse when the model is large (`spacar.linear_systems.matrix`), but Z to Yev only at rest,
     where they vanish; in motion these are dense.
@@ -76,7 +79,10 @@ class Linearization:
     load_v: Matrix
     S: Matrix
     Sd: Matrix
+    stress_x: Matrix
+    stress_v: Matrix
     geometric_terms: float = np.inf
+    doubts: tuple[str, ...] = ()
 
     @cached_property
     def stiffness(self) -> Array:
@@ -113,19 +119,20 @@ def reduced(
     Z, Ze, Y, Ye, Yv, Yev = rates
     ak0, bk0 = _kinematic(dynamics, W, We, Z, Ze)
     m0, c0 = _between((W, M, W), (We, Me, We)), _between((W, c.inertia_v, W))
-    d0, n0 = _between((We, c.Sd, We), (W, c.user_v, W)), _between((W, c.inertia_x, G))
+    d0, n0 = _between((We, c.Sd, We), (We, c.stress_v, W), (W, c.user_v, W)), _between((W, c.inertia_x, G))
     if c.moving:
         c0 += W.T @ (M @ Yv) + _between((We, Me, Yev))
-        n0 += W.T @ (M @ Y + c.inertia_v @ Z + c.user_v @ Z) + _between((We, c.Sd, Ze), (We, Me, Ye))
+        n0 += W.T @ (M @ Y + c.inertia_v @ Z + c.user_v @ Z)
+        n0 += _between((We, c.Sd, Ze), (We, c.stress_v, Z), (We, Me, Ye))
     return Linearization(
         m0=m0, c0=c0, d0=d0,
-        k0=_between((We, c.S, Ge), (W, c.user_x, G)),
+        k0=_between((We, c.S, Ge), (We, c.stress_x, G), (W, c.user_x, G)),
         n0=n0,
-        g0=_between((W, added(c.geometric, c.gravity_x), G)),
+        g0=_between((W, added(c.geometric, c.load_x), G)),
         ak0=ak0, bk0=bk0, W=W, We=We, G=G, Ge=Ge, Z=Z, Ze=Ze, Y=Y, Ye=Ye, Yv=Yv, Yev=Yev,
         sigma=c.sigma, V=c.V, M=M, inertia_x=added(c.inertia_x, c.geometric), inertia_v=c.inertia_v,
-        load_x=added(c.gravity_x, c.user_x), load_v=c.user_v, S=c.S, Sd=c.Sd,
-        geometric_terms=geometric_terms,
+        load_x=added(c.load_x, c.user_x), load_v=c.user_v, S=c.S, Sd=c.Sd,
+        stress_x=c.stress_x, stress_v=c.stress_v, geometric_terms=geometric_terms, doubts=c.doubts,
     )  # fmt: skip
 
 

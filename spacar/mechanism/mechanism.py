@@ -122,6 +122,14 @@ class UserForces:
     force_d: Array
     lost: dict[int, str] = field(default_factory=dict)
 
+    def scaled(self, part: float) -> UserForces:
+        """A part of all stresses and forces."""
+        if part == 1.0:
+            return self
+        numbers = self.sigma, self.force, self.sigma_k, self.sigma_d, self.force_k, self.force_d
+        sigma, force, sigma_k, sigma_d, force_k, force_d = (part * values for values in numbers)
+        return UserForces(sigma, force, sigma_k, sigma_d, force_k, force_d, self.lost)
+
 
 Rows = list[tuple[int, Sequence[float]]]  # place in e or x, and a row of 3 or 5 numbers that a user function returned
 UserSignal = Callable[[float, Array, Array, Array, Array], UserForces]  # t, e, ed, x, xd

@@ -19,7 +19,7 @@ from spacar.deck import ELEMENT_TYPES, Deck, read_deck
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.dynamics.motion_equations import Accelerations
-from spacar.errors import Report, UsageError
+from spacar.errors import UsageError
 from spacar.expressions import Dimensions, unit_text
 from spacar.expressions.grammar import ALIASES, indices, parse
 from spacar.kinematics.constraint_condition import condition_number
@@ -99,7 +99,7 @@ def sensitivity(
     options      what overrides the deck, as for `run`
 
     Raises UsageError for names that the model does not have and for models whose derivatives are not followed (linear
-    quantities of wheels and with USERSIG, steady motion with USERSIG), and AnalysisError as modes 7 to 10 and
+    quantities of wheels and with USERSIG), and AnalysisError as modes 7 to 10 and
     'sensitivity.singular' at critical states.
     """
     names = [parameters] if isinstance(parameters, str) else list(parameters)
@@ -131,10 +131,8 @@ def _require_followed(run: Run, names: set[str]) -> None:
     if not mechanism.numbering.holonomic and names.intersection(LINEAR):
         why = "wheels for eigenvalues, multipliers and compliances; positions, deformations, forces, stresses have them"
     elif mechanism.user_signal is not None and names.intersection(LINEAR):
-        why = "forces of the user (USERSIG) for eigenvalues, multipliers and compliances: what the function states of"
-        why += " its stiffness has no known derivatives"
-    elif mechanism.user_signal is not None and StationarySolver(mechanism, Report()).moving:
-        why = "forces of the user (USERSIG) in steady motion"
+        why = "forces of the user (USERSIG) for eigenvalues, multipliers and compliances: their second derivatives"
+        why += " would be needed, which differences hardly give; use differences of runs (`spacar sweep`)"
     if why:
         raise UsageError(f"{mechanism.deck.source}: no derivatives of models with {why}", "sensitivity.model")
 

@@ -24,7 +24,6 @@ from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 from spacar.sensitivities.directed_elements import DirectedElements
-from spacar.sensitivities.user_law import UserLawDerivatives, user_law_derivatives
 from spacar.stationary import LoadLevel, StationarySolver
 from spacar.stationary.contract import SINGULAR, Tangent
 from spacar.stationary.moving_tangent import MovingTangent
@@ -67,11 +66,7 @@ def state_derivatives(
         raise _critical(level, error) from None
     d, n, C = solver.dynamics, solver.mechanism.numbering, q.flexibility
     x, near = d.kinematics.x, d.sweep.e
-    user = None
-    if solver.mechanism.user_signal is not None:
-        assert isinstance(tangent, MovingTangent)
-        user = user_law_derivatives(solver.mechanism, near, x, q.active)
-        _with_user_law(tangent, d, user, q.active)
+    user = tangent.user if isinstance(tangent, MovingTangent) else None
     # The tangent at rest has no unknowns for stresses of rows without stiffness, as these are known; the dense one has.
     known_rows = q.passive & (not isinstance(tangent, MovingTangent))
     motion = _SteadyMotion(d, solver.solution.xdd, solver.moving)
@@ -94,8 +89,9 @@ def state_derivatives(
             force = e.applied() - e.inertia(v, a, gravity=True) - e.stress_forces(known)
             begun = None if n.holonomic else _starts(e, mechanism)
             if user is not None:
-                stress, push = user.along(strained, moved)
-                law, force = law + stress, force + 1j * push
+                changes = {"e": strained, "x": moved, "ed": e.strain_rate(v).imag, "xd": v.imag}
+                law = law + user.along("sigma", **changes)
+                force = force + 1j * user.along("f", **changes)
             gap = C.coupled * (strained - given) + C.times(np.where(q.constrained, 0.0, law))
             if begun is not None:  # the equations of slips are those of kinematic coordinates and deformations
                 gap[q.slips] = np.concatenate((-begun.x, strained[q.e_kinematic] - begun.e))
@@ -121,21 +117,11 @@ def state_derivatives(
             fx, fxgrav, fxtot = (r.imag / STEP for r in rates)
             de = e.deformations().imag / STEP
             if user is not None:
-                fx = fx + user.along(de, dx)[1]
+                motions = {"ed": e.strain_rate(v).imag / STEP, "xd": v.imag / STEP}
+                fx = fx + user.along("f", e=de, x=dx, **motions)
             dsigma = dsigma - e.coupling(motion.second_rates(e, v, a)).imag / STEP
             found.append(StateDerivative(e, s, v, a, dx, de, dsigma, fx, fxgrav, fxtot))
     return found
-
-
-def _with_user_law(tangent: MovingTangent, d: Dynamics, user: UserLawDerivatives, active: Array) -> None:
-    """Replace the gradients that the user's function states by the exact ones, in the tangent."""
-    V = d.sweep.gradient()
-    x = d.kinematics.x
-    assert d.forces.user is not None
-    stated = d.forces.user(0.0, d.sweep.e, np.zeros(len(V)), x, np.zeros(len(x)))
-    force = user.force_e @ V + user.force_x + np.diag(stated.force_k)
-    offset = user.sigma_e @ V + user.sigma_x - (stated.sigma_k * active)[:, None] * V
-    tangent.correct(force, offset)
 
 
 class _Starts(NamedTuple):

@@ -115,7 +115,7 @@ class AboutRest(NamedTuple):
         """The linearized equations."""
         m, n = self.mechanism, self.mechanism.numbering
         W, We, m0, of_e = self.W, self.We, self.m0, (n.ne, n.ne)
-        nothing = zero_matrix((n.nx, n.nx))
+        nothing, none = zero_matrix((n.nx, n.nx)), zero_matrix((n.ne, n.nx))
         Sd = matrix(*active_entries(m.damping, n.e_class["input"].stop), of_e)
         c0, d0, n0, bk0, ak0 = np.zeros((5, n.ndof, n.ndof))
         ak0.reshape(-1)[:: n.ndof + 1] = 1.0
@@ -128,7 +128,8 @@ class AboutRest(NamedTuple):
             m0=m0, c0=c0, d0=d0, k0=self.k0, n0=n0, g0=self.g0, ak0=ak0, bk0=bk0,
             W=W, We=We, G=W, Ge=We, Z=Z, Ze=Ze, Y=Y, Ye=Ye, Yv=Yv, Yev=Yev,
             sigma=self.sigma, V=self.V, M=self.mass, inertia_x=self.geometric, inertia_v=nothing,
-            load_x=self.gravity, load_v=nothing, S=self.S, Sd=Sd, geometric_terms=self.terms,
+            load_x=self.gravity, load_v=nothing, S=self.S, Sd=Sd, stress_x=none, stress_v=none,
+            geometric_terms=self.terms,
         )  # fmt: skip
 
 

@@ -132,6 +132,7 @@ class LevelEvaluator:
         self._settle()
         q = self._equations
         q.held = self._held * self.hold if self.hold is not None and self._held else None
+        q.user_part = self._level.initial
         return q
 
     @property

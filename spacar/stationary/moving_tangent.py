@@ -26,6 +26,7 @@ from spacar.linearization.contractions import (
     inertia_blocks,
     mass_matrix,
 )
+from spacar.linearization.user_derivatives import UserDerivatives
 from spacar.stationary.rate_matrices import RateMatrices, SquareSum
 from spacar.stationary.stationary_equations import Iterate, StationaryEquations
 
@@ -38,6 +39,7 @@ class MovingTangent:
     def __init__(self, equations: StationaryEquations, without_n0: bool) -> None:
         self.q, self.exact = equations, not without_n0
         self.full = np.zeros((0, 0))  # all columns x, then sigma / size
+        self.user: UserDerivatives | None = None  # at the point where it was factored
         self.rates = RateMatrices(equations.d.sweep)
         self.squares = SquareSum(equations.d.numbering.nx)
 
@@ -45,13 +47,12 @@ class MovingTangent:
         """Form the matrix. Raises SingularMatrixError when the velocities are not determined."""
         q = self.q
         d, sweep, C = q.d, q.d.sweep, q.flexibility
-        nx, motion, user = d.numbering.nx, point.motion, point.user
+        nx, motion = d.numbering.nx, point.motion
         V, flexible = sweep.gradient(), C.dense()
         K = self.squares(geometric_blocks(sweep, point.sigma)) + dense(load_gradient(d))
         offset = np.zeros((q.ne, nx))
-        if user is not None:
-            K += np.diag(user.force_k)
-            offset += (user.sigma_k * q.active)[:, None] * V
+        self.user = None if point.user is None else q.user_derivatives(point)
+        x_changes: dict[str, Array] = {"e": V, "x": np.eye(nx)}
         if self.exact:
             v, a = (q.rest, q.rest) if motion is None else (motion.v, motion.a)
             by_x, by_v = inertia_blocks(sweep, v, a)
@@ -63,9 +64,10 @@ class MovingTangent:
                 np.add.at(offset, i, value[:, None] * ed[j])
                 i, j, value = d.mechanism.deformation_inertia
                 np.add.at(offset, i, value[:, None] * edd[j])
-                if user is not None:
-                    K += user.force_d[:, None] * Z
-                    offset += (user.sigma_d * q.active)[:, None] * ed
+                x_changes.update(ed=ed, xd=Z)
+        if self.user is not None:
+            K -= self.user.along("f", **x_changes)
+            offset += self.user.along("sigma", **x_changes)
         rows = C.coupled[:, None] * V + flexible @ (offset * ~q.constrained[:, None]) / C.size
         flexible[q.slips] = 0.0
         rows[q.slips] = 0.0
@@ -76,20 +78,7 @@ class MovingTangent:
         self.full = np.empty((n, nx + q.ne))
         self.full[: q.nf, :nx], self.full[: q.nf, nx:] = K[q.F], C.size * V.T[q.F]
         self.full[q.nf :, :nx], self.full[q.nf :, nx:] = C.size * rows, -C.size * flexible
-        self._columns = np.concatenate((q.F, nx + np.arange(q.ne)))
-        self._square = self.full[:, self._columns]
-
-    def correct(self, force: Array, offset: Array) -> None:
-        """Add gradients with respect to x that were not known when the matrix was formed.
-
-        force (nx, nx) of the applied forces;  offset (ne, nx) of sigma_1, the stresses that are not S e
-        """
-        q = self.q
-        rows = q.flexibility.dense() @ (offset * ~q.constrained[:, None])
-        rows[q.slips] = 0.0
-        self.full[: q.nf, : force.shape[1]] -= force[q.F]
-        self.full[q.nf :, : force.shape[1]] += rows
-        self._square = self.full[:, self._columns]
+        self._square = self.full[:, np.concatenate((q.F, nx + np.arange(q.ne)))]
 
     def solve(self, right: Array) -> Array:
         """Solution for right-hand sides (n,) or (n, k). Raises SingularMatrixError."""

@@ -33,6 +33,7 @@ from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.saddle_point import free_coordinates
 from spacar.kinematics.kinematics import largest
+from spacar.linearization.user_derivatives import UserDerivatives, user_derivatives
 from spacar.mechanism.mechanism import UserForces
 from spacar.stationary.flexibility import Flexibility, is_tube
 
@@ -108,6 +109,7 @@ class StationaryEquations:
         self.least[n.positions] = 0.0
         self.rest = np.zeros(n.nx)
         self.held: Array | None = None
+        self.user_part = 1.0  # of the stresses and forces of the user function
         first = dynamics.law.first
         self.active = np.arange(n.ne) >= first
         self.passive = self.active & (self.flexibility.coupled == 0.0)
@@ -195,7 +197,7 @@ class StationaryEquations:
         user = None
         if d.forces.user is not None:
             ed, v = (np.zeros(self.ne), self.rest) if motion is None else (motion.ed, motion.v)
-            user = d.forces.user(0.0, sweep.e, ed, x, v)
+            user = d.forces.user(0.0, sweep.e, ed, x, v).scaled(self.user_part)
         offset = self.law_offset(motion, user)
         if user is None and self._has_passive:
             sigma = np.where(self.passive, offset, sigma)
@@ -233,6 +235,13 @@ class StationaryEquations:
             x, sigma, right, rounding, largest(size[:nf]), largest(scaled[:nf]), work_size, largest(scaled[nf:]),
             bool((size <= rounding).all()), slip, motion, user,
         )  # fmt: skip
+
+    def user_derivatives(self, p: Iterate) -> UserDerivatives:
+        """Of the user function at the point where the sweep is, as far as it acts."""
+        d, m = self.d, p.motion
+        ed, v = (np.zeros(self.ne), self.rest) if m is None else (m.ed, m.v)
+        found = user_derivatives(d.mechanism, 0.0, d.sweep.e, ed, p.x, v, self.active)
+        return found if self.user_part == 1.0 else found.scaled(self.user_part)
 
     def balanced(self, p: Iterate) -> Array:
         """sigma (ne,) of the point where the sweep is, with those of the rows fixed, prescribed and dynamic from the

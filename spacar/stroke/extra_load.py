@@ -68,7 +68,7 @@ def extra_stresses(dynamics: Dynamics, L: Linearization, rows: Index, load: Extr
     K, df = L.stiffness[np.ix_(rows, rows)], load.at(dynamics.kinematics.x)
     dq = displacements(K, (L.W[:, rows].T @ df)[:, None])[:, 0]
     dx, dv = L.G[:, rows] @ dq, L.Z[:, rows] @ dq
-    sigma = L.S @ (L.V @ dx) + L.Sd @ (L.Ze[:, rows] @ dq)
+    sigma = L.S @ (L.V @ dx) + L.Sd @ (L.Ze[:, rows] @ dq) + L.stress_x @ dx + L.stress_v @ dv
     force = (L.inertia_x + L.load_x) @ dx + (L.inertia_v + L.load_v) @ dv + L.M @ (L.Y[:, rows] @ dq) - df
     dynamics.kinematics.reactions(force, sigma)
     return np.asarray(sigma)

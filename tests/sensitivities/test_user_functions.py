@@ -84,11 +84,14 @@ def test_linearized_equations_with_forces_of_the_user_are_refused(with_law) -> N
         spacar.sensitivity(with_law(), ["ESTIFF.1[EI]"], ["frequency[1]"])
 
 
-def test_steady_motion_with_forces_of_the_user_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "law.py").write_text(LAW.format(stated=""))
+def test_forces_of_the_user_in_steady_motion(tmp_path: Path) -> None:
+    """A function of deformations, coordinates and rates."""
+    law = LAW.format(stated="").replace("push = ", "push = 0.2 * xp[lnp[5, 0]] * ep[le[2, 0]] - 0.1 * xp[j] ** 2 ")
+    (tmp_path / "law.py").write_text(law)
     (tmp_path / "model.dat").write_text(TURNING.format(rate="0.8").replace("XF 5", "USERSIG law\nXF 5"))
-    with pytest.raises(UsageError, match=r"\(USERSIG\) in steady motion"):
-        spacar.sensitivity(read_deck(tmp_path / "model.dat", 10), ["ESTIFF.1[EI]"], ["x[5,1]"])
+    deck = read_deck(tmp_path / "model.dat", 10)
+    names = ["ESTIFF.1[EI]", "X.7[2]", "INPUTX.2.1[start rate]"]
+    agree(deck, names, ["x[5,1]", "e[3,1]", "sig[1,2]", "fx[5,2]", "fxtot[2,1]"], rel=1e-7)
 
 
 def test_prescribed_motion_of_the_user(tmp_path: Path) -> None:
