@@ -26,8 +26,8 @@ define environment
 endef
 
 # The C text of the engine and what it is generated from: an installation with another one builds it again.
-ENGINE := hatch_build.py $(wildcard spacar/compiled/*.c) \
-          $(wildcard spacar/compiled/*definitions.py) $(addprefix spacar/compiled/,element_parameters.py generate.py derivative_kernels.py)
+ENGINE := hatch_build.py $(wildcard spacar/compiled/*.c) $(wildcard spacar/compiled/*definitions.py) \
+          $(addprefix spacar/compiled/,element_parameters.py generate.py derivative_kernels.py element_texts.py)
 
 $(VENV)/.installed: pyproject.toml $(ENGINE)
 	$(environment)
@@ -87,4 +87,4 @@ man: $(VENV)/.installed
 	@echo "read it: man -l docs/man/spacar.1"
 
 clean:
-	rm -rf $(OUT) build dist wheels .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(OUT) build dist wheels spacar/compiled/generated .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -5,8 +5,8 @@ evaluation. Here the same equations run in C:
 
     lanes.c    the number type: one double, or eight of as many cases that differ in numbers only
     memory.c   memory that is cut piece by piece and given back as a whole
-    kernels.c  the element functions, generated from the definitions of the deformations in `definitions`, which share
-               nothing with the hand-written element families
+    generated/kernels.c  the element functions, derived from the definitions of the deformations in `definitions`,
+               which share nothing with the hand-written element families
     sparse.c   sparse LU in an order of the pivots that is chosen from numbers and kept as long as it is good
     elements.c what Python gives, the model, and its elements
     motion.c   Newton's iteration, accelerations from the saddle-point form or, with few degrees of freedom, from the
@@ -20,7 +20,7 @@ evaluation. Here the same equations run in C:
     march.c    accepted steps from output to output, by adams.c and runge_kutta.c
     radau.c    Newton's iteration of the stages of a Radau step, whose control stays in Python
     batches.c  all elements of a batch at a state, as the families of `spacar.elements` give them: what statics and
-               linearized equations need (`compiled_elements`), with derivatives.c, which is generated like kernels.c
+               linearized equations need (`compiled_elements`), with generated/derivatives.c
     equilibrium.c  states at rest, for `spacar.stationary.equilibrium`: structures, flexibility of the elements, places
                in the band; rest_equations.c has residual and tangent, rest_newton.c Newton's iteration, definite.c
                proves stability, band.c and dense.c have the linear systems, walk.c goes over load levels, linearized.c

@@ -2,7 +2,7 @@
 
 The formulas are in `planar_definitions` and `spatial_definitions`.
 
-Used to generate `kernels.c`, and in tests as an independent statement of the elements.
+Used to derive `kernels.c` and `derivatives.c`, and in tests as an independent statement of the elements.
 
 Everything that is not said here follows by differentiation: V, H(v,v), M, h. For elements with mass the quantities y(x)
 are those in which the kinetic energy is 1/2 y'^T C y' with a constant C, so that M = Y^T C Y and h = Y^T C y''(x + s v)

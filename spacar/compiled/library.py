@@ -23,10 +23,11 @@ HERE = Path(__file__).parent
 NAME = {"win32": "engine.dll", "darwin": "engine.dylib"}.get(sys.platform, "engine.so")
 GENERAL = "SPACAR_GENERAL"  # environment variable: anything but empty or 0 switches the engine off
 
-# What enters kernels.c, derivatives.c: a row of elements that is not in the library must not be taken for one that is
+# What kernels.c and derivatives.c are derived from: a row of elements that is not in the library must not be taken for
+# one that is
 GENERATED_FROM = (
     "definitions.py", "planar_definitions.py", "spatial_definitions.py", "element_parameters.py", "generate.py",
-    "derivative_kernels.py",
+    "derivative_kernels.py", "element_texts.py",
 )  # fmt: skip
 DOUBLES = INTEGERS = ctypes.c_void_p  # addresses: typed pointers cost more to make than small models to evaluate
 
@@ -257,7 +258,9 @@ def _loaded() -> ctypes.CDLL | str:
     """The library, or why there is none."""
     path = HERE / NAME
     if not path.is_file():
-        return "the compiled engine was left out when spacar was installed (no C compiler)"
+        note = HERE / "left_out.txt"  # hatch_build.py
+        why = note.read_text("utf-8", "replace") if note.is_file() else "no C compiler"
+        return f"the compiled engine was left out when spacar was installed ({why})"
     try:
         loaded = ctypes.CDLL(str(path))
         loaded.spacar_source.restype = loaded.spacar_level.restype = ctypes.c_char_p

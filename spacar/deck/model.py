@@ -22,7 +22,7 @@ from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
-from spacar.deck import model_statements
+from spacar.deck import model_methods
 from spacar.deck.arguments import read_statement
 from spacar.deck.deck import Deck, parse
 from spacar.deck.deck_writer import value_text, write_rows
@@ -246,8 +246,8 @@ def _refused(row: Keyword, place: Place, text: str, code: str) -> InputError:
 
 
 def _place() -> Place:
-    """File and line of the user's call: the innermost one outside this module and `model_statements`."""
-    own = (__file__, model_statements.__file__)
+    """File and line of the user's call: the innermost one outside this module and `model_methods`."""
+    own = (__file__, model_methods.__file__)
     frame = sys._getframe(1)
     while frame.f_back is not None and frame.f_code.co_filename in own:
         frame = frame.f_back

@@ -7,7 +7,6 @@ is compared with derivatives of NumPy. Tolerances are those of tests/elements, r
 from __future__ import annotations
 
 import pickle
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -164,12 +163,3 @@ def test_a_compiled_family_can_be_pickled() -> None:
     again = pickle.loads(pickle.dumps(family))
     assert isinstance(again, CompiledElements)
     assert np.array_equal(again._parameters, family._parameters)
-
-
-@pytest.mark.slow
-def test_the_committed_derivatives_are_the_generated_ones() -> None:
-    pytest.importorskip("sympy")
-    from spacar.compiled import derivative_kernels
-
-    committed = (Path(derivative_kernels.__file__).parent / "derivatives.c").read_text()
-    assert derivative_kernels.derivatives().strip() == committed.strip()

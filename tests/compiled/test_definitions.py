@@ -8,8 +8,6 @@ a few digits.
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -167,24 +165,3 @@ def by_family(family, x, v):
     mass = np.zeros((n, n, 1))
     family.mass(c, mass)
     return e, V, h, mass, family.inertia_force(c, v, None)
-
-
-BY_NAME = {d.name: d for d in DEFINITIONS}
-SHORT = sorted({kind for form, (kind, _) in SUPPORTED.items() if form not in LONG})  # the others take seconds
-COMMITTED = (Path(generate.__file__).parent / "kernels.c").read_text()
-
-
-@pytest.mark.parametrize("name", [
-    pytest.param(n, marks=[pytest.mark.slow] * (n in ("plbelt", "screw", "plbeam_angle"))) for n in SHORT
-])  # fmt: skip
-def test_the_committed_functions_are_the_generated_ones(name):
-    assert "\n".join([*generate.functions(BY_NAME[name]), ""]) in COMMITTED
-
-
-def test_the_committed_tables_are_the_generated_ones():
-    assert "\n".join(generate.tables([BY_NAME[kind] for kind in kinds()])) in COMMITTED
-
-
-@pytest.mark.slow
-def test_the_committed_kernels_are_the_generated_ones():
-    assert generate.kernels().strip() == COMMITTED.strip()

@@ -89,6 +89,60 @@ def test_a_compiler_that_fails_is_said_and_an_old_library_goes(tmp_path, monkeyp
     assert not (tmp_path / "engine.so").exists()
 
 
+@pytest.mark.parametrize(
+    ("variable", "words", "sentence"),
+    [
+        ("CC", "true", "the C compiler 'true' failed: it wrote nothing"),
+        ("CC", f"{sys.executable} -c 1/0", "failed: "),
+        ("CC", "cc 'open", "the environment variable CC cannot be read: No closing quotation"),
+        ("CFLAGS", "--no-such-flag", "the C compiler 'cc' failed"),
+        ("CFLAGS", '"', "the environment variable CFLAGS cannot be read"),
+    ],
+)
+def test_an_absurd_compiler_is_a_sentence_before_anything_is_derived(
+    tmp_path, monkeypatch, recipe, variable, words, sentence
+):
+    monkeypatch.setenv(variable, words)
+    monkeypatch.setattr(recipe, "derive", lambda: pytest.fail("derived"))
+    if variable == "CFLAGS" and shutil.which("cc") is None:
+        pytest.skip("no cc")
+    assert sentence in recipe.build(tmp_path / "engine.so")
+    assert sentence in (tmp_path / "left_out.txt").read_text()
+
+
+def test_the_reason_of_the_installation_is_said_by_every_run(elsewhere):
+    (elsewhere / "left_out.txt").write_text("the C compiler 'true' failed: it wrote nothing")
+    assert "left out when spacar was installed (the C compiler 'true' failed" in library.unavailable()
+
+
+@here
+def test_what_is_derived_is_not_derived_again(recipe, monkeypatch):
+    monkeypatch.setattr(recipe, "run", lambda words: pytest.fail("derived"))
+    assert recipe.is_derived()
+    assert recipe.derive() is None
+
+
+@here
+def test_other_definitions_or_another_sympy_derive_again(tmp_path, recipe, monkeypatch):
+    """Here without SymPy, so that it is one sentence."""
+    monkeypatch.setattr(recipe, "SYMPY", "0.1")
+    assert not recipe.is_derived()
+    assert recipe.derive() == "the functions of the elements are derived with SymPy 0.1, which is not here"
+
+
+@here
+def test_the_derived_text_is_that_of_the_definitions():
+    """Of one short type; the digest in the first line stands for all."""
+    pytest.importorskip("sympy")
+    from spacar.compiled.definitions import DEFINITIONS
+    from spacar.compiled.element_texts import FILES, functions_of
+
+    [k] = [k for k, definition in enumerate(DEFINITIONS) if definition.name == "pltruss"]
+    for file in FILES:
+        text = (HOUSE / "spacar" / "compiled" / "generated" / file).read_text()
+        assert all(function in text for function in functions_of((file, k)))
+
+
 @here
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("clang") is None, reason="no clang")

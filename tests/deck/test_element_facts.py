@@ -10,7 +10,7 @@ import pytest
 from spacar_drawing.element_pictures import PARTS
 from spacar_drawing.scene import ROUND
 
-from spacar.compiled.element_parameters import SUPPORTED, kinds
+from spacar.compiled.element_parameters import SUPPORTED
 from spacar.deck import ELEMENT_TYPES, KEYWORDS, BlockKind
 from spacar.deck.table_dynamics import MASS_FORMS
 from spacar.elements import family_of
@@ -28,7 +28,6 @@ NAMED = {
     "cli/spacar_drawing/machine_parts.py",
     "spacar/deck/cross_section.py",  # TUBE is a shape there
     "cli/spacar_cli/deck_parts.py",  # what an element is in a symbolic model; others are refused by name
-    "spacar/deck/model_statements.py",  # generated from the table
 }
 
 every_type = pytest.mark.parametrize("kind", TYPES, ids=lambda t: t.keyword)
@@ -138,16 +137,6 @@ def test_compiled_form(kind):
         assert rows_of(definition) == (len(kind.modes) - len(kind.slips), len(kind.slips))
         assert (definition.line is not None) == (kind.shape == "beam")
         assert (definition.flow is not None) == kind.carries_flow
-
-
-def test_the_tables_in_c_have_every_kind():
-    text = (HOUSE / "spacar/compiled/kernels.c").read_text()
-    names = ", ".join(kind.upper() for kind in kinds())
-    assert f"enum {{ {names}, N_KINDS }};" in text
-    for table in ("STRAIN", "CONVECTIVE"):
-        body = text.split(f"(*const {table}[N_KINDS])")[1].split("};")[0]
-        for kind in kinds():
-            assert (f"[{kind.upper()}] = " in body) == (kind != "body")
 
 
 def test_no_other_module_names_an_element():

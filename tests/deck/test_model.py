@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import inspect
 from pathlib import Path
 
@@ -13,8 +14,8 @@ from spacar.deck.findings import Findings
 from spacar.deck.keyword_table import ELEMENT_TYPES, KEYWORDS
 from spacar.deck.lexer import integer_of, number_of, scan
 from spacar.deck.model_arguments import element_arguments, method_name, statement_arguments
+from spacar.deck.model_methods import stub
 from spacar.deck.model_statements import ModelStatements
-from spacar.deck.model_writer import source
 from spacar.deck.splitter import split
 from spacar.errors import InputError
 
@@ -79,9 +80,22 @@ def same(one: spacar.Deck, other: spacar.Deck, drawn: bool = True) -> bool:
     return content(one) == content(other)
 
 
-def test_the_file_of_methods_is_up_to_date():
-    text = (HOUSE / "spacar" / "deck" / "model_statements.py").read_text(encoding="utf-8")
-    assert text == source(), "run: python -m spacar.deck.model_writer > spacar/deck/model_statements.py"
+def test_the_stub_declares_the_methods():
+    """For editors and type checkers; `hatch_build.py` has written it."""
+    path = HOUSE / "spacar" / "deck" / "model_statements.pyi"
+    assert path.read_text(encoding="utf-8") == stub(), "run: python hatch_build.py"
+    [declared] = [node for node in ast.parse(stub()).body if isinstance(node, ast.ClassDef)]
+    for node in declared.body[2:]:
+        arguments = list(inspect.signature(getattr(ModelStatements, node.name)).parameters)
+        given = node.args
+        names = [a.arg for a in given.args] + [a.arg for a in (given.vararg,) if a] + [a.arg for a in given.kwonlyargs]
+        assert names == arguments
+    assert len(declared.body) == 2 + len({method_name(k.name, k.block.number) for k in KEYWORDS.values()})
+
+
+def test_a_call_with_wrong_arguments_names_the_method():
+    with pytest.raises(TypeError, match=r"timestep\(\): missing a required argument: 'steps'"):
+        spacar.Model().timestep(1.0)
 
 
 @pytest.mark.parametrize("row", list(KEYWORDS.values()), ids=lambda k: f"{k.block.name}-{k.name}")

@@ -32,7 +32,7 @@ ROOMS = ("spacar", "formats", "cli", "tests", "benchmarks", "data", "docs")
 def sources() -> list[Path]:
     """Code that people read: Python and C, without what a generator writes and without hidden folders."""
     found = [p for room in ROOMS for suffix in ("py", "c", "dat", "sim") for p in (HOUSE / room).rglob(f"*.{suffix}")]
-    return sorted(p for p in found if p.name != "kernels.c" and p.parts[-2:] != ("docs", "test_citations.py"))
+    return sorted(p for p in found if "generated" not in p.parts and p.parts[-2:] != ("docs", "test_citations.py"))
 
 
 @cache

@@ -187,8 +187,6 @@ def test_the_compiled_form(full_house):
     Energy 5e-3 J with tolerances of 1e-10 on angle and rate: 1e-8 of it allows the errors of about a hundred steps.
     """
     pytest.importorskip("sympy")
-    kernels = full_house.python("-m", "spacar.compiled.generate")
-    (full_house.home / "spacar/compiled/kernels.c").write_text(kernels)
     shutil.copy(HOUSE / "hatch_build.py", full_house.home)
     assert "built the compiled engine" in full_house.python("hatch_build.py")
     got = full_house.arrays(
