@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ from spacar_cli.environment import Environment
 from spacar_cli.status import ExitStatus, tell
 
 if TYPE_CHECKING:
+    from spacar.deck import Deck
     from spacar.kinematics.advice import OverconstraintPart
     from spacar.kinematics.diagnosis import Diagnosis
     from spacar.kinematics.release import Release
@@ -22,7 +23,7 @@ class Done:
 
     release: Release
     lines: tuple[str, ...]
-    written: Path | None
+    written: Path | None = None
 
     @property
     def status(self) -> ExitStatus:
@@ -72,17 +73,21 @@ def solve(source: Path, output: str) -> Done:
     from spacar_formats.safety import write_text
 
     from spacar.deck import read_deck
+
+    done = solved(read_deck(source, 0))
+    if output:
+        done = replace(done, written=Path(output))
+        write_text(Path(output), done.release.deck.text)
+    return done
+
+
+def solved(deck: Deck) -> Done:
+    """Release what can be released in a deck."""
     from spacar.kinematics.advice import paste_lines
     from spacar.kinematics.release import release
 
-    deck = read_deck(source, 0)
     found = release(deck)
-    lines = tuple(paste_lines(deck, list(found.parts)))
-    written = None
-    if output:
-        written = Path(output)
-        write_text(written, found.deck.text)
-    return Done(found, lines, written)
+    return Done(found, tuple(paste_lines(deck, list(found.parts))))
 
 
 def as_record(diagnosis: Diagnosis) -> dict[str, Any]:

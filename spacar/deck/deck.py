@@ -32,7 +32,7 @@ class Deck:
     warnings and information; `mode` the mode it was checked for; `third` the kind of its third block; `spans` where
     each block begins and ends in the text (line, column). `shorthand` are the statements UNITS, SECTION, MATERIAL and
     BEAMSEC as given: `statements` has what they stand for, in SI, and `sections` the constants. `divided` has the parts
-    of every beam of the file that became several, `refined` the deck whose beams were divided, into how many each.
+    of every beam of the file that became several; `origin` is the deck of the file where this one was made of it.
     """
 
     statements: tuple[Statement, ...]
@@ -49,7 +49,7 @@ class Deck:
     sections: tuple[BeamSection, ...] = ()
     drawn: int = 0  # lines of `visualization` that follow from the sections; they come first
     divided: Mapping[int, tuple[int, ...]] = field(default_factory=dict, repr=False)
-    refined: tuple[Deck, Mapping[int, int]] | None = field(default=None, repr=False)
+    origin: Deck | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         # The summary lies above this room: it asks the modes and, for results, the mechanism.

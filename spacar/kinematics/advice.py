@@ -15,16 +15,19 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.deck.keyword_table import keyword_of
+from spacar.deck.rewrite.references import ELEMENT, places
+from spacar.deck.rewrite.released_text import edits
 from spacar.kinematics.self_stress import redundancies
 from spacar.mechanism.mechanism import Mechanism
 
 # Effects of a release, best first.
-FLEXIBLE, FREE, NAMED, REDUNDANT, ELASTIC, HINGE, PRESCRIBED, NONE = range(8)
+FLEXIBLE, FREE, NAMED, PART, REDUNDANT, ELASTIC, HINGE, PRESCRIBED, NONE = range(9)
 KEEPS = (FLEXIBLE, FREE)  # what may be released without being asked
 TEXT = {
     FLEXIBLE: "flexible, a release keeps the physics",
     FREE: "free without stiffness, a release keeps the physics",
     NAMED: "flexible, but another statement needs it as DYNE",
+    PART: "flexible; of a divided beam the last part is released",
     REDUNDANT: "rigid, but the rest holds it too: a release frees nothing",
     ELASTIC: "changes the model: rigid becomes flexible (ESTIFF)",
     HINGE: "changes the model: a hinge",
@@ -33,7 +36,7 @@ TEXT = {
 }
 SLIDER = "changes the model: a hinge or slider"
 WORD = {
-    FLEXIBLE: "flexible", FREE: "free", NAMED: "named", REDUNDANT: "redundant", ELASTIC: "elastic",
+    FLEXIBLE: "flexible", FREE: "free", NAMED: "named", PART: "part", REDUNDANT: "redundant", ELASTIC: "elastic",
     HINGE: "hinge", PRESCRIBED: "prescribed", NONE: "none",
 }  # fmt: skip
 SMALL = 1e-6
@@ -44,7 +47,8 @@ rows."""
 
 @dataclass(frozen=True)
 class OverconstraintPart:
-    """A deformation in an over-constraint: share (of 1 over all), and the effect of its release."""
+    """A deformation in an over-constraint: share (of 1 over all), and the effect of its release. Of a divided beam the
+    last part stands for the beam: `element` is what the file calls it."""
 
     element: int
     mode: int
@@ -88,6 +92,7 @@ def effects(mechanism: Mechanism, rows: Index, x: Array | None) -> tuple[Array, 
     held = np.zeros((len(rows), found_rigid.shape[1]))
     held[: fixed.stop] = found_rigid
     redundant = np.linalg.norm(held, axis=1) > SMALL if held.size else np.zeros(len(rows), bool)
+    inner = {part for parts in mechanism.deck.divided.values() for part in parts[:-1]}
     found = np.full(len(rows), NONE)
     for k, i in enumerate(rows.tolist()):
         element, mode = numbering.e_owner(i)
@@ -95,7 +100,7 @@ def effects(mechanism: Mechanism, rows: Index, x: Array | None) -> tuple[Array, 
             continue
         c = coefficient(stiff.get(element), numbering.keyword[element], mode)
         if i >= numbering.e_class["dynamic"].start:
-            found[k] = NAMED if (element, mode) in named else FLEXIBLE if c != 0.0 else FREE
+            found[k] = PART if element in inner else NAMED if (element, mode) in named else FLEXIBLE if c else FREE
         elif i >= fixed.stop:
             found[k] = PRESCRIBED
         else:
@@ -105,50 +110,17 @@ def effects(mechanism: Mechanism, rows: Index, x: Array | None) -> tuple[Array, 
 
 def _named(deck: Deck) -> set[tuple[int, int]]:
     """(element, mode) that statements of the later blocks name as dynamic: start values, inputs, references."""
-    found = set()
+    found: set[tuple[int, int]] = set()
     for s in deck.statements:
         if s.block == 1:
             continue
         keyword = keyword_of(s.keyword, s.block, deck.third)
-        subject = keyword.subject
-        if subject is None or keyword.variants[0].parameters[subject].of != "element":
-            continue
         if not keyword.classes or "calculable" in keyword.classes:
             continue
-        if s.keyword == "STARTDE" and not any(s.reals(subject + 2, 2)):
+        if s.keyword == "STARTDE" and not any(s.reals(2, 2)):
             continue  # zero: the reference configuration, also when released
-        found.add((s.integer(subject), s.integer(subject + 1)))
+        found.update((s.integer(i), s.integer(i + 1)) for i, of in places(s) if of == ELEMENT)
     return found
-
-
-@dataclass(frozen=True)
-class Edit:
-    """A DYNE statement that loses the modes `released` and keeps the modes `kept`."""
-
-    statement: Statement
-    kept: tuple[int, ...]
-    released: tuple[int, ...]
-
-    @property
-    def lines(self) -> list[str]:
-        element = self.statement.integer(0)
-        text = [f"DYNE {element} {' '.join(map(str, self.kept))}"] if self.kept else []
-        return [*text, f"RLSE {element} {' '.join(map(str, self.released))}"]
-
-
-def edits(deck: Deck, pairs: list[tuple[int, int]]) -> tuple[list[Edit], list[tuple[int, int]]]:
-    """The DYNE statements that change when these (element, mode) are released, and the pairs that no DYNE names."""
-    wanted, found = set(pairs), []
-    keyword = {s.integer(0): s.keyword for s in reversed(deck.of(*ELEMENT_TYPES, block=1))}
-    for s in deck.of("DYNE", block=1):
-        element = s.integer(0)
-        count = len(ELEMENT_TYPES[keyword[element]].modes)
-        modes = tuple(dict.fromkeys(s.integers(1))) or tuple(range(1, count + 1))
-        released = tuple(m for m in modes if (element, m) in wanted)
-        if released:
-            found.append(Edit(s, tuple(m for m in modes if m not in released), released))
-    done = {(e.statement.integer(0), m) for e in found for m in e.released}
-    return found, [pair for pair in pairs if pair not in done]
 
 
 def paste_lines(deck: Deck, parts: list[OverconstraintPart]) -> list[str]:

@@ -27,6 +27,7 @@ from spacar.kinematics.advice import (
     HINGE,
     NAMED,
     NONE,
+    PART,
     PRESCRIBED,
     REDUNDANT,
     SMALL,
@@ -40,6 +41,7 @@ from spacar.kinematics.null_space import LARGEST_DECOMPOSED, norm_estimate, null
 from spacar.kinematics.self_stress import scaled_part
 from spacar.mechanism.mechanism import Mechanism
 
+WHOLE = 0.01  # smallest singular value of the null vectors in the rows of an element that is released as a whole
 SHOWN = 1e-6  # smaller shares are not listed
 TIE = 9  # decimals of the weights: of equal weights the lowest number comes first, whatever the rounding
 
@@ -83,7 +85,10 @@ class Diagnosis:
             return [*lines, "the mechanism is neither over- nor under-constrained"]
         if self.over:
             lines.append(f"over-constrained {self.over} time{'s' * (self.over > 1)}; deformations that take part:")
-            lines += [f"  {p.share:8.4f}  {p.name}{f': {p.text}' if p.text else ''}" for p in self.parts]
+            shown = [p for p in self.parts if p.effect != PART]
+            lines += [f"  {p.share:8.4f}  {p.name}{f': {p.text}' if p.text else ''}" for p in shown]
+            if rest := sum(p.share for p in self.parts if p.effect == PART):
+                lines.append(f"  {rest:8.4f}  the other parts of divided beams")
             lines += [f"  suggestion: release {p.name} (RLSE): {p.text}" for p in self.advice]
             lines += ["lines for the input file:"] * bool(self.paste) + [f"  {line}" for line in self.paste]
         if self.under:
@@ -151,12 +156,20 @@ def _advice(
     rank = np.where(effect == NONE, HINGE, effect)  # normalizations stand among the rigid ones, by their share
     order = np.lexsort((-shares, rank))
 
+    beams = {parts[-1]: beam for beam, parts in mechanism.deck.divided.items()}
+
     def part(k: int) -> OverconstraintPart:
         i = int(rows[k])
-        return OverconstraintPart(*numbering.e_owner(i), float(shares[k]), int(effect[k]), numbering.e_name(i))
+        (element, mode), name = numbering.e_owner(i), numbering.e_name(i)
+        if element in beams:
+            name = f"{name.replace(str(element), str(beams[element]), 1)} (of its last part)"
+        return OverconstraintPart(beams.get(element, element), mode, float(shares[k]), int(effect[k]), name)
 
-    chosen: list[int] = []
+    owner = np.array([numbering.e_owner(int(i))[0] for i in rows])
+    chosen = _whole_elements(null, effect, np.where(rows < numbering.e_class["dynamic"].start, 0, owner))
     rest = null
+    for k in chosen:
+        rest = _without(rest, k)
     for of, kinds in (
         (None, (FLEXIBLE,)),
         (None, (FREE,)),
@@ -171,6 +184,26 @@ def _advice(
     advice = tuple(part(k) for k in chosen)
     lines = tuple(paste_lines(mechanism.deck, list(advice)))
     return tuple(part(k) for k in order if shares[k] > SHOWN), advice, lines
+
+
+def _whole_elements(null: Array, effect: Index, owner: Index) -> list[int]:
+    """Rows of elements all of whose dynamic deformations may be released and are determined by the null space: one
+    after the other the element with the largest smallest singular value. owner (n,): 0 of rows that are not dynamic."""
+    groups = {n: np.flatnonzero(owner == n) for n in np.unique(owner[effect == FLEXIBLE])}
+    groups = {n: rows for n, rows in groups.items() if np.all(effect[rows] == FLEXIBLE)}
+    rest, chosen = null, list[int]()
+    while True:
+        smallest = {
+            n: round(float(np.linalg.svd(rest[rows], compute_uv=False)[-1]), TIE)
+            for n, rows in groups.items()
+            if 1 < len(rows) <= rest.shape[1]
+        }
+        best = max(smallest, key=smallest.__getitem__, default=0)
+        if not smallest or smallest[best] < WHOLE:
+            return chosen
+        for k in groups.pop(best).tolist():
+            chosen.append(k)
+            rest = _without(rest, k)
 
 
 def pick(null: Array, allowed: Array) -> list[int]:

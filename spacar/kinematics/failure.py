@@ -9,6 +9,7 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import AnalysisError
+from spacar.kinematics.advice import KEEPS
 from spacar.kinematics.diagnosis import Diagnosis, diagnose
 from spacar.kinematics.difference_matrix import ZERO, entries_of, scaled_difference_matrix
 from spacar.kinematics.element_sweep import ElementSweep
@@ -53,7 +54,7 @@ def count_failure(kinematics: Position) -> AnalysisError:
     )
     text = (
         f"ill-defined mechanism: {rows} fixed, prescribed and dynamic deformations for {columns} calculable coordinates"
-        f" (difference {rows - columns:+d}), {kind}; {_candidates(diagnosis)}; `spacar 0` lists all"
+        f" (difference {rows - columns:+d}), {kind}; {_candidates(diagnosis)}; `spacar 0` lists all{_solved(diagnosis)}"
     )
     return AnalysisError(text, "mechanism.count", diagnosis=diagnosis)
 
@@ -168,6 +169,11 @@ def _collapsed(keyword: str, number: int, wanted: float, length: float) -> str:
         f"element {number} ({keyword}) has collapsed: its length would have to be {wanted:.3g} m, undeformed"
         f" {length:.3g} m; limit the motion of its ends or its prescribed elongation"
     )
+
+
+def _solved(diagnosis: Diagnosis) -> str:
+    """Where over-constraints can be released without a change of the physics: how."""
+    return ", with --release solves it" if any(p.effect in KEEPS for p in diagnosis.advice) else ""
 
 
 def _candidates(diagnosis: Diagnosis) -> str:

@@ -8,9 +8,10 @@ from scipy.linalg import eigh
 
 import spacar
 from spacar.deck import parse_deck
+from spacar.deck.rewrite.released_text import released
 from spacar.kinematics.advice import FLEXIBLE, HINGE, REDUNDANT
 from spacar.kinematics.diagnosis import _without
-from spacar.kinematics.release import release, released
+from spacar.kinematics.release import release
 
 from .guides import L, coupler_frequencies, coupler_stiffness, guide
 

@@ -189,3 +189,20 @@ def test_a_singular_mass_matrix_is_told(capsys):
     study = spacar.flexure(parse_deck("\n".join([*lines, "END", "END"])), force="6rz=0.05", steps=1)
     assert any("no frequencies" in line for line in study.warnings)
     assert np.isnan(study.frequencies).all()
+
+
+def test_an_over_constrained_flexure_runs_with_the_releases(call, tmp_path):
+    """Two leaves, each of two beams: the lines are told, and the stiffness is that of two guided leaves, 24 EI/L^3."""
+    leaves = "".join(f"PLBEAM {k} {p} {p + 1} 7 8\nBEAMSEC {k} s m 2\nDYNE {k}\n" for k, p in ((4, 1), (5, 5)))
+    text = "SECTION s RECT 0.0005 0.04\nMATERIAL m 210e9 0.3 7800\n" + leaves
+    text += "X 1 0 0\nX 7 0 0.1\nX 5 0 0.2\nFIX 1\nFIX 2\nFIX 5\nFIX 6\nEND HALT\nXM 7 0.18\nXM 8 1e-5\nEND END\n"
+    (tmp_path / "over.dat").write_text(text)
+    words = ("over", "--move", "7x=0.00001", "--steps", "1", "--json")
+    status, _, err = call(*words)
+    assert (status, "--release solves it" in err) == (1, True)
+    status, out, err = call(*words, "--release")
+    assert (status, err) == (0, "information: % in place of DYNE 4 (line 5):\ninformation: RLSE 4\n")
+    EI = 210e9 * 0.04 * 0.0005**3 / 12
+    # shear and the tension of the displaced leaves: some (t/L)^2 = 2.5e-5
+    assert json.loads(out)["columns"]["drive_stiffness"][0] == pytest.approx(24 * EI / 0.1**3, rel=1e-4)
+    assert call(*words, "--release")[1] == out

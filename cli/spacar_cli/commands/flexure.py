@@ -37,6 +37,9 @@ if TYPE_CHECKING:
 @click.option("--axes", type=click.Choice(("global", "body")), default="global", help="Directions of the stiffness.")
 @click.option("--modes", type=Whole(1, 1000), default=6, show_default=True, help="How many frequencies are kept.")
 @click.option("--beams", type=click.Choice(BEAMS), help="Measure of the deformations of all beams, instead of ADEFORM.")
+@click.option(
+    "--release", is_flag=True, help="Release over-constraints as `spacar 0 FILE --release` says, and print the lines."
+)
 @click.option("--report", type=click.Path(path_type=Path), metavar="PAGE.html", help="Write a self-contained page.")
 @click.option("--view", help="Of its pictures: iso, xy, xz, yz or azimuth,elevation; default the plane of the motion.")
 @click.option("--plot", type=click.Path(path_type=Path), metavar="PICTURE", help="Write the curves: png, svg or pdf.")
@@ -54,6 +57,7 @@ def command(
     orientation: int | None,
     pivot: str | None,
     axes: str,
+    release: bool,
     report: Path | None,
     view: str | None,
     plot: Path | None,
@@ -76,6 +80,13 @@ def command(
         check_name(plot, film=False)
     deck = spacar.read_deck(input_file(file), 10)
     tell_messages(environment, deck.messages, ("warning",))
+    if release:
+        from spacar_cli import releasing
+
+        done = releasing.solved(deck)
+        for line in done.lines:
+            tell(environment, "information", line)
+        deck = done.release.deck
     study = spacar.flexure(
         deck, orientation=orientation or 0, pivot=None if pivot is None else _pivot(pivot), **asked
     )

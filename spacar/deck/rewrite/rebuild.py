@@ -21,7 +21,7 @@ def rebuilt(deck: Deck, *blocks: Iterable[Row], what: str = "") -> Deck:
     """
     made = parse(write_rows(blocks), f"{deck.source}{what}", deck.mode, path=deck.path)
     same: dict[str, Any] = {k: getattr(deck, k) for k in KEPT}
-    return replace(made, **same)
+    return replace(made, origin=deck.origin or deck, **same)
 
 
 def rows(statements: Iterable[Statement], *more: Row) -> list[list[Row]]:

@@ -84,7 +84,7 @@ def with_pieces(deck: Deck, pieces: Mapping[int, int]) -> tuple[Deck, dict[int, 
     before = deck.divided
     new = {n: tuple(of) for n, of in parts.items() if not any(n in of for of in before.values())}
     whole = {n: finer(of) for n, of in before.items()} | new
-    return replace(made, sections=sections, divided=whole, refined=(deck, dict(pieces))), parts
+    return replace(made, sections=sections, divided=whole), parts
 
 
 def divisible_beams(deck: Deck) -> tuple[tuple[int, ...], dict[int, str]]:
