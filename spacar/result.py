@@ -18,7 +18,6 @@ from spacar.expressions.frequencies import frequencies
 from spacar.expressions.result_places import ELEMENT, NODE, place, places
 from spacar.frame import E_FIELDS, X_FIELDS, Frame, StoredFrames, column, joined
 from spacar.mechanism.result_tables import model_tables
-from spacar.records import quickly_made
 
 if TYPE_CHECKING:
     from spacar.mechanism import Mechanism
@@ -31,7 +30,6 @@ DRAWING, SUMMARY = "spacar_drawing", "spacar.summary"
 FILES, SAVING, TABLES = "spacar_formats.getss", "spacar_formats.saving", "spacar_formats.tables"
 
 
-@quickly_made
 @dataclass(frozen=True, repr=False)
 class Result:
     """A finished run. `result['x']` is (steps, nx); `lnp` and `le` are the 1-based tables of the result files.

@@ -15,7 +15,6 @@ import numpy as np
 from spacar.errors import Report, SpacarError
 from spacar.frame import Frame, StoredFrames
 from spacar.modes import Mode
-from spacar.stated import Stated
 
 if TYPE_CHECKING:
     from spacar.mechanism import Mechanism
@@ -81,7 +80,7 @@ class Run:
     mode: Mode
     mechanism: Mechanism
     report: Report = field(default_factory=Report)
-    header: Stated = field(default_factory=Stated)
+    header: dict[str, Any] = field(default_factory=dict)
     n_frames: int | None = None
     nominal: Any = None
     accuracy: AccuracyRequest | None = None

@@ -36,7 +36,7 @@ OPTIONAL = {"symbolic", "compiled"}  # packages of the core that only an extra n
 # The rooms and files of the core: each may import those of a lower rank, and itself. Analyses are named in the table
 # of modes by strings, which `Run` resolves, so that nothing at the bottom imports what lies above it.
 RANKS = {
-    "errors": 0, "arrays": 0, "stated": 0, "records": 0,
+    "errors": 0, "arrays": 0,
     "modes": 1, "frame": 1, "elements": 1, "linear_systems": 1, "integrators": 1, "native": 1,
     "deck": 2, "symbolic": 2,
     "expressions": 3, "mechanism": 3,

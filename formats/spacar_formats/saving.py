@@ -14,7 +14,6 @@ from spacar.errors import Report, UsageError
 from spacar.frame import Frame
 from spacar.modes import find_mode
 from spacar.result import Result
-from spacar.stated import Stated
 from spacar.stream import Run
 from spacar_formats.log import LogSink
 from spacar_formats.sinks import begin, give_up, result_sinks
@@ -35,7 +34,7 @@ class StoredRun(Run):
 def save_result(result: Result, name: str | Path, wait: bool = False) -> tuple[Path, ...]:
     """Write the files of a result; see `save_run`."""
     run = StoredRun(
-        find_mode(result.mode), result.mechanism, Report(list(result.report)), Stated(result.header),
+        find_mode(result.mode), result.mechanism, Report(list(result.report)), dict(result.header),
         len(result.frames), result.nominal, frames=result.frames,
     )  # fmt: skip
     return save_run(run, name, wait)

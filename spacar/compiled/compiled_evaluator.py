@@ -8,7 +8,7 @@ shared between both: a `Placement` goes from the state in C to the general evalu
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from math import log
 from typing import TypeVar
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.compiled.compiled_elements import with_compiled_elements
-from spacar.compiled.compiled_model import DOUBTFUL_MASS, EXACT, FAR_AWAY, CompiledModel, Gradient
+from spacar.compiled.compiled_model import DOUBTFUL_MASS, EXACT, FAR_AWAY, CompiledModel
 from spacar.compiled.iterating import Iterating
 from spacar.compiled.library import address_of
 from spacar.compiled.marching import Lookout, Marching
@@ -72,12 +72,6 @@ class CompiledPositionMatrix(PositionMatrix):
                 return rcond
             self.evaluator.settled()
         return 0.0
-
-
-def _condition(mechanism: Mechanism, gradient: Callable[[], Gradient]) -> float:
-    """The condition number of V[E, U] from its entries."""
-    rows, columns, values = gradient()
-    return of_entries(mechanism, (rows, columns, values[:, 0]))
 
 
 class General:
@@ -232,13 +226,10 @@ class CompiledDynamics:
 
     # -- checks ---------------------------------------------------------------------------------------------------
     def condition(self) -> float:
-        return self.later_condition()()
-
-    def later_condition(self) -> Callable[[], float]:
-        n = self.numbering
-        if n.e_class["dynamic"].stop > SMALL or not self.state.c.known:
-            return self.settled().later_condition()
-        return partial(_condition, self.model.mechanism, self.solver.gradient())
+        if self.numbering.e_class["dynamic"].stop > SMALL or not self.state.c.known:
+            return self.settled().condition()
+        rows, columns, values = self.solver.gradient()
+        return of_entries(self.model.mechanism, (rows, columns, values[:, 0]))
 
     def position_matrix(self) -> PositionMatrix:
         return CompiledPositionMatrix(self)

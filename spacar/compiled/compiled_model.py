@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,6 @@ from spacar.compiled.slots import Slots
 from spacar.kinematics.kinematics import FARTHEST_GUESS, LARGEST_JUMP
 from spacar.mechanism.mechanism import Drive, Mechanism, UserSignal
 from spacar.mechanism.numbering import Numbering
-from spacar.records import cached_property
 
 
 def why_general(mechanism: Mechanism) -> str | None:
@@ -270,14 +269,15 @@ class CompiledModel:
             self.slots.interrupted()
         return reached
 
-    def gradient(self) -> Callable[[], Gradient]:
-        """What gives the entries of V at the last evaluated state, also when others have been evaluated."""
+    def gradient(self) -> Gradient:
+        """The n entries of V at the last evaluated state: rows (n,), columns (n,), values (n, cases)."""
         most = sum([b.e.size * b.x.shape[1] for b in self.numbers.elements])
         memory = np.empty(most * (self.cases + 1))
         first = address_of(memory)
         places = first + WIDTH * most * self.cases
         n = self.engine.gradient(self.handle, places, places + WIDTH * most // 2, first)
-        return partial(_entries_of, memory, most, self.cases, n)
+        rows = memory[most * self.cases :].view(np.int32)
+        return rows[:n], rows[most : most + n], memory[: n * self.cases].reshape(n, self.cases)
 
     def determinant(self) -> tuple[Array, Array]:
         """Signs and logarithms of det V[E, U] at the last evaluated state, (cases,) each."""
@@ -312,12 +312,6 @@ class CompiledModel:
         n = self.numbering.nddof
         out = np.zeros((n, n, self.cases))
         return out if self.engine.reduced_mass(self.handle, address_of(out)) else None
-
-
-def _entries_of(memory: Array, most: int, cases: int, n: int) -> Gradient:
-    """Rows, columns and values (n, cases) of n entries, from memory with room for `most`: values, rows, columns."""
-    places = memory[most * cases :].view(np.int32)
-    return places[:n], places[most : most + n], memory[: n * cases].reshape(n, cases)
 
 
 def _at(shared: ctypes.Structure | ctypes.Array[Any] | None) -> int | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from importlib import import_module
 from os.path import isfile, splitext
 from pathlib import Path
@@ -19,10 +20,8 @@ from spacar.deck.statement_index import StatementIndex
 from spacar.deck.table_sections import UNITS
 from spacar.deck.table_types import BlockKind
 from spacar.errors import Message, UsageError
-from spacar.records import cached_property, quickly_made
 
 
-@quickly_made
 @dataclass(frozen=True, eq=False, repr=False)
 class Deck:
     """A read and checked input file.
@@ -179,7 +178,9 @@ def statements(deck: Deck) -> tuple[Statement, ...]:
 
 
 # In the place of the field, which stands in the dictionary of a deck where it was given (`replace`, `parse`)
-Deck.statements = cached_property(statements)  # type: ignore[assignment]
+_lazily = cached_property(statements)
+_lazily.__set_name__(Deck, "statements")
+Deck.statements = _lazily  # type: ignore[assignment]
 
 
 def _line(statement: Statement, index: int | None) -> int:

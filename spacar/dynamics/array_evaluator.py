@@ -6,8 +6,6 @@ equations, transfer functions and diagnoses need the element sweeps and factors 
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from spacar.arrays import Array
@@ -156,10 +154,6 @@ class Dynamics(EquationsOfMotion):
 
     def condition(self) -> float:
         return condition_number(self.kinematics)
-
-    def later_condition(self) -> Callable[[], float]:
-        condition = self.condition()
-        return lambda: condition
 
     def position_matrix(self) -> PositionMatrix:
         n = self.numbering.e_class["dynamic"].stop

@@ -86,9 +86,6 @@ class Evaluator(Integrable, Protocol):
     def condition(self) -> float:
         """Condition number of V[E, U] at the last evaluated state; infinite when singular."""
 
-    def later_condition(self) -> Callable[[], float]:
-        """What gives the condition number of this state, also when others have been evaluated."""
-
     def position_matrix(self) -> PositionMatrix:
         """V[E, U], always that of the last evaluated state."""
 

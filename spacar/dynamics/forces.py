@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -17,10 +18,8 @@ from spacar.arrays import Array, Index
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import NO_ENTRIES, Loads, Mechanism, UserForces
-from spacar.records import cached_property, quickly_made
 
 
-@quickly_made
 @dataclass(frozen=True)
 class StressLaw:
     """sigma = S e + S_d ed + preload on the rows `first` and following; the rows before get zero."""

@@ -6,6 +6,7 @@ Checked at stored steps, not in every evaluation.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,6 @@ from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
 from spacar.kinematics.regularity import Regularity
-from spacar.records import cached_property
 
 if TYPE_CHECKING:
     from spacar.dynamics.evaluator import Evaluator

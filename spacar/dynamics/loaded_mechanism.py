@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,6 @@ from numpy.typing import NDArray
 from spacar.arrays import Array
 from spacar.dynamics.forces import StressLaw
 from spacar.mechanism.mechanism import Drive, Loads, Mechanism
-from spacar.records import cached_property, quickly_made
 
 # Which accepted steps are looked at closer, where many are made at a time (LOOK_NEVER ... of march.c)
 NEVER, AT_DETERMINANTS, AT_VELOCITIES, ALWAYS = range(4)
@@ -19,7 +19,6 @@ NOISE = 1e-6  # of the largest scaled velocity: what is slower says nothing
 STILL = 64.0 * float(np.finfo(float).eps)  # way in a step, in model lengths or rad, that is lost in the position
 
 
-@quickly_made
 @dataclass(frozen=True)
 class LoadedMechanism:
     """A mechanism under loads and prescribed motion. `own_law`: another stress law of its active deformations than that

@@ -8,6 +8,7 @@ stiffness and the limits of the theory.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -27,7 +28,6 @@ from spacar.elements.beam_inertia import (
 from spacar.elements.family import ElementGroup, Family, GeometryError, Trouble
 from spacar.elements.local_frames import chord_frames, chords, rows, section_tensor
 from spacar.elements.rotation import _CROSS, expand, rotate
-from spacar.records import cached_property
 
 LARGE_ANGLE = np.pi / 4  # bending or twist of one element beyond this is computed with an error above 10 %
 LIMIT_ANGLE = np.radians(85.0)  # the sine measures have no equilibrium at and beyond 90 degrees

@@ -23,13 +23,13 @@ Duties of a family
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar.records import cached_property
 
 Configuration = Any
 

@@ -12,6 +12,7 @@ mu. The screw uses the same functions.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +22,6 @@ from spacar.elements.angles import arc_tangent
 from spacar.elements.family import ElementGroup, Family, GeometryError
 from spacar.elements.local_frames import axis_frame, columns, rows
 from spacar.elements.rotation import expand, relative_parameters
-from spacar.records import cached_property
 
 _einsum = np.einsum
 _TURN = 2.0 * np.pi

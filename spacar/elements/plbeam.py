@@ -28,12 +28,12 @@ Arrays over both ends have the end axis first: t (end, component, n), b (end, n)
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.records import cached_property
 
 from . import chord
 from .angles import arc_tangent

@@ -13,6 +13,8 @@ condition: 0 spherical flow at both ends, 1 jet at p, 2 jet at q, 3 jets at both
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from spacar.arrays import Array
@@ -21,7 +23,6 @@ from spacar.elements.beam_inertia import LineConstants
 from spacar.elements.family import ElementGroup, GeometryError
 from spacar.elements.local_frames import chord_frame, stack, supplemented, unit
 from spacar.elements.rotation import expand
-from spacar.records import cached_property
 
 FLOW = np.array([[-30.0, 6, 30, -6], [-6, 0, 6, -1], [-30, -6, 30, 6], [6, 1, -6, 0]]) / 60.0
 TENSION = np.array([[36.0, 3, -36, 3], [3, 4, -3, -1], [-36, -3, 36, -3], [3, -1, -3, 4]]) / 30.0

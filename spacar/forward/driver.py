@@ -31,7 +31,6 @@ from spacar.integrators.problem import Jacobian, March, Output, Passed, Step
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import nearly_singular
 from spacar.mechanism.mechanism import SolverSettings
-from spacar.records import quickly_made
 
 # Tolerance of one step / ERROR, for every code with variable steps alike. Errors of the steps add up, and the watch of
 # dead points takes the degrees of freedom as known to ERROR: a hundred steps may err to the same side.
@@ -62,7 +61,6 @@ class Marches(Protocol):
         """`march` of `spacar.integrators.problem.Problem`, which takes the tolerance of positions too."""
 
 
-@quickly_made
 @dataclass(frozen=True)
 class Tolerances:
     """Errors that a step may have, and the largest scaled correction that ends the iteration of a position.

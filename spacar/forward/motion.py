@@ -20,7 +20,6 @@ from spacar.integrators import METHODS, EvenTimes
 from spacar.integrators.times import RemainingTimes
 from spacar.kinematics.output import TransferOutput
 from spacar.mechanism.numbering import Numbering
-from spacar.stated import Stated
 from spacar.stream import Run
 
 EPS = float(np.finfo(float).eps)
@@ -47,7 +46,7 @@ def motion(run: Run, own: bool = True) -> Iterator[tuple[Evaluator, Sequence[Fra
     y = evaluator.start()
     if evaluator.doubt:
         run.report.add(f"warning: {evaluator.doubt}")
-    run.header.later("condition", evaluator.later_condition())
+    run.header["condition"] = evaluator.condition()
     times = output_times(run)
     run.n_frames = len(times)
     moves = run.mechanism.numbering.nkddof and run.n_frames > 1
@@ -73,7 +72,7 @@ def _tumbling(
             at = chart.view(at_time(evaluator, t, y))
             before, chart = chart.mechanism.numbering, Chart.of(run.mechanism, better)
             y = chart.state(at, y, before)
-            evaluator = chosen(replace(run, mechanism=chart.mechanism, header=Stated()))
+            evaluator = chosen(replace(run, mechanism=chart.mechanism, header={}))
             evaluator.resume(chart.moving(at))
             evaluator.rhs(t, y)
             if not told:
@@ -112,7 +111,7 @@ def _at_home(
     """
     n = run.mechanism.numbering
     rows = np.array([n.x_index(node, 1) for node in nodes])
-    home = chosen(replace(run, header=Stated()))
+    home = chosen(replace(run, header={}))
     home.start()
     told = False
     for evaluator, (frame,) in moved:

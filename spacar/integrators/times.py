@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import overload
 
 import numpy as np
 
 from spacar.errors import UsageError
-from spacar.records import cached_property, quickly_made
 
 MOST_STEPS = 10**15
 """So many equal parts of an interval are still told apart in double precision (2^53 = 9e15), sums included."""
 
 
-@quickly_made
 @dataclass(frozen=True)
 class EvenTimes(Sequence[float]):
     """start + i (end - start)/n, i = 0 ... n, the last one exactly `end` [s]: the numbers of np.linspace.

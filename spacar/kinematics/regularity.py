@@ -11,6 +11,7 @@ What happens between stored steps is looked at in `spacar.forward.continuity`.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from functools import cached_property
 from math import sqrt
 from typing import TYPE_CHECKING
 
@@ -24,7 +25,6 @@ from spacar.linear_systems.dense import DenseSystem
 from spacar.linear_systems.reciprocal_condition import reciprocal_condition
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
-from spacar.records import cached_property
 
 if TYPE_CHECKING:
     from spacar.kinematics.kinematics import Kinematics

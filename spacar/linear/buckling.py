@@ -21,7 +21,6 @@ from spacar.linear import backward_error
 from spacar.linear.eigen import is_symmetric, small_pencil
 from spacar.linearization.matrices import Linearization
 from spacar.linearization.state_matrix import selected, selected_columns
-from spacar.records import quickly_made
 
 NOTHING = 1e-13  # mu below this fraction of the largest is an infinite multiplier
 PAIR = 1e-6  # relative difference of moduli below which multipliers count as +- the same: loads are known to 1e-8
@@ -32,7 +31,6 @@ CERTAIN = 1e-2 / SINGULAR  # condition number, of which rounding may take digits
 NEGLIGIBLE = 1e-12  # part of the largest size of an unknown that does not scale it
 
 
-@quickly_made
 @dataclass(frozen=True)
 class BucklingModes:
     """multipliers (n,), infinite where the load has no effect; modes (n, n) of norm 1 over the dynamic rows.

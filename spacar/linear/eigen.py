@@ -23,7 +23,6 @@ from spacar.linear import backward_error
 from spacar.linear_systems import DENSE_LIMIT
 from spacar.linearization.matrices import Linearization
 from spacar.linearization.state_matrix import assembled_state_matrix, require_mass, selected
-from spacar.records import quickly_made
 
 if TYPE_CHECKING:
     from spacar.compiled.small_pencil import SmallPencil
@@ -37,7 +36,6 @@ FEW_FROM = 30  # degrees of freedom; SciPy is loaded by the solution before thes
 ROUNDING = 1e-12  # omega^2 below this fraction of the largest may be rigid motions
 
 
-@quickly_made
 @dataclass(frozen=True)
 class Modes:
     """values (n,), vectors (n_state, n): eigenvalues [rad/s] and state eigenvectors; n_positions rows are positions.

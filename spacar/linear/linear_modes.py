@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -29,7 +28,6 @@ from spacar.linear.stored_system import StoredSystem
 from spacar.linear_systems import SingularMatrixError
 from spacar.linearization.matrices import Linearization, linearize
 from spacar.linearization.state_matrix import selected
-from spacar.records import quickly_made
 from spacar.stationary import LoadLevel, StationarySolver, load_program
 from spacar.stationary.loading import stored_levels
 from spacar.stationary.tangent import SparseTangent
@@ -97,7 +95,6 @@ def state_space_matrices(run: Run) -> Iterator[Sequence[Frame]]:
     run.report.lines.extend(store.idle.lines())
 
 
-@quickly_made
 @dataclass(frozen=True)
 class LinearizedSolution:
     """A stored stationary solution with its linearization L, or for large systems the sparse tangent instead.
@@ -161,7 +158,7 @@ def stationary(
         about = None if reduced or descriptor else solver.about()
         condition = Conditioning.of(dynamics.kinematics) if about is None else about.condition
         if "condition" not in run.header:
-            run.header.later("condition", partial(getattr, condition, "number"))
+            run.header["condition"] = condition.number
             if lost_digits(condition.at_most) > LOST:
                 say_lost_digits(run, reduced or descriptor)
         limits = limits or Limits(dynamics, run.report)

@@ -18,6 +18,7 @@ to N0 and C0.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -27,10 +28,8 @@ from spacar.dynamics.forces import StressLaw
 from spacar.kinematics.transfer import configuration_transfer, deformation_transfer, velocity_transfer
 from spacar.linear_systems.matrix import Matrix, added, dense, is_zero_matrix, zero_matrix
 from spacar.linearization.coefficients import Coefficients, coefficients
-from spacar.records import cached_property, quickly_made
 
 
-@quickly_made
 @dataclass(frozen=True)
 class Linearization:
     """Matrices over all degrees of freedom, rows q (ndof), columns q or s (nkdof), and maps to coordinates and

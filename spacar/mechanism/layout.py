@@ -17,7 +17,6 @@ import numpy as np
 
 from spacar.arrays import Index
 from spacar.elements.family import Family
-from spacar.records import quickly_made
 
 Place = tuple[int, slice, tuple[int, ...]]  # index of the batch, part of the flat array, shape
 
@@ -31,7 +30,6 @@ class Batch(NamedTuple):
     index: int = 0  # type: ignore[assignment]  # set by the Mechanism; arrays of an evaluation are kept under it
 
 
-@quickly_made
 @dataclass(frozen=True, eq=False, repr=False)
 class Layout:
     """Batches by what they have. The index arrays of all of them together are made when an evaluation asks for them."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -16,14 +17,12 @@ from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.deck.table_types import lengths_of
 from spacar.mechanism.layout import Batch, Layout
 from spacar.mechanism.numbering import Numbering
-from spacar.records import cached_property, quickly_made
 
 NO_ENTRIES = np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)  # rows, columns, values
 for _part in NO_ENTRIES:
     _part.setflags(write=False)
 
 
-@quickly_made
 @dataclass(frozen=True)
 class Loads:
     """Constant loads.
@@ -66,7 +65,6 @@ class Loads:
         )
 
 
-@quickly_made
 @dataclass(frozen=True)
 class DriveState:
     """Values, rates and accelerations of the prescribed coordinates (n_xr) and deformations (n_er)."""
@@ -89,7 +87,6 @@ class Drive(Protocol):
     def at(self, t: float) -> DriveState: ...
 
 
-@quickly_made
 @dataclass(frozen=True)
 class Polynomial:
     """start + rate t + acceleration t^2/2 of every input coordinate and deformation (input-language.md section 5.4)."""
@@ -135,7 +132,6 @@ Rows = list[tuple[int, Sequence[float]]]  # place in e or x, and a row of 3 or 5
 UserSignal = Callable[[float, Array, Array, Array, Array], UserForces]  # t, e, ed, x, xd
 
 
-@quickly_made
 @dataclass(frozen=True)
 class SolverSettings:
     """Numbers of TIMESTEP, INTEGRAT, ERROR, ITERSTEP, OUTLEVEL and MODES with their defaults."""
@@ -163,7 +159,6 @@ class SolverSettings:
         return replace(self, **{k: v for k, v in options.items() if v is not None})
 
 
-@quickly_made
 @dataclass(frozen=True)
 class Start:
     """Start values of the degrees of freedom that are not prescribed, in the order of the file.
@@ -189,7 +184,6 @@ class Start:
         return np.concatenate((self.x_value, self.e_value, self.x_kinematic, e_kinematic, self.x_rate, self.e_rate))
 
 
-@quickly_made
 @dataclass(frozen=True)
 class Mechanism:
     """Everything an analysis needs, without the text it came from (kept in `deck` for the log)."""

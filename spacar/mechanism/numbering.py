@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import accumulate
 from typing import NamedTuple
 
@@ -22,7 +23,6 @@ from spacar.arrays import Index
 from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
 from spacar.mechanism.class_codes import ABSENT, E_ORDER, ROLES, X_ORDER, class_codes
 from spacar.mechanism.element_rows import ElementRows
-from spacar.records import cached_property, quickly_made
 
 CLASSES = X_ORDER
 
@@ -35,7 +35,6 @@ class Node(NamedTuple):
     size: int
 
 
-@quickly_made
 @dataclass(frozen=True, eq=False, repr=False)
 class Numbering:
     """Where everything is. What few analyses ask for is made when it is."""

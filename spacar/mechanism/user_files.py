@@ -21,7 +21,6 @@ import numpy as np
 
 from spacar.deck import Deck, Statement
 from spacar.errors import InputError, Message
-from spacar.records import quickly_made
 
 STATEMENTS = {"USERSIG": "forces and stresses", "USERINP": "prescribed motion", "USERTRAJ": "trajectory"}
 
@@ -78,7 +77,6 @@ def _refusal(deck: Deck, statement: Statement, reason: str) -> InputError:
     return InputError([Message("error", deck.source, statement.line, statement.keyword, reason, "input.user-function")])
 
 
-@quickly_made
 @dataclass(frozen=True, eq=False)
 class Loaded:
     """A function made from a user's file. No module is known under its name, so it travels (pickle, copy) as the

@@ -28,7 +28,6 @@ from spacar.mechanism.numbering import Numbering
 from spacar.mechanism.placed_vectors import PlacedVector, placed
 from spacar.mechanism.user_files import Loaded, load_function, one_line
 from spacar.modes import find_mode
-from spacar.records import quickly_made
 
 
 def call(function: Callable[..., Any], name: str, t: float, *arguments: Any) -> tuple[Any, Any]:
@@ -184,7 +183,6 @@ def load_user_signal(deck: Deck, statement: Statement, numbering: Numbering) -> 
     return UserLaw(function, name, numbering, le, lnp, along, function.breaks)
 
 
-@quickly_made
 @dataclass(frozen=True)
 class UserLaw:
     """USERSIG as a function (t, e, ed, x, xd) -> UserForces."""

@@ -10,6 +10,7 @@ narrow band. It answers None where something is unusual: a singular matrix, a gr
 from __future__ import annotations
 
 import ctypes
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,6 @@ from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.linear_systems import BAND_LIMIT, DENSE_LIMIT
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import Mechanism
-from spacar.records import cached_property
 from spacar.stationary.contract import NO_DIGITS, SINGULAR, SPREAD, Astray
 from spacar.stationary.definite import SAFE, WEIGHT, WIDEST
 from spacar.stationary.flexibility import is_tube

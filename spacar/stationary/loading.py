@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 
 from spacar.mechanism.mechanism import DriveState, Loads, Mechanism, SolverSettings
-from spacar.records import quickly_made
 
 WITHOUT_N0 = (1, 3)  # ITERSTEP types whose Newton iteration leaves N0 out
 WITH_ADDITIONAL = (2, 3)
@@ -114,7 +113,6 @@ def with_flow(mechanism: Mechanism, loads: Loads) -> Mechanism:
     return replace(mechanism, batches=tuple(batches))
 
 
-@quickly_made
 @dataclass(frozen=True)
 class SteadyDrive:
     """Prescribed values of a load level: constant rates, no accelerations, the same at all times."""

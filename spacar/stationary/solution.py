@@ -13,7 +13,6 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
-from spacar.records import quickly_made
 from spacar.stationary.about_rest import AboutRest
 from spacar.stationary.contract import Tangent
 from spacar.stationary.level_evaluator import LevelEvaluator
@@ -29,7 +28,6 @@ MOST_PASSED = 64  # levels in one call of C: an interruption waits for no more
 SINGULAR_SLIP = 1e-8  # relative: the stress of a slip that its law does not give
 
 
-@quickly_made
 @dataclass(frozen=True)
 class StationarySolution:
     """The state of a level.

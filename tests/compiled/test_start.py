@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import pickle
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-import spacar
 from spacar.compiled import CompiledDynamics
 from spacar.compiled.compiled_model import DOUBTFUL_MASS
 from spacar.compiled.library import why_off
@@ -18,7 +16,6 @@ from spacar.dynamics.mass_check import dynamic_mass, is_doubtful, largest_mass
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
-from spacar.stated import Stated
 
 DATA = Path(__file__).parents[2] / "data"
 
@@ -79,26 +76,9 @@ def test_the_bound_of_the_condition_is_one(name: str) -> None:
     assert compiled.position_matrix().surely_regular()
 
 
-def test_the_condition_is_that_of_the_start_whenever_it_is_asked_for() -> None:
+def test_the_condition_is_that_of_numpy() -> None:
     mechanism = build(read_deck(DATA / "robotsim.dat", 1), 1)
     compiled, general = CompiledDynamics(mechanism), Dynamics(mechanism)
-    y = compiled.start()
-    later = compiled.later_condition()
-    compiled.rhs(0.1, y + 0.1)
+    compiled.start()
     general.start()
-    assert later() == pytest.approx(general.condition(), rel=1e-12)
-    assert compiled.condition() != later()
-
-
-def test_header_of_a_result() -> None:
-    """What is stated later is there in every way in which a dictionary is read."""
-    result = spacar.run(1, DATA / "robotsim.dat")
-    value = spacar.run(1, DATA / "robotsim.dat", compiled=False).header["condition"]
-    assert dict(result.header)["condition"] == pytest.approx(value, rel=1e-12)
-    asked = Stated(NX=3)
-    asked.later("condition", lambda: 7.0)
-    copied = asked.copy()
-    assert pickle.loads(pickle.dumps(asked)) == {"NX": 3, "condition": 7.0}
-    assert copied.get("condition") == 7.0
-    assert list(copied.items()) == [("NX", 3), ("condition", 7.0)]
-    assert repr(copied | {"NY": 1}) == "{'NX': 3, 'condition': 7.0, 'NY': 1}"
+    assert compiled.condition() == pytest.approx(general.condition(), rel=1e-12)
