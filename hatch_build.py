@@ -82,10 +82,10 @@ def derive() -> str | None:
     if is_derived():
         return None
     with tempfile.TemporaryDirectory() as name:
-        failure = run([sys.executable, "-c", f"import numpy, sympy; assert sympy.__version__ == '{SYMPY}'"])
+        failure = run([sys.executable, "-c", f"import numpy, sympy; assert sympy.__version__ == '{SYMPY}'"], HOUSE)
         if failure is not None:
             return f"the functions of the elements are derived with SymPy {SYMPY}, which is not here"
-        failure = run([sys.executable, "-m", "spacar.compiled.element_texts", name])
+        failure = run([sys.executable, "-m", "spacar.compiled.element_texts", name], HOUSE)
         if failure is not None:
             return f"the functions of the elements could not be derived: {failure}"
         try:
@@ -103,7 +103,7 @@ def write_stub() -> None:
     """The methods of `spacar.Model` as they are declared; without them programs run as well."""
     with tempfile.TemporaryDirectory() as name, contextlib.suppress(OSError):
         made = Path(name) / STUB.name
-        failure = run([sys.executable, "-m", "spacar.deck.model_methods", str(made)])
+        failure = run([sys.executable, "-m", "spacar.deck.model_methods", str(made)], HOUSE)
         if failure is None and not (STUB.is_file() and STUB.read_bytes() == made.read_bytes()):
             shutil.copyfile(made, STUB)
 
@@ -204,13 +204,13 @@ def for_x86_64(words: list[str], extra: list[str]) -> bool:
         return run(test) is None
 
 
-def run(words: list[str]) -> str | None:
+def run(words: list[str], folder: Path = HOME) -> str | None:
     """None when a program ends well, else the end of what it says. Python finds this package first."""
     path = os.pathsep.join(filter(None, (str(HOUSE), os.environ.get("PYTHONPATH"))))
     environment = {**os.environ, "PYTHONPATH": path}
     try:
         done = subprocess.run(
-            words, cwd=HOME, env=environment, capture_output=True, stdin=subprocess.DEVNULL, check=False
+            words, cwd=folder, env=environment, capture_output=True, stdin=subprocess.DEVNULL, check=False
         )
     except OSError as error:
         return f"{words[0]}: {error.strerror or error}"

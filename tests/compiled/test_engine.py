@@ -117,7 +117,7 @@ def test_the_reason_of_the_installation_is_said_by_every_run(elsewhere):
 
 @here
 def test_what_is_derived_is_not_derived_again(recipe, monkeypatch):
-    monkeypatch.setattr(recipe, "run", lambda words: pytest.fail("derived"))
+    monkeypatch.setattr(recipe, "run", lambda *words: pytest.fail("derived"))
     assert recipe.is_derived()
     assert recipe.derive() is None
 
@@ -128,6 +128,17 @@ def test_other_definitions_or_another_sympy_derive_again(tmp_path, recipe, monke
     monkeypatch.setattr(recipe, "SYMPY", "0.1")
     assert not recipe.is_derived()
     assert recipe.derive() == "the functions of the elements are derived with SymPy 0.1, which is not here"
+
+
+@here
+def test_the_sympy_that_is_here_is_found(tmp_path, recipe, monkeypatch):
+    """The folder of the engine has modules with names of the standard library."""
+    sympy = pytest.importorskip("sympy")
+    monkeypatch.setattr(recipe, "GENERATED", tmp_path)
+    monkeypatch.setattr(recipe, "SYMPY", sympy.__version__)
+    real = recipe.run
+    monkeypatch.setattr(recipe, "run", lambda words, folder: "stopped" if "-m" in words else real(words, folder))
+    assert recipe.derive() == "the functions of the elements could not be derived: stopped"
 
 
 @here
