@@ -1,10 +1,10 @@
-"""Lowest eigenvalues of a descriptor system (theory-system.md 5.7), by a block iteration with one sparse factorization.
+"""Lowest eigenvalues of a descriptor system (theory-system.md 5.7), by Arnoldi's method with one sparse factorization.
 
-With the real shift s > 0, on the far side of zero so that rigid motions do no harm, z of E dz/dt = A z is iterated with
+With the real shift s > 0, on the far side of zero so that rigid motions do no harm, z of E dz/dt = A z belongs to
 
     op z = the state part of (A - s E)^-1 (z, 0),      theta = 1/(lambda - s)
 
-s is a tenth of the wanted modulus, found by two steps of the iteration at a time. Positions are multiplied by the
+s is a tenth of the wanted modulus within a factor of ten. Positions are multiplied by the
 wanted modulus, so that both halves of the state compare. Doubtful pairs: `spacar.linear.lowest`.
 """
 
@@ -18,7 +18,7 @@ from spacar.errors import AnalysisError, Report
 from spacar.linear.descriptor import MASSLESS, DescriptorSystem
 from spacar.linear.eigen import Modes, arranged
 from spacar.linear.lowest import lost_pairs
-from spacar.linear.subspace import SPARE, TRIALS, dominant, ends_with_half_a_pair, trial
+from spacar.linear.subspace import ROUGH, SPARE, TRIALS, dominant, ends_with_half_a_pair
 
 SHIFT = 0.1  # of the modulus of the highest wanted eigenvalue
 
@@ -37,12 +37,12 @@ def lowest_modes(system: DescriptorSystem, n_positions: int, nx: int, report: Re
     rng = np.random.default_rng(1)
     start = rng.standard_normal((n, min(count + SPARE, n)))
     for _ in range(TRIALS):
-        theta, _ = trial(inverse, start)
-        modulus = np.sort(np.abs(inverse.shift + 1.0 / np.where(theta != 0.0, theta, 1e-300)))[count - 1]
+        theta, _ = dominant(inverse, start, count, n, ROUGH)
+        modulus = np.max(np.abs(inverse.shift + 1.0 / np.where(theta != 0.0, theta, 1e-300)))
         before, inverse = inverse.shift, _Inverse(system, n_positions, max(SHIFT * float(modulus), 1e-12))
         if 0.1 < inverse.shift / before < 10.0:
             break
-    theta, z = dominant(inverse, inverse(start), count)
+    theta, z = dominant(inverse, start, count, n)
     values = inverse.shift + 1.0 / theta
     values[lost_pairs(inverse, theta, z, values, "eigenvalues", report)] = np.nan
     if ends_with_half_a_pair(theta):

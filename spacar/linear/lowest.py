@@ -6,8 +6,7 @@ that is the negative shift -s^2 for omega^2, Q = K_x + s C + s^2 M is regular al
     C = 0, K symmetric:  op = Q^-1 M,  theta = 1/(omega^2 + s^2), Rayleigh quotients in the energy of Q
     otherwise:           op (x, v) = (x', x + s x'),  Q x' = -(M v + (C + s M) x),  theta = 1/(lambda - s)
 
-s^2 is a hundredth of the highest wanted omega^2 within a factor of ten, found by two steps of the iteration, which goes
-on with their block. Pairs with
+s^2 is a hundredth of the highest wanted omega^2 within a factor of ten. Pairs with
 |op(z) - theta z| > 1e-8 |theta| |z| are kept, with a warning. Where it exceeds 0.1 |theta| |z| no digit of theta is
 known (theta is an eigenvalue of an operator that differs by that much): value and shape are nan, with the same warning.
 """
@@ -22,6 +21,7 @@ from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
 from spacar.linear.eigen import Modes, arranged
 from spacar.linear.subspace import (
+    ROUGH,
     SPARE,
     SUFFICIENT,
     TRIALS,
@@ -29,13 +29,11 @@ from spacar.linear.subspace import (
     dominant,
     ends_with_half_a_pair,
     real_vectors,
-    trial,
 )
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.tangent import STATIC, SparseTangent
 
 WANTED = 20  # modes
-LEAST_SPARE = 8  # columns of the block besides twice the wanted ones, SPARE at most
 SHIFT = 1e-2  # s^2 as a fraction of the highest wanted omega^2
 LOADING = ("geometric", "load", "moment")
 RIGID = 1e-10  # least s^2 M of rods without springs: below 1e-14 a matrix counts as singular; omega^2 loses nothing
@@ -55,11 +53,11 @@ def lowest_vibration(
     n = tangent.dynamics.numbering
     wanted = min(wanted, n.nddof)
     symmetric = is_symmetric_loading(tangent)
-    square, operator, block = _shift(tangent, wanted)
+    square, operator = _shift(tangent, wanted)
     if not undamped and (tangent.damped or not symmetric):
         values, x = _quadratic(tangent, float(np.sqrt(square)), wanted, report)
     else:
-        squares, x = _undamped(tangent, square, operator, block, wanted, symmetric, report)
+        squares, x = _undamped(tangent, square, operator, wanted, symmetric, report)
         root = np.sqrt(squares.astype(complex))
         values, x = np.concatenate((1j * root, -1j * root)), np.hstack((x, x)).astype(complex)
     q = degrees_of_freedom_of(tangent, x)
@@ -67,8 +65,8 @@ def lowest_vibration(
 
 
 def sparse_compliances(tangent: SparseTangent) -> Array:
-    """(nx,) directional compliances: the diagonal of the inverse of the banded tangent, or with sparse storage one
-    solution for every free coordinate; infinite where K is singular."""
+    """(nx,) directional compliances: the diagonal of the inverse of the tangent, by selected inversion of band storage
+    and of the condensed matrix, else one solution for every free coordinate; infinite where K is singular."""
     n = tangent.dynamics.numbering
     out = np.zeros(n.nx)
     try:
@@ -77,10 +75,15 @@ def sparse_compliances(tangent: SparseTangent) -> Array:
         out[tangent.F] = np.inf
         return out
     from spacar.linear_systems.banded import BandedSystem
+    from spacar.linear_systems.condensed import CondensedSystem
     from spacar.linear_systems.selected_inverse import inverse_diagonal
 
     if isinstance(system, BandedSystem):
         out[tangent.F] = inverse_diagonal(system)[: tangent.nf]
+        return out
+    diagonal = system.inverse_diagonal() if isinstance(system, CondensedSystem) else None
+    if diagonal is not None:
+        out[tangent.F] = diagonal
         return out
     for first in range(0, tangent.nf, COLUMNS):
         rows = tangent.F[first : first + COLUMNS]
@@ -90,29 +93,27 @@ def sparse_compliances(tangent: SparseTangent) -> Array:
     return out
 
 
-def _shift(tangent: SparseTangent, wanted: int) -> tuple[float, Operator, Array]:
-    """s^2 > 0, within a factor of ten of a hundredth of the highest wanted omega^2, from upper bounds that two
-    iterations give; the operator of this shift, and the block that these iterations have led to."""
+def _shift(tangent: SparseTangent, wanted: int) -> tuple[float, Operator]:
+    """s^2 > 0, within a factor of ten of a hundredth of the highest wanted omega^2, by rough values of these; the
+    operator of this shift."""
     springs = [b.family.stiffness()[0] for b in tangent.elastic]
     loading = [tangent.parts[k].values() for k in LOADING]  # the only stiffness of a pendulum
     K = max(float(np.max(np.abs(S), initial=0.0)) for S in (springs or loading))
     M = float(np.max(np.abs(tangent.parts["mass"].values()), initial=0.0))
     if M == 0.0:
         raise AnalysisError("singular mass matrix: the system carries no mass; add XM or EM", "dynamics.singular-mass")
-    block = start_block(tangent, wanted, spare=min(SPARE, wanted + LEAST_SPARE))
     if K == 0.0:
-        return 1.0, _squared(tangent, 1.0), block  # nothing restores anything: all eigenvalues are zero
+        return 1.0, _squared(tangent, 1.0)  # nothing restores anything: all eigenvalues are zero
     least = 0.0 if springs else RIGID / M  # without springs the entries of the constraints are of size one
-    square = max(1e-6 * K / M, least)
+    square, start = max(1e-6 * K / M, least), start_block(tangent, wanted)
     for _ in range(TRIALS):
         operator = _squared(tangent, square)
-        values, block = trial(operator, block)
-        theta = np.sort(np.abs(values))[::-1][wanted - 1]
-        better = max(SHIFT * max(1.0 / float(theta) - square, SHIFT * square), least)
+        theta, _ = dominant(operator, start, wanted, tangent.dynamics.numbering.nddof, ROUGH)
+        better = max(SHIFT * max(1.0 / float(np.abs(theta[-1])) - square, SHIFT * square), least)
         if 0.1 < better / square < 10.0:
-            return square, operator, block
+            return square, operator
         square = better
-    return square, _squared(tangent, square), block
+    return square, _squared(tangent, square)
 
 
 def _squared(tangent: SparseTangent, square: float) -> Operator:
@@ -129,11 +130,10 @@ def _squared(tangent: SparseTangent, square: float) -> Operator:
 
 
 def _undamped(
-    tangent: SparseTangent, square: float, operator: Operator, block: Array, wanted: int, symmetric: bool,
-    report: Report,
-) -> tuple[Array, Array]:  # fmt: skip
+    tangent: SparseTangent, square: float, operator: Operator, wanted: int, symmetric: bool, report: Report
+) -> tuple[Array, Array]:
     """omega^2 (wanted,) and shapes (nx, wanted); complex where the loading is not symmetric."""
-    theta, x = dominant(operator, block, wanted)
+    theta, x = dominant(operator, start_block(tangent, wanted), wanted, tangent.dynamics.numbering.nddof)
     if symmetric:
         x = real_vectors(theta, x)
         theta = rayleigh(x, tangent.times(("mass",), x), operator(x))
@@ -154,7 +154,8 @@ def _quadratic(tangent: SparseTangent, s: float, wanted: int, report: Report) ->
         following = -tangent.displacement(system, force)
         return np.vstack((size * following, x + s * following))
 
-    theta, z = dominant(operator, operator(start_block(tangent, 2 * wanted, 2)), 2 * wanted)
+    rank = 2 * tangent.dynamics.numbering.nddof
+    theta, z = dominant(operator, start_block(tangent, 2 * wanted, 2), 2 * wanted, rank)
     if ends_with_half_a_pair(theta):
         theta, z = theta[:-1], z[:, :-1]
     values = s + 1.0 / theta
@@ -178,10 +179,10 @@ def is_symmetric_loading(tangent: SparseTangent) -> bool:
     return abs(left - right) <= SYMMETRIC * max(size, 1e-300)
 
 
-def start_block(tangent: SparseTangent, wanted: int, parts: int = 1, spare: int = SPARE) -> Array:
+def start_block(tangent: SparseTangent, wanted: int, parts: int = 1) -> Array:
     """Start block (parts nx, p) of positions, or of positions and rates, always the same."""
     n = tangent.dynamics.numbering
-    columns = min(wanted + spare, parts * n.nddof)
+    columns = min(wanted + SPARE, parts * n.nddof)
     x = np.zeros((parts, n.nx, columns))
     x[:, tangent.F] = np.random.default_rng(1).standard_normal((parts, tangent.nf, columns))
     return x.reshape(parts * n.nx, columns)

@@ -170,7 +170,7 @@ def _modes(
 
     start = start_block(tangent, wanted)
     start = np.vstack((start, np.zeros((unknowns.m, start.shape[1]))))
-    values, vectors = dominant(operator, operator(start), wanted)
+    values, vectors = dominant(operator, start, wanted, tangent.dynamics.numbering.nddof + unknowns.m)
     if symmetric:
         z = real_vectors(values, vectors)
         theta = rayleigh(z, loading(z), operator(z))

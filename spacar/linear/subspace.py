@@ -1,8 +1,12 @@
-"""The dominant invariant subspace of a linear operator by orthogonal (block power) iteration.
+"""The eigenvalues of largest modulus of a linear operator, by Arnoldi's method with implicit restarts (ARPACK).
 
-X <- qr(op(X)), Ritz values from X^T op(X). A block finds repeated eigenvalues, which a single Krylov vector may miss;
-the block has more columns than are wanted, so that the last wanted value theta_k converges with |theta_p / theta_k|
-per step.
+R. Lehoucq, D. Sorensen, C. Yang, ARPACK Users' Guide, SIAM 1998. For the operators here, the inverse of a symmetric
+matrix times another one, it is the method of Lanczos with full orthogonalization, which needs no definite matrix. From
+one start vector it finds one vector of a repeated eigenvalue. So what was found, with the orthonormal basis Q, is
+taken out of the operator, op - Q Q^T op, whose other eigenvalues are the same, and the largest ones of what is left are
+asked for, from another vector, until none is as large as the wanted ones. Values and vectors are those of Q^T op Q.
+
+Where a block of vectors contains the whole range of the operator its eigenvalues are those of a small matrix at once.
 """
 
 from __future__ import annotations
@@ -16,44 +20,85 @@ from spacar.arrays import Array
 
 Complex = NDArray[np.complex128]
 Operator = Callable[[Array], Array]
-CONVERGED = 1e-10  # |op(v) - theta v| / |theta| of the wanted Ritz vectors v of norm 1
+CONVERGED = 1e-10  # |op(v) - theta v| / |theta| of the Ritz vectors v of norm 1
 SUFFICIENT = 1e-8  # accepted when it does not get better
+ROUGH = 1e-2  # for the choice of a shift
+RESTARTS = 20
 NOTHING = 1e-13  # theta below this fraction of the largest is zero
-MAX_ITERATIONS = 100
-PATIENCE = 8  # iterations without improvement
-SPARE = 28  # additional columns
+ALIKE = 1e-7  # relative: what is left is not larger than the smallest wanted one
+SPARE = 28  # columns of a start block beside the wanted ones, if the range is so small
 TRIALS = 12  # shifts that are tried, until one is right within a factor of ten
 
 
-def dominant(operator: Operator, start: Array, wanted: int) -> tuple[Complex, Complex]:
-    """The `wanted` eigenvalues theta of largest modulus and their vectors (n, wanted) of norm 1; start (n, p).
+def dominant(
+    operator: Operator, start: Array, wanted: int, rank: int, within: float = CONVERGED
+) -> tuple[Complex, Complex]:
+    """The `wanted` eigenvalues theta of largest modulus and their vectors (n, wanted) of norm 1.
 
-    After MAX_ITERATIONS the last ones are returned; who uses them checks them, and says which are doubtful.
+    start   (n, p) start vectors;  rank  of the operator at most: with so many start vectors nothing is iterated
+
+    Those that do not converge are nan; who uses them checks them, and says which are doubtful.
     """
-    X = np.linalg.qr(operator(start))[0]
-    best, since = np.inf, 0
-    for _ in range(MAX_ITERATIONS):
-        Y = operator(X)
-        theta, c = np.linalg.eig(X.T @ Y)
-        chosen = np.lexsort((-theta.imag, -np.abs(theta)))[:wanted]
-        theta, c = theta[chosen], c[:, chosen]
-        error = np.linalg.norm(Y @ c - X @ (c * theta), axis=0)
-        size = np.maximum(np.abs(theta), NOTHING * np.abs(theta[0]))
-        residual = float(np.max(error / np.where(size > 0.0, size, 1.0)))
-        since = 0 if residual < 0.5 * best else since + 1
-        best = min(best, residual)
-        if residual <= CONVERGED or (since >= PATIENCE and residual <= SUFFICIENT):
-            return theta, X @ c  # not Y c: another step would amplify what is left of larger theta
-        V, X = X, np.linalg.qr(Y)[0]
-    return theta, V @ c
+    if start.shape[1] >= min(rank, len(start)):
+        Q = np.linalg.qr(operator(np.linalg.qr(operator(start))[0]))[0]
+        return _ritz(Q, operator(Q), wanted)
+    Q, image = np.zeros((len(start), 0)), np.zeros((len(start), 0))
+    theta, z = np.zeros(0, complex), np.zeros((len(start), 0), complex)
+    least, count = 0.0, wanted
+    for first in range(start.shape[1]):
+        found, vectors = _arnoldi(operator, Q, start[:, first], count, within)
+        new = np.abs(found) > (1.0 + ALIKE) * least
+        if not len(found) and len(theta) < wanted:
+            continue
+        if not new.any():
+            break
+        Q, image = _extended(operator, Q, image, vectors[:, new])
+        theta, z = _ritz(Q, image, wanted)
+        if within == ROUGH:
+            break
+        least = float(np.abs(theta[-1])) if len(theta) == wanted else 0.0
+        count = max(1, wanted // 4)
+    missing = min(wanted, rank) - len(theta)
+    return np.append(theta, [np.nan] * missing), np.hstack((z, start[:, :missing]))
 
 
-def trial(operator: Operator, start: Array) -> tuple[Complex, Array]:
-    """Ritz values (p,) after two steps from the block start (n, p), the size of the spectrum for the choice of a shift,
-    and the block after the third."""
-    X = np.linalg.qr(operator(operator(start)))[0]
-    Y = operator(X)
-    return np.linalg.eigvals(X.T @ Y).astype(complex), Y
+def _arnoldi(operator: Operator, Q: Array, start: Array, count: int, within: float) -> tuple[Complex, Complex]:
+    """The largest eigenvalues of the operator without the subspace Q (n, k) that is invariant."""
+    from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
+
+    n = len(start)
+
+    def without(v: Array) -> Array:
+        image = operator(v.reshape(n, 1))[:, 0]
+        return np.asarray(image - Q @ (Q.T @ image))
+
+    A, v0 = LinearOperator((n, n), matvec=without, dtype=float), without(start)
+    for width, limit in (20, within), (60, max(within, SUFFICIENT)):
+        basis = min(max(2 * count + 2, width), n - 1)
+        try:
+            found, vectors = eigs(A, count, v0=v0, ncv=basis, tol=limit, maxiter=RESTARTS)
+        except ArpackNoConvergence as failure:
+            found, vectors = failure.eigenvalues, failure.eigenvectors
+            v0 = v0 + without(v0)
+        else:
+            break
+    return found, vectors
+
+
+def _extended(operator: Operator, Q: Array, image: Array, vectors: Complex) -> tuple[Array, Array]:
+    """Q with a basis of the real and imaginary parts of vectors, and the image of the whole."""
+    parts = np.hstack((vectors.real, vectors.imag))
+    for _ in range(2):
+        parts = parts - Q @ (Q.T @ parts)
+    left, sizes, _ = np.linalg.svd(parts, full_matrices=False)  # of a block of few columns
+    new = left[:, sizes > SUFFICIENT * sizes[0]]
+    return np.hstack((Q, new)), np.hstack((image, operator(new)))
+
+
+def _ritz(Q: Array, image: Array, wanted: int) -> tuple[Complex, Complex]:
+    theta, c = np.linalg.eig(Q.T @ image)
+    chosen = np.lexsort((-theta.imag, -np.abs(theta)))[:wanted]
+    return theta[chosen].astype(complex), (Q @ c[:, chosen]).astype(complex)
 
 
 def ends_with_half_a_pair(theta: Complex) -> bool:

@@ -2,7 +2,8 @@
 
 The pattern is a list of (row, column) pairs, repeated pairs add up. The storage is chosen once per model:
 dense when the system is small, banded (reverse Cuthill-McKee ordering, LAPACK gbsv) when the band is narrow, else
-sparse (SuperLU). Measured in benchmarks/linear_systems.py; theory-system.md section 2.3 gives the rule.
+condensed where the matrix has the mixed form of structures (`condensed`), or sparse (SuperLU). Measured in
+benchmarks/linear_systems.py; theory-system.md section 2.3 gives the rule.
 """
 
 from __future__ import annotations
@@ -24,8 +25,13 @@ def is_dense(n: int) -> bool:
     return n <= DENSE_LIMIT
 
 
-def assemble(n: int, rows: NDArray[np.int64], columns: NDArray[np.int64], kind: str | None = None) -> LinearSystem:
-    """System of n unknowns with this pattern. `kind` 'dense', 'banded' or 'sparse' forces the storage."""
+def assemble(
+    n: int, rows: NDArray[np.int64], columns: NDArray[np.int64], kind: str | None = None, nf: int | None = None
+) -> LinearSystem:
+    """System of n unknowns with this pattern. `kind` 'dense', 'banded', 'sparse' or 'condensed' forces the storage.
+
+    nf   the matrix has the mixed form of `spacar.linear_systems.condensed`, and so many unknowns x
+    """
     if kind is None and is_dense(n):
         kind = "dense"
     if kind == "dense":
@@ -34,10 +40,18 @@ def assemble(n: int, rows: NDArray[np.int64], columns: NDArray[np.int64], kind: 
     from spacar.linear_systems.ordering import bandwidths, order
     from spacar.linear_systems.sparse import SparseSystem
 
+    if kind == "condensed" and nf is not None:
+        return _condensed(n, rows, columns, nf)
     if kind == "sparse":
         return SparseSystem(n, rows, columns)
     row_rank, column_rank = order(n, rows, columns)
     lower, upper = bandwidths(row_rank[rows], column_rank[columns])
     if kind == "banded" or 2 * lower + upper + 1 < BAND_LIMIT:
         return BandedSystem(n, row_rank, column_rank, rows, columns, lower, upper)
-    return SparseSystem(n, rows, columns)
+    return SparseSystem(n, rows, columns) if nf is None else _condensed(n, rows, columns, nf)
+
+
+def _condensed(n: int, rows: NDArray[np.int64], columns: NDArray[np.int64], nf: int) -> LinearSystem:
+    from spacar.linear_systems.condensed import CondensedSystem
+
+    return CondensedSystem(n, rows, columns, nf)

@@ -41,6 +41,9 @@ class BandedSystem:
         x, _ = dgbtrs(self.lu, self.lower, self.upper, b[self.column_order], self.pivots, trans=1)
         return x[self.row_rank]
 
+    def negative(self) -> None:
+        return None
+
     def determinant_sign(self) -> float:
         self._parity = self._parity or parity(self.row_rank) * parity(self.column_rank)
         swaps = int(np.sum(self.pivots != np.arange(self.n)))

@@ -33,6 +33,9 @@ class DenseSystem:
     def solve_transposed(self, b: Array) -> Array:
         return self._solve(self.A.T, b)
 
+    def negative(self) -> None:
+        return None
+
     def determinant_sign(self) -> float:
         return float(np.linalg.slogdet(self.A)[0])
 

@@ -33,6 +33,9 @@ class LinearSystem(Protocol):
     def determinant_sign(self) -> float:
         """+1 or -1, of the determinant of the factored matrix in the caller's numbering."""
 
+    def negative(self) -> int | None:
+        """Negative eigenvalues of the symmetric matrix, of which none is zero; None where the factors do not tell."""
+
 
 def parity(permutation: Index) -> float:
     """+1 for an even permutation, -1 for an odd one."""

@@ -24,10 +24,14 @@ class SparseSystem:
         self.indices = (keys % n).astype(np.int32)
         self.indptr = np.searchsorted(keys // n, np.arange(n + 1)).astype(np.int32)
 
-    def factor(self, entries: Array) -> None:
+    def assembled(self, entries: Array) -> Any:
+        """The matrix, in compressed columns."""
         values = np.bincount(self.slot, entries, self.nnz)
+        return csc_matrix((values, self.indices, self.indptr), (self.n, self.n))
+
+    def factor(self, entries: Array) -> None:
         try:
-            self.lu = splu(csc_matrix((values, self.indices, self.indptr), (self.n, self.n)))
+            self.lu = splu(self.assembled(entries))
         except RuntimeError as error:
             raise SingularMatrixError(f"matrix of order {self.n} is singular ({error})") from None
 
@@ -36,6 +40,9 @@ class SparseSystem:
 
     def solve_transposed(self, b: Array) -> Array:
         return np.asarray(self.lu.solve(b, trans="T"))
+
+    def negative(self) -> None:
+        return None
 
     def determinant_sign(self) -> float:
         negative = int(np.sum(self.lu.U.diagonal() < 0.0))

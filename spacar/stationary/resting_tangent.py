@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.linear_systems import LinearSystem
+from spacar.linear_systems import LinearSystem, SingularMatrixError
 from spacar.linear_systems.lost_digits import entry_rounding
 from spacar.linear_systems.matrix_inertia import Inertia
 from spacar.linearization.contractions import geometric_blocks
@@ -93,9 +93,19 @@ class RestingTangent:
 
     def is_definite(self, point: Iterate) -> bool:
         """Is it proved that no eigenvalue of the tangent stiffness is negative at the point where the sweep is?"""
+        if self._system.kind == "condensed":
+            return self._counted(point) == self.t.ne
         if self._definite is None:
             self._definite = DefiniteStiffness(self.t)
         return self._definite.proved(self.entries(point))
+
+    def _counted(self, point: Iterate) -> int | None:
+        """Negative eigenvalues of the matrix by its condensed factors; None where these do not tell."""
+        try:
+            self.factor(point)
+        except SingularMatrixError:
+            return None
+        return self._system.negative()
 
     def sign(self) -> float:
         """Sign of the determinant of the tangent stiffness."""
@@ -104,6 +114,10 @@ class RestingTangent:
 
     def inertia(self, point: Iterate) -> tuple[int, int]:
         """Negative and zero eigenvalues of the matrix at the point where the sweep is."""
+        if self._system.kind == "condensed":
+            negative = self._counted(point)
+            if negative is not None:
+                return negative, 0
         if self._inertia is None:
             rank = getattr(self._system, "row_rank", None)  # of band storage
             self._inertia = Inertia(self.t.nf + self.t.ne, *self.t.pattern(tuple(STATIC)), rank)

@@ -146,7 +146,8 @@ class SparseTangent:
 
     def _system(self, names: tuple[str, ...]) -> LinearSystem:
         if names not in self._systems:
-            self._systems[names] = assemble(self.nf + self.ne, *self.pattern(names))
+            kind = next((s.kind for s in self._systems.values()), None)  # one kind for all
+            self._systems[names] = assemble(self.nf + self.ne, *self.pattern(names), kind, self.nf)
         return self._systems[names]
 
     def entries(self, weights: dict[str, float], stiffness: float = 1.0, damping: float = 0.0) -> tuple[Array, float]:
