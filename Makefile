@@ -47,7 +47,7 @@ $(VENV)/.installed-docs: pyproject.toml $(ENGINE)
 
 crank: $(VENV)/.installed
 	$(BIN)/spacar 1 data/crank.dat --output-dir $(OUT)
-	$(BIN)/spacar draw $(OUT)/crank --steps 1:6:42 --output $(OUT)/crank.png
+	$(BIN)/spacar draw $(OUT)/crank --at 1:6:42 --output $(OUT)/crank.png
 	@echo "log: $(OUT)/crank.log  results: $(OUT)/crank.sbd  picture: $(OUT)/crank.png"
 
 # mypy works beside the tests; what it finds fails the target

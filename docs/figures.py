@@ -26,7 +26,7 @@ DATA = HERE.parent / "data"
 # picture -> command lines; the last one writes it, {} stands for its name
 FIGURES: dict[str, tuple[str, ...]] = {
     "crank.png": ("1 crank", "draw crank --strobe 9 --trace 3 -o {}"),
-    "crank-numbers.png": ("1 crank", "draw crank -s 10 --numbers -o {}"),
+    "crank-numbers.png": ("1 crank", "draw crank --at 10 --numbers -o {}"),
     "crank.gif": ("1 crank --time 0.04188790204786391 --steps 60", "draw crank --frames 60 --dpi 70 --trace 3 -o {}"),
     "crank-plot.png": ("1 crank", "plot crank x[6,1] xdd[6,1] sig[1,1] -o {}"),
     "crankfl-path.png": ("1 crankfl", "plot crankfl x[6,2] x[3,2] -x x[6,1] -o {}"),
@@ -36,18 +36,18 @@ FIGURES: dict[str, tuple[str, ...]] = {
     "finger.png": ("7 finger", "draw finger --numbers -o {}"),
     "finger-mode.png": ("7 finger", "visual finger -o {}"),
     "cantilever-moment.png": ("7 plbeam5", "visual plbeam5 --diagram Mz -o {}"),
-    "cantilever-modes.gif": ("7 plbeam5free", "visual plbeam5free -m 2 --dpi 70 -o {}"),
+    "cantilever-modes.gif": ("7 plbeam5free", "visual plbeam5free --mode-number 2 --dpi 70 -o {}"),
     "symbols.png": (
         "7 plbeam5",
         "draw plbeam5 --symbols loads,reactions,axes --scale 0.6 -o {}",
     ),
-    "section-stress.png": ("7 leafguide", "stress leafguide -e 1 --at 0 --picture {}"),
+    "section-stress.png": ("7 leafguide", "stress leafguide -e 1 --place 0 -o {}"),
     "lateral4-buckling.png": ("8 lateral4", "visual lateral4 -o {}"),
     "lateral4-stress.png": ("8 lateral4", "visual lateral4 --stress mises -o {}"),
     "robot.png": ("2 robotinv", "draw robotinv --strobe 7 -o {}"),
     "robot-moments.png": ("2 robotinv", "plot robotinv sig[1,1] sig[2,1] sig[3,1] -o {}"),
     "trike.png": ("1 trike3i", "draw trike3i --strobe 4 --trace 11 -o {}"),
-    "cardan.png": ("1 cardan", "draw cardan -s 12 -o {}"),
+    "cardan.png": ("1 cardan", "draw cardan --at 12 -o {}"),
     "square-constraints.png": ("0 square", "visual square -o {}"),
 }
 
@@ -112,7 +112,7 @@ def robot_loop(path: Path) -> None:
 
 
 def flexure_curves(path: Path) -> None:
-    """The guide of the chapter on flexures over its stroke, as `spacar flexure --plot` draws it."""
+    """The guide of the chapter on flexures over its stroke, as `spacar flexure -o` draws it."""
     import spacar
 
     spacar.flexure(DATA / "leafguide.dat", move="7x=+-10").plot(path, dpi=90)

@@ -130,9 +130,9 @@ def test_a_model_from_standard_input(tmp_path, monkeypatch):
     assert {p.name for p in tmp_path.iterdir()} >= {"stdin.log", "stdin.sbd", "stdin.sbm"}
     assert not Path("stdin.dat").exists()
     assert "Input file: standard input" in Path("stdin.log").read_text()
-    assert call(7, "-", "-o", "there", stdin=text)[0] == 0
+    assert call(7, "-", "--output-dir", "there", stdin=text)[0] == 0
     assert Path("there/stdin.sbm").exists()
-    call(7, DATA / "plbeam5.dat", "-o", tmp_path)
+    call(7, DATA / "plbeam5.dat", "--output-dir", tmp_path)
     assert call("eigen", "stdin")[1] == call("eigen", "plbeam5")[1]
     assert call("plot", "stdin", "x[11,2]", "--csv", "-")[1] == call("plot", "plbeam5", "x[11,2]", "--csv", "-")[1]
 

@@ -24,7 +24,7 @@ def without_times(log: str) -> str:
 def test_files_are_those_of_the_command(mode, tmp_path):
     """Byte for byte, of a result in memory and of a stream; the logs but for date, path and wall time."""
     name = CASES[mode]
-    assert call(mode, DATA / f"{name}.dat", "-o", tmp_path)[0] == 0
+    assert call(mode, DATA / f"{name}.dat", "--output-dir", tmp_path)[0] == 0
     stored = spacar.run(mode, DATA / f"{name}.dat").save(tmp_path / "stored.sbd")
     streamed = spacar.frames(mode, DATA / f"{name}.dat").save(tmp_path / "streamed")
     assert stored[0] == tmp_path / "stored.log"

@@ -9,6 +9,7 @@ import click
 
 from spacar.errors import UsageError
 from spacar.modes import Mode
+from spacar_cli import vocabulary as words
 from spacar_cli.number_types import TOLERANCE
 
 MEASURE = ""  # the value of --accuracy without a target
@@ -22,26 +23,16 @@ def of(mode: Mode) -> bool:
 def options(mode: Mode) -> list[click.Parameter]:
     """The options of a mode that has them."""
     runs = "choose method, tolerance and mesh" if mode.integrated else "choose the mesh of the beams"
+    text = (
+        f": several runs {runs}, estimate the error and keep it below TARGET; without it that of this run is estimated."
+    )
+    all_of = ", reactions, lowest frequencies and load multipliers" if mode.stationary else ""
     found: list[click.Parameter] = [
-        click.Option(
-            ["--accuracy"],
-            is_flag=False,
-            flag_value=MEASURE,
-            metavar="[TARGET]",
-            help=f"Error of the result over the amplitude of each variable: several runs {runs}, "
-            "estimate the error and keep it below TARGET. Without TARGET the error of this run is estimated.",
-        ),
-        click.Option(
-            ["--variable", "variables"],
-            multiple=True,
-            metavar="EXPRESSION",
-            help="Whose accuracy is meant, for instance 'x[6,1]'. Default: all free coordinates"
-            + (", reactions, lowest frequencies and load multipliers." if mode.stationary else "."),
-        ),
+        words.parameter("accuracy", text, is_flag=False, flag_value=MEASURE, type=str),
+        words.parameter("variables", f": 'x[6,1]'. Default: all free coordinates{all_of}.", multiple=True),
     ]
     if mode.integrated:
-        text = "The accuracy is that of the integration: beams are not divided for it."
-        found.append(click.Option(["--fixed-mesh"], is_flag=True, help=text))
+        found.append(words.parameter("fixed_mesh"))
     return found
 
 

@@ -25,7 +25,7 @@ def draw(
     file: str,
     choices: Choices,
     extras: Extras,
-    steps: str | None,
+    at: str | None,
     strobe: int | None,
     trace: Sequence[int],
     no_trace: bool,
@@ -47,14 +47,14 @@ def draw(
     films = [p for p in outputs if p.suffix.lower() in FILM]
     table = source.signals if scopes and source.signals is not None and source.signals.panels else None
     if stills:
-        numbers = chosen_steps(changed, steps, strobe, False)
+        numbers = chosen_steps(changed, at, strobe, False)
         figure = picture(changed, extras, numbers, nodes, initial)
         if table is not None:
             beside(figure, table, np.ravel(source.get("t")), table.panels).show(source.time(numbers[-1]))
         for path in stills:
             save(figure, path, choices.dpi)
     if films or choices.show:
-        shown = series(changed, extras, chosen_steps(changed, steps, None, True), nodes, initial)
+        shown = series(changed, extras, chosen_steps(changed, at, None, True), nodes, initial)
         for path in films:
             pictures, count = shown.thinned(frames)
             with frame_progress(environment.error_is_terminal, count, path.name) as tick:

@@ -7,78 +7,37 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import click
 from spacar_drawing.mechanism_picture import Extras
 from spacar_drawing.settings import ALL, DIMENSIONS, PictureSettings, SectionShape
 
 from spacar.errors import UsageError
-from spacar_cli.number_types import Real, Whole
+from spacar_cli import vocabulary as words
 
-OUTPUT = click.option(
-    "--output",
-    "-o",
-    "output",
-    type=click.Path(path_type=Path),
-    multiple=True,
-    help=(
-        "File to write; its ending decides: png, svg, pdf, gif (no other program needed), mp4 (needs "
-        "ffmpeg). May be repeated."
-    ),
-)
-
+PICTURES = ": a picture, by its ending png, svg or pdf. May be repeated."
 COMMON = (
-    OUTPUT,
-    click.option(
-        "--view",
-        default="iso",
-        show_default=True,
-        help="View of a spatial mechanism: iso, xy, xz, yz or azimuth,elevation in degrees, as -60,25.",
+    words.option(
+        "output",
+        ": a picture, by its ending png, svg, pdf, gif (no other program needed), mp4 (needs ffmpeg). May be repeated.",
+        multiple=True,
     ),
-    click.option(
-        "--section",
+    words.option("view", ", as -60,25", default="iso", show_default=True),
+    words.option(
         "sections",
+        ': "[RECT|RECTHOL|CIRC|CIRCHOL|LINE] [elements] dimensions", as in the VISUALIZATION section. May be repeated.',
         multiple=True,
-        metavar="TEXT",
-        help=(
-            'Cross-section instead of BEAMVIS: "[RECT|RECTHOL|CIRC|CIRCHOL|LINE] [elements] dimensions", '
-            "as in the VISUALIZATION section. May be repeated."
-        ),
     ),
-    click.option("--opacity", type=Real(0, 1), help="Opacity of solids, instead of TRANSPARENCY (1: opaque)."),
-    click.option("--light/--no-light", default=None, help="Shade solids or not, instead of LIGHT."),
-    click.option(
-        "--hide",
-        type=Whole(),
-        multiple=True,
-        metavar="ELEMENT",
-        help="Do not draw this element (DONOTDRAW). May be repeated.",
-    ),
-    click.option("--supports/--no-supports", default=True, show_default=True, help="Ground symbols, drives and pins."),
-    click.option(
-        "--numbers",
-        "-n",
-        is_flag=True,
-        help="Numbers of nodes and elements; orientation nodes in brackets, element numbers in boxes.",
-    ),
-    click.option("--node-numbers", is_flag=True, help="Numbers of the nodes only."),
-    click.option("--element-numbers", is_flag=True, help="Numbers of the elements only."),
-    click.option("--title", help="Text above the picture, instead of the name of the result."),
-    click.option(
-        "--dpi",
-        type=Real(20, 1200),
-        default=150.0,
-        show_default=True,
-        help="Resolution of png, gif and mp4 [dots per inch].",
-    ),
-    click.option(
-        "--fps",
-        type=Real(1, 100),
-        default=25.0,
-        show_default=True,
-        help="Pictures per second of an animation.",
-    ),
-    click.option("--show", is_flag=True, help="Open a window. Without this option no window is opened."),
-    click.option("--stale-ok", is_flag=True, help="Draw a result although its input file has changed since."),
+    words.option("opacity"),
+    words.option("light", default=None),
+    words.option("hide", "May be repeated.", multiple=True),
+    words.option("supports", default=True, show_default=True),
+    words.option("numbers", "; orientation nodes in brackets, element numbers in boxes."),
+    words.option("node_numbers"),
+    words.option("element_numbers"),
+    words.option("title"),
+    words.option("dpi", default=150.0, show_default=True),
+    words.option("fps", default=25.0, show_default=True),
+    words.option("show"),
+    words.option("stale_ok"),
 )
 
 

@@ -17,13 +17,19 @@ RED, YELLOW = "31", "33"
 
 @dataclass(frozen=True)
 class Environment:
-    """The three streams and the environment variables of one call; `debug` lets unexpected errors through."""
+    """The three streams and the environment variables of one call, and how much is told (-q, -v).
+
+    `debug` lets unexpected errors through; `told` has the messages so far: each is told once.
+    """
 
     stdin: TextIO = field(default_factory=lambda: sys.stdin)
     stdout: TextIO = field(default_factory=lambda: sys.stdout)
     stderr: TextIO = field(default_factory=lambda: sys.stderr)
     variables: Mapping[str, str] = field(default_factory=lambda: os.environ)
     debug: bool = False
+    quiet: bool = False
+    verbose: bool = False
+    told: set[str] = field(default_factory=set)
 
     @property
     def output_is_terminal(self) -> bool:
@@ -41,6 +47,11 @@ class Environment:
     def say(self, text: str) -> None:
         """One line for the user of the result: standard output."""
         print(escaped(text), file=self.stdout, flush=True)
+
+    def wrote(self, text: object) -> None:
+        """A file that was written, or a summary: a line of standard output, unless quiet."""
+        if not self.quiet:
+            self.say(str(text))
 
     def tell(self, text: str) -> None:
         """One line about the work itself: standard error. Work goes on when nobody can be told."""

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
+
+from spacar_cli import vocabulary as words
+from spacar_cli.environment import Environment
+from spacar_cli.status import tell_notes
 
 HELP = """Export all variables of an .{kind} file, or only those named, under their MATLAB names.
 
@@ -14,18 +20,20 @@ variables go to a second table, .header.csv.
 def export_command(kind: str) -> click.Command:
     """`spacar load<kind> FILE [ID ...]` for the kind sbd or sbm."""
 
-    @click.command(f"load{kind}", help=HELP.format(kind=kind))
+    @words.command(f"load{kind}", help=HELP.format(kind=kind))
     @click.argument("file")
     @click.argument("idents", metavar="[ID]...", nargs=-1)
-    @click.option("--to", "formats", multiple=True, type=click.Choice(["mat", "npz", "csv"]), help="Default npz.")
-    @click.option("--output", "-o", help="Name of the new file; its extension says the format.")
-    def command(file: str, idents: tuple[str, ...], formats: tuple[str, ...], output: str | None) -> None:
+    @words.option("formats", "; default npz. May be repeated.", multiple=True, type=click.Choice(["mat", "npz", "csv"]))
+    @words.option("output", "; its ending says the kind")
+    @click.pass_obj
+    def command(
+        environment: Environment, file: str, idents: tuple[str, ...], formats: tuple[str, ...], output: Path | None
+    ) -> None:
         from spacar_formats.exports import export_file
 
         written, notes = export_file(file, kind, idents, formats, output)
-        for note in notes:
-            click.echo(f"warning: {note}", err=True)
+        tell_notes(environment, notes)
         for path in written:
-            click.echo(path)
+            environment.wrote(path)
 
     return command

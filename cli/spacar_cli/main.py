@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import gc
 import os
-import re
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
@@ -23,11 +22,11 @@ from spacar_cli.command_table import COMMANDS
 from spacar_cli.environment import Environment, give_up_output, open_missing_streams
 from spacar_cli.interruption import lasting
 from spacar_cli.status import ExitStatus, tell, tell_error
+from spacar_cli.vocabulary import MODE, renamed
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-MODE = re.compile(r"[+-]?\d+")
 REFUSED = (errno.ENOSPC, errno.EBADF, errno.EIO, errno.EFBIG)  # of standard output: files are named in their errors
 COMPLETING = "_SPACAR_COMPLETE"  # set by the scripts of `spacar completion`
 HELP = {"help_option_names": ["-h", "--help"]}
@@ -141,9 +140,11 @@ def main(arguments: Sequence[str] | None = None, environment: Environment | None
             env.stdout.flush()
             return int(outcome or ExitStatus.DONE)
         except click.UsageError as error:
+            hints = renamed(words)
             if error.ctx is not None:
                 env.tell(error.ctx.get_usage())
-            tell(env, "error", error.format_message())
+            unknown = f"no such option: {error.option_name}" if hints and isinstance(error, click.NoSuchOption) else ""
+            tell(env, "error", "; ".join([unknown or error.format_message(), *hints]))
             return ExitStatus.WRONG
         except click.ClickException as error:
             tell(env, "error", error.format_message())

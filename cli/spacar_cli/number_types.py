@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import click
@@ -47,6 +48,25 @@ class Whole(click.IntRange):
         """The range in the help, without the limits that nobody meets."""
         low = "" if self.min == -MOST else f"x>={self.min}"
         return low if self.max == MOST else f"{self.min}<=x<={self.max}"
+
+
+class StepNumber(Whole):
+    """The number of a stored step: from 1; counted from the end where it is negative, `end` the last one."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        return -1 if value == "end" else super().convert(value, param, ctx)
+
+
+class TablePath(click.Path):
+    """The name of a file, or - for standard output; another word that begins with - is a forgotten name."""
+
+    def __init__(self) -> None:
+        super().__init__(allow_dash=True, path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if isinstance(value, str) and value.startswith("-") and value != "-":
+            self.fail(f"'{value}' is no name of a file; - prints the rows", param, ctx)
+        return super().convert(value, param, ctx)
 
 
 POSITIVE = Real(min=0.0, min_open=True)

@@ -30,20 +30,19 @@ class Done:
         """Failed when over-constraints are left."""
         return ExitStatus.FAILED if self.release.left else ExitStatus.DONE
 
-    def tell(self, environment: Environment, quiet: bool) -> None:
+    def tell(self, environment: Environment) -> None:
         """Print what was done, and as an error what could not be done."""
         found = self.release.diagnosis
-        if not quiet:
-            if self.release.parts:
-                environment.say(f"released {len(self.release.parts)} flexible deformations; lines of the input file:")
-                for line in self.lines:
-                    environment.say(f"  {line}")
-                for line in found.lines()[: None if self.release.left else 2]:
-                    environment.say(line)
-            else:
-                environment.say("no flexible deformation to release")
-            if self.written is not None:
-                environment.say(f"written: {self.written}")
+        if self.release.parts:
+            environment.wrote(f"released {len(self.release.parts)} flexible deformations; lines of the input file:")
+            for line in self.lines:
+                environment.wrote(f"  {line}")
+            for line in found.lines()[: None if self.release.left else 2]:
+                environment.wrote(line)
+        else:
+            environment.wrote("no flexible deformation to release")
+        if self.written is not None:
+            environment.wrote(f"written: {self.written}")
         if self.release.left:
             which = "; ".join(f"RLSE {p.element} {p.mode} ({p.text})" for p in found.advice)
             text = f"{found.over} over-constraint{'s' * (found.over > 1)} left that no flexible deformation takes away"

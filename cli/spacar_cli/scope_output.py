@@ -6,48 +6,48 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-import click
 import numpy as np
 from spacar_formats.signal_tables import Panel, SignalTable
 
+from spacar.errors import UsageError
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 
-OPTIONS = (
-    click.option("--plot", is_flag=True, help="Show the scopes in a window. Without this option no window is opened."),
-    click.option(
-        "--picture",
-        "pictures",
-        type=click.Path(path_type=Path),
-        multiple=True,
-        help="Write the scopes as a picture: png, svg or pdf. May be repeated.",
-    ),
-)
+SIGNALS = (".npz", ".mat", ".csv")
 
 
-def scope_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add --plot and --picture."""
-    for option in reversed(OPTIONS):
-        function = option(function)
-    return function
+def signal_options(default: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Add --output and --show."""
+    text = f": signals as .npz, .mat or .csv, default {default}; scopes as .png, .svg or .pdf. May be repeated."
+
+    def added(function: Callable[..., Any]) -> Callable[..., Any]:
+        return words.option("output", text, multiple=True)(words.option("show", ": the scopes")(function))
+
+    return added
 
 
-def check_pictures(plot: bool, pictures: Sequence[Path]) -> None:
-    """Before a long run: can they be written? Raises UsageError."""
-    from spacar_drawing.files import check_name
+def sorted_files(output: Sequence[Path], show: bool) -> tuple[list[Path], list[Path]]:
+    """Files of signals and pictures. Raises UsageError before a long run for those that cannot be written."""
+    from spacar_drawing.files import STILL, check_name
     from spacar_drawing.window import check_display
 
+    tables = [path for path in output if path.suffix.lower() in SIGNALS]
+    pictures = [path for path in output if path not in tables]
     for path in pictures:
+        if path.suffix.lower() not in STILL:
+            raise UsageError(f"{path}: its name must end with {', '.join((*SIGNALS, *STILL))}", "files.export")
         check_name(path, film=False)
-    if plot:
+    if show:
         check_display()
+    return tables, pictures
 
 
 def show_scopes(
-    environment: Environment, table: SignalTable, t: np.ndarray, panels: Sequence[Panel], title: str, plot: bool,
+    environment: Environment, table: SignalTable, t: np.ndarray, panels: Sequence[Panel], title: str, show: bool,
     pictures: Sequence[Path],
 ) -> None:  # fmt: skip
     """Write the pictures, then open the window, which stays until the user closes it."""
-    if not (plot or pictures):
+    if not (show or pictures):
         return
     from spacar_drawing.files import save
     from spacar_drawing.scope_panels import scope_figure
@@ -56,6 +56,6 @@ def show_scopes(
     figure = scope_figure(table, t, panels, title)
     for path in pictures:
         save(figure, path)
-        environment.say(str(path))
-    if plot:
+        environment.wrote(path)
+    if show:
         still_window(figure)

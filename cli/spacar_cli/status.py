@@ -9,7 +9,7 @@ from spacar.errors import InputError, SpacarError, shown
 from spacar_cli.environment import RED, YELLOW, Environment
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from spacar.errors import Message
 
@@ -36,11 +36,20 @@ def tell_messages(environment: Environment, messages: Sequence[Message], severit
 
 
 def tell(environment: Environment, severity: str, text: str) -> None:
-    """`severity: text`; further lines of a long explanation are indented below the first."""
+    """`severity: text`, once; further lines of a long explanation are indented below the first. Quiet: errors only."""
+    if severity != "error" and (environment.quiet or f"{severity}: {text}" in environment.told):
+        return
+    environment.told.add(f"{severity}: {text}")
     first, *rest = shown(text).splitlines() or [""]
     colour = {"error": RED, "warning": YELLOW}.get(severity)
     label = environment.paint(f"{severity}:", colour) if colour else f"{severity}:"
     environment.tell("\n".join([f"{label} {first}", *(f"  {line}" for line in rest)]))
+
+
+def tell_notes(environment: Environment, notes: Iterable[str]) -> None:
+    """Print warnings about what was read."""
+    for note in notes:
+        tell(environment, "warning", note)
 
 
 def tell_error(environment: Environment, error: BaseException) -> ExitStatus:

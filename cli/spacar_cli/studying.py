@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
 from typing import Any, TypeVar
 
 import click
 
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
-from spacar_cli.number_types import POSITIVE, Whole
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 Item = TypeVar("Item")
 
+ROWS = click.Path(path_type=Path, dir_okay=False)
 OPTIONS = (
-    click.option("--time", "duration", type=POSITIVE, help="Length of the time interval, instead of TIMESTEP [s]."),
-    click.option("--steps", "n_steps", type=Whole(min=1), help="Number of output steps, instead of TIMESTEP."),
-    click.option("--jobs", "-j", type=Whole(min=1), help="Local processes; default: sweep all cores, trade one."),
-    click.option("--quiet", "-q", is_flag=True, help="Print errors only."),
-    click.option("--json", "as_json", is_flag=True, help="Print a summary in JSON."),
+    words.option("duration", ", instead of TIMESTEP"),
+    words.option("n_steps", " of the output, instead of TIMESTEP"),
+    words.option("jobs", "; default sweep all cores, trade one."),
+    words.option("as_json", ": a summary"),
 )
 
 
@@ -29,9 +30,9 @@ def common(command: Command) -> Command:
     return command
 
 
-def counted(environment: Environment, items: Iterable[Item], total: int, quiet: bool, what: str) -> Iterator[Item]:
+def counted(environment: Environment, items: Iterable[Item], total: int, what: str) -> Iterator[Item]:
     """Pass items through; on a terminal one line says how many have come."""
-    shown = environment.error_is_terminal and not quiet
+    shown = environment.error_is_terminal and not environment.quiet
     for number, item in enumerate(items, 1):
         if shown:
             print(f"\r{number}/{total} {what} ", end="", file=environment.stderr, flush=True)

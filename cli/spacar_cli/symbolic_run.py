@@ -27,14 +27,15 @@ def simulate_model(
     changes: dict[str, float],
     wishes: dict[str, Any],
     compiled: bool,
-    plot: bool,
+    plot: tuple[str, ...],
     show: bool,
     wait: bool = False,
 ) -> list[str]:
     """Derive, integrate, write; the lines of the summary.
 
-    `changes` replace parameter or start values, `wishes` settings of the model (None: not wished). Raises UsageError
-    for names that the model does not have, AnalysisError when the integration stops.
+    `plot` names quantities of figures, or "all"; `show` puts equations into the log. `changes` replace parameter or
+    start values, `wishes` settings of the model (None: not wished). Raises UsageError for names that the model does not
+    have, AnalysisError when the integration stops.
     """
     from spacar_formats.claim import Claim
 
@@ -43,6 +44,11 @@ def simulate_model(
 
         compiler()  # a CC that cannot be used is told before anything is written
     values, start = _changed(model, changes)
+    states = [str(s.func) for s in (*model.system.coordinates, *model.system.speeds)]
+    for name in plot:
+        if name not in (*states, *model.outputs, "all"):
+            known = ", ".join((*states, *model.outputs))
+            raise UsageError(f"{model.path.name}: --plot {name}: there are {known}, or all", "usage.plot")
     log, sbd = (model.path.with_suffix(ending) for ending in (".log", ".sbd"))
     claim = Claim(sbd, wait)
     try:
@@ -58,7 +64,7 @@ def _simulate(
     start: dict[str, float],
     wishes: dict[str, Any],
     compiled: bool,
-    plot: bool,
+    plot: tuple[str, ...],
     show: bool,
     log: Path,
     claim: Claim,
@@ -87,7 +93,7 @@ def _simulate(
     if plot:
         from spacar_cli.symbolic_plot import save_plots
 
-        written += save_plots(run, model.path.with_suffix(""))
+        written += save_plots(run, model.path.with_suffix(""), None if "all" in plot else plot)
     return [*summary, "written: " + ", ".join(path.name for path in written)]
 
 

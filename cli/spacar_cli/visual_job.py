@@ -45,7 +45,7 @@ def visual(
     choices: Choices,
     numbers: str | None,
     factor: float | None,
-    step: int | None,
+    at: int,
     rest: bool,
     wish: StressWish,
     as_list: bool,
@@ -54,7 +54,7 @@ def visual(
     source = open_source(file, choices.stale_ok)
     source = replace(source, settings=choices.overridden(source.settings))
     check_elements(choices.hide, [e.number for e in source.scene.elements], "--hide: element")
-    step = _step(source, step)
+    step = _step(source, at)
     if wish.stress or wish.diagram:
         return _stresses(source, choices, step, wish)
     kind = _kind(source, mode)
@@ -73,10 +73,11 @@ def visual(
     return [str(p) for m in chosen for p in _mode(environment, source, choices, step, m, factor, rest, len(chosen) > 1)]
 
 
-def _step(source: PictureSource, step: int | None) -> int:
-    if step is not None and step > source.steps:
-        raise UsageError(f"--step {step} does not exist: {source.name} has steps 1 to {source.steps}", "files.step")
-    return step or source.steps
+def _step(source: PictureSource, at: int) -> int:
+    step = source.steps + 1 + at if at < 0 else at
+    if not 1 <= step <= source.steps:
+        raise UsageError(f"step {at} does not exist: {source.name} has steps 1 to {source.steps}", "files.step")
+    return step
 
 
 def _kind(source: PictureSource, mode: int | None) -> str:

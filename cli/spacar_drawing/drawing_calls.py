@@ -57,7 +57,7 @@ def draw(
 ) -> Figure:  # fmt: skip
     """A matplotlib figure of one or more steps; written to `path` (png, svg, pdf) when that is given.
 
-    steps    as `spacar draw --steps`: "3", "end", "2:5", "1,4,9", "all"; default the first, or the last load step
+    steps    as `spacar draw --at`: "3", "end", "2:5", "1,4,9", "all"; default the first, or the last load step
     strobe   so many evenly spread steps instead
     traces   numbers of the nodes whose paths are drawn;  initial: outline of the first step
     dpi      dots per inch of the file

@@ -2,7 +2,7 @@
 
 The paper: A. A. Barhorst, "Symbolic equation processing utilizing vector/dyad notation" (docs/reference/bibliography.md).
 
-The same model as manipulator.toml. Run, for instance:  spacar symbolic simulate manipulator.py --plot
+The same model as manipulator.toml. Run, for instance:  spacar symbolic simulate manipulator.py --plot all
 """
 
 from spacar.symbolic import MultibodySystem, beam_shapes

@@ -40,7 +40,7 @@ def combsbd(
     if target.exists() and not force:
         raise UsageError(
             f"{target} exists and may hold the only copy of a result; the original overwrites it without a word, "
-            "here --force (force=True) replaces it",
+            "here --overwrite (force=True) replaces it",
             "files.exists",
         )
     with ExitStack() as stack:

@@ -11,7 +11,7 @@ import numpy as np
 from spacar.errors import UsageError
 from spacar_formats.locate import open_result
 
-_RANGE = re.compile(r"(\d+|end)(?::(\d+|end))?(?::(\d+|end))?")
+_RANGE = re.compile(r"(-?\d+|end)(?::(\d+|end))?(?::(\d+|end))?")
 
 
 def getfrsbf(
@@ -28,7 +28,7 @@ def getfrsbf(
 
 
 def step_numbers(text: str, last: int) -> int | list[int]:
-    """Step numbers as MATLAB writes them: `7`, `end`, `2:5`, `1:10:end`, `1,4,9`. Raises UsageError."""
+    """Step numbers as MATLAB writes them: `7`, `end`, `2:5`, `1:10:end`, `1,4,9`; `-1`: the last. Raises UsageError."""
     chosen: list[int] = []
     for word in text.replace(" ", "").split(","):
         match = _RANGE.fullmatch(word)
@@ -37,7 +37,11 @@ def step_numbers(text: str, last: int) -> int | list[int]:
                 f"'{word}' is no step; write for example 3, end, 2:5, 1:10:end or 1,4,9", "files.step"
             )
         first, *rest = [last if w == "end" else int(w) for w in match.groups() if w is not None]
+        if first < 0:
+            first += last + 1
         if not rest:
+            if first < 1 and word.startswith("-"):
+                raise UsageError(f"the step {word} does not exist: the file has steps 1 to {last}", "files.step")
             chosen.append(first)
             continue
         increment, stop = (rest[0], rest[1]) if len(rest) == 2 else (1, rest[0])

@@ -25,7 +25,7 @@ def repinsbf(
     value: np.ndarray | float | str | Sequence,
     step: int | None = None,
 ) -> None:
-    """Replace a header variable, or a step variable at one step (1, 2, ...).
+    """Replace a header variable, or a step variable at one step (1, 2, ...; -1 the last).
 
     The size must be that of the stored variable: (rows, cols), or (n,) for a vector, or a number for 1 x 1; text must
     have the same number of lines, none longer than the stored width. Raises UsageError otherwise, for an unknown
@@ -53,11 +53,12 @@ def repinsbf(
             )
             at, new = 0, first + body
         else:
-            file.check_steps(file.step_indices(step))
-            block = bytearray(file.block(step))
+            chosen = file.step_indices(step)
+            file.check_steps(chosen)
+            block = bytearray(file.block(int(chosen[0]) + 1))
             block[record.offset : record.offset + len(payload)] = payload
             block[-4:] = zlib.crc32(block[:-4]).to_bytes(4, "little")
-            at, new = where.data_offset + (step - 1) * where.stride, bytes(block)
+            at, new = where.data_offset + int(chosen[0]) * where.stride, bytes(block)
     with replacing(path) as side:
         shutil.copyfile(path, side)
         with open(side, "r+b") as out:

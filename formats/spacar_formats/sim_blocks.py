@@ -187,7 +187,7 @@ BLOCKS: tuple[BlockType, ...] = (
          SimKey("delay", "flag", "show a sampled output one period later", "no")), make.python,
     ),
     BlockType(
-        "scope", "looks at signals: drawn with --plot, stored with the result", "no outputs",
+        "scope", "looks at signals: drawn with --show, stored with the result", "no outputs",
         (SIZE, SimKey("title", "text", "above its panel", ""),
          SimKey("labels", "text", "names of the curves, with commas; default the names of the signals", ""),
          SimKey("unit", "text", "of the vertical axis", "")), make.scope,

@@ -171,7 +171,7 @@ def _build(text: str, tied: bool) -> tuple[Any, Any]:
     """The library, and the same file as a module when the headers of Python are there, else None."""
     cc = compiler()
     if cc is None:
-        raise AnalysisError("no C compiler was found (cc, gcc or $CC): run without --compile", "compiler")
+        raise AnalysisError("no C compiler was found (cc, gcc or $CC): run without --compiled", "compiler")
     options = python_call.compiler_options()
     with tempfile.TemporaryDirectory(prefix="spacar-symbolic-") as folder:  # a loaded library stays mapped
         library = None
@@ -183,7 +183,7 @@ def _build(text: str, tied: bool) -> tuple[Any, Any]:
         assert library is not None  # without options it is there, or an error was raised
         tried = subprocess.run([sys.executable, "-I", "-c", store.TRY, str(library)], capture_output=True, check=False)
         if tried.returncode:  # a broken library would end this process
-            raise AnalysisError(f"{cc[0]} wrote a library that cannot be loaded: run without --compile", "compiler")
+            raise AnalysisError(f"{cc[0]} wrote a library that cannot be loaded: run without --compiled", "compiler")
         return _declared(ctypes.CDLL(str(library)), tied), _module(library) if direct else None
 
 

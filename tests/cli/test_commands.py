@@ -67,7 +67,7 @@ def test_check_of_a_mode_that_does_not_exist(call):
 def test_examples_are_listed_and_copied(call, tmp_path):
     listed = call("examples").out
     assert all(path.stem in listed for path in DATA.glob("*.dat"))
-    assert call("examples", "slider", "fourbar.dat", "--to", "models").status == 0
+    assert call("examples", "slider", "fourbar.dat", "--output-dir", "models").status == 0
     assert (tmp_path / "models" / "slider.dat").read_bytes() == (DATA / "slider.dat").read_bytes()
     assert (tmp_path / "models" / "fourbar.dat").exists()
 
@@ -76,7 +76,7 @@ def test_examples_do_not_overwrite(call, tmp_path):
     (tmp_path / "slider.dat").write_text("mine")
     done = call("examples", "slider")
     assert done.status == 2
-    assert "--force" in done.err
+    assert "--overwrite" in done.err
     assert (tmp_path / "slider.dat").read_text() == "mine"
-    assert call("examples", "slider", "--force").status == 0
+    assert call("examples", "slider", "--overwrite").status == 0
     assert (tmp_path / "slider.dat").read_text() != "mine"

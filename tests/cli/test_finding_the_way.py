@@ -171,13 +171,13 @@ def test_check_names_overconstraints(tmp_path):
 
 
 def test_a_step_is_an_option_everywhere(tmp_path):
-    assert call(9, DATA / "lever.dat", "-o", tmp_path)[0] == 0
+    assert call(9, DATA / "lever.dat", "--output-dir", tmp_path)[0] == 0
     name = tmp_path / "lever"
-    assert call("getss", name, "--step", 1)[1] == call("getss", name, 1)[1] == call("getss", name)[1]
-    assert call("getfrsbf", name, "X", "--step", 1)[1] == call("getfrsbf", name, "X", 1)[1]
-    assert call("getss", name, 1, "--step", 1)[0] == 2
+    assert call("getss", name, "--at", 1)[1] == call("getss", name, 1)[1] == call("getss", name)[1]
+    assert call("getfrsbf", name, "X", "--at", 1)[1] == call("getfrsbf", name, "X", 1)[1]
+    assert call("getss", name, 1, "--at", 1)[0] == 2
     for command in ("draw", "visual", "eigen", "bode", "stress", "compliance", "getss", "getfrsbf", "repinsbf"):
-        assert "--step" in call(command, "--help")[1]
+        assert "--at" in call(command, "--help")[1]
 
 
 @pytest.mark.parametrize(

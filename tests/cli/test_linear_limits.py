@@ -59,7 +59,7 @@ def test_eigen_of_mode_3(call, tmp_path):
         shutil.copy(DATA / f"{name}.dat", tmp_path)
     assert call(2, "robotinv").status == 0
     assert call(3, "robotinvlin").status == 0
-    rows = json.loads(call("eigen", "robotinvlin", "--json", "--step", "3").out)
+    rows = json.loads(call("eigen", "robotinvlin", "--json", "--at", "3").out)
     result = spacar.run(2, DATA / "robotinv.dat")
     linear = spacar.run(3, DATA / "robotinvlin.dat", nominal=result)
     M, K, C = (linear[name][2] for name in ("m0", "k0b", "c0b"))

@@ -39,7 +39,7 @@ def test_eigen_from_state_space_matrices(results):
 
 
 def test_eigen_csv_has_all_digits(results):
-    rows = list(csv.DictReader(io.StringIO(results("eigen", "massspring", "--csv", "--lowest", "2").out)))
+    rows = list(csv.DictReader(io.StringIO(results("eigen", "massspring", "--csv", "-", "--lowest", "2").out)))
     assert len(rows) == 2
     assert len(rows[0]["modulus [rad/s]"]) > 14
 
@@ -54,7 +54,7 @@ def test_pictures(results, tmp_path):
 
 def test_bode_numbers(results):
     """-6000 s (s + 5)/(s^2 + 5 s + 1000), the transfer function of the printed figure."""
-    done = results("bode", "lever", "--csv", "--low", "0.5", "--high", "50")
+    done = results("bode", "lever", "--csv", "-", "--low", "0.5", "--high", "50")
     header, *rows = csv.reader(io.StringIO(done.out))
     assert header[1] == "amplitude OUTF node 5 x / INX node 7 x"
     f, amplitude, phase = np.array(rows, float).T
@@ -114,8 +114,8 @@ END
 
 
 def test_wrong_wishes(results):
-    assert "no output 7; there are 1 (OUTF node 5 x)" in results("bode", "lever", "--to", "7").err
-    assert "step 4 does not exist" in results("eigen", "massspring", "--step", "4").err
+    assert "no output 7; there are 1 (OUTF node 5 x)" in results("bode", "lever", "--of", "7").err
+    assert "step 4 does not exist" in results("eigen", "massspring", "--at", "4").err
     assert "no position node" in results("compliance", "plbeam5", "2", "4").err
     assert "no eigenvalues" in results("eigen", "nothing").err or "not found" in results("eigen", "nothing").err
     assert results("bode", "lever", "--low", "5", "--high", "1").status == 2

@@ -204,7 +204,7 @@ def test_a_library_of_other_element_definitions_is_not_used(elsewhere):
 
 @here
 def test_log_and_json_say_which_engine_and_why(tmp_path, monkeypatch):
-    program = ["1", str(DATA / "crank.dat"), "-o", str(tmp_path), "--json", "--steps", "2"]
+    program = ["1", str(DATA / "crank.dat"), "--output-dir", str(tmp_path), "--json", "--steps", "2"]
 
     def engine(*words, **variables):
         out, err = io.StringIO(), io.StringIO()

@@ -34,7 +34,8 @@ def test_names_with_and_without_extension(results, name):
 
 def test_draw_in_all_still_formats_is_reproducible(results):
     files = [results / f"p.{kind}" for kind in ("png", "svg", "pdf")]
-    arguments = ["draw", results / "crank", "--strobe", 4, "-n", "--trace", 6, *(w for f in files for w in ("-o", f))]
+    outputs = [w for f in files for w in ("-o", f)]
+    arguments = ["draw", results / "crank", "--strobe", 4, "--numbers", "--trace", 6, *outputs]
     assert call(*arguments).status == 0
     first = [f.read_bytes() for f in files]
     assert first[0].startswith(PNG)
@@ -47,9 +48,9 @@ def test_draw_in_all_still_formats_is_reproducible(results):
 @pytest.mark.parametrize(
     "options",
     [
-        ["--steps", "end"],
-        ["--steps", "1:3"],
-        ["-s", "all", "--no-supports"],
+        ["--at", "end"],
+        ["--at", "1:3"],
+        ["--at", "all", "--no-supports"],
         ["--strobe", "3", "--initial"],
         ["--no-trace"],
         ["--node-numbers"],
@@ -77,9 +78,9 @@ def test_options_of_spatial_pictures(results, options):
     ("arguments", "part"),
     [
         (["draw", "nothing"], "nothing.sbd not found"),
-        (["draw", "crank", "--steps", "999"], "step 999 does not exist"),
-        (["draw", "crank", "--steps", "first"], "is no step"),
-        (["draw", "crank", "--steps", "1", "--strobe", "3"], "exclude each other"),
+        (["draw", "crank", "--at", "999"], "step 999 does not exist"),
+        (["draw", "crank", "--at", "first"], "is no step"),
+        (["draw", "crank", "--at", "1", "--strobe", "3"], "exclude each other"),
         (["draw", "crank", "--trace", "99"], "--trace: position node 99 does not exist; the model has 1, 3, 6"),
         (["draw", "crank", "--trace", "2"], "position node 2"),
         (["draw", "crank", "--hide", "9"], "element 9 does not exist"),
@@ -90,16 +91,16 @@ def test_options_of_spatial_pictures(results, options):
         (["visual", "crank"], "use spacar draw"),
         (["visual", "crank", "7"], "for pictures of mode 7 run: spacar 7 crank"),
         (["visual", "plbeam5free", "8"], "spacar 8 plbeam5free"),
-        (["visual", "plbeam5free", "-m", "11"], "does not exist"),
+        (["visual", "plbeam5free", "--mode-number", "11"], "does not exist"),
         (["visual", "fourbar"], "OUTLEVEL 0 1"),
         (["visual", "plbeam5", "--stress", "mises"], "cross-section"),
         (["visual", "trike2", "--diagram", "N"], "no beams or trusses"),
         (["visual", "trike2", "-o", "c.gif"], "ends in .png, .svg, .pdf"),
-        (["visual", "plbeam5", "--step", "7"], "step 7 does not exist"),
+        (["visual", "plbeam5", "--at", "7"], "step 7 does not exist"),
         (["plot", "crank", "x[99,1]"], "node 99 does not exist"),
         (["plot", "crank", "dxx"], "not a variable"),
         (["plot", "crank"], "EXPR"),
-        (["report", "crank", "-p", "x[1"], "no expression"),
+        (["report", "crank", "--plot", "x[1"], "no expression"),
     ],
     ids=lambda v: " ".join(v) if isinstance(v, list) else "",
 )
@@ -181,7 +182,7 @@ def test_animation_bar_on_terminals_only(results):
     ("arguments", "file"),
     [
         (["visual", "plbeam5free"], "plbeam5free_vibration1.png"),
-        (["visual", "plbeam5free", "7", "-m", "2", "--factor", "3", "--no-rest"], "plbeam5free_vibration2.png"),
+        (["visual", "plbeam5free", "7", "--factor", "3", "--mode-number", "2"], "plbeam5free_vibration2.png"),
         (["visual", "lateral4"], "lateral4_buckling1.png"),
         (["visual", "trike2"], "trike2_constraints.png"),
         (["visual", "plbeam5", "--diagram", "Mz"], "plbeam5_Mz.png"),
@@ -201,7 +202,7 @@ def test_default_names(results, monkeypatch, arguments, file):
 
 
 def test_several_modes_get_names_of_their_own(results):
-    done = call("visual", results / "plbeam5free", "-m", "1:3", "-o", results / "m.svg")
+    done = call("visual", results / "plbeam5free", "--mode-number", "1:3", "-o", results / "m.svg")
     assert done.out.split() == [str(results / f"m_vibration{k}.svg") for k in (1, 2, 3)]
 
 
@@ -257,7 +258,7 @@ def test_one_frame_of_ten_thousand_in_a_second_and_a_half(results):
 
     long_result(results)
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([sys.executable, "-m", "spacar_cli.main", "draw", results / "long", "-s", "9000"], check=True)
+    subprocess.run([sys.executable, "-m", "spacar_cli.main", "draw", results / "long", "--at", "9000"], check=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     assert (results / "long.png").exists()
     assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 1.5

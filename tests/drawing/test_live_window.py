@@ -35,7 +35,7 @@ def test_results_and_log_are_there_while_the_window_is_open(results, no_screen, 
     (results / "crank.sbd").unlink()
     (results / "crank.log").unlink()
     monkeypatch.setattr(window.LivePlot, "wait", wait)
-    call("1", results / "crank", "--plot", "--quiet", "--steps", 4)
+    call("1", results / "crank", "--show", "--quiet", "--steps", 4)
     assert seen == [(True, (results / "crank.log").read_text())]
     assert len(seen[0][1]) > 500
 

@@ -71,7 +71,7 @@ def test_what_the_page_says(results):
     text = (results / "plbeam5free.html").read_text("utf-8")
     assert "0.355131" in text
     assert "<h2>Log</h2>" not in text
-    call("report", results / "crank", "-p", "x[6,1]", "-o", results / "other.html")
+    call("report", results / "crank", "--plot", "x[6,1]", "-o", results / "other.html")
     assert "x[6,1] (m)" in (results / "other.html").read_text("utf-8")
 
 

@@ -180,7 +180,7 @@ def test_the_command(tmp_path, monkeypatch, capsys):
     text = BAR.format(section="RECT 30 12", kind=WARPED["kind"], q=4, n=2, loads=loads, more="FIX 3")
     (tmp_path / "bar.dat").write_text(text.replace("SECTION", "UNITS mm\nSECTION", 1).replace("X 4 1.", "X 4 100."))
     assert main(["7", "bar"]) == 0
-    assert main(["stress", "bar", "--points", "3", "--csv", "s.csv", "--npz", "s.npz"]) == 0
+    assert main(["stress", "bar", "--points", "3", "--csv", "s.csv", "-o", "s.npz"]) == 0
     printed = capsys.readouterr().out
     assert "Largest of all" in printed
     assert "y (mm)" in printed

@@ -87,7 +87,7 @@ def test_wrong_wishes(results):
         with pytest.raises(UsageError, match=text):
             section_stress(source, step, element, place)
     for words in (("-e", 1, "-e", 2), ()):
-        assert "one element" in call("stress", results / "lateral4", *words, "--picture", results / "a.png").err
+        assert "one element" in call("stress", results / "lateral4", *words, "-o", results / "a.png").err
     wrong = call("visual", results / "lateral4", "--over-section")
     assert (wrong.status, "--stress mises, normal or shear" in wrong.err) == (2, True)
     none = call("visual", results / "plbeam5", "--over-section", "--stress", "normal")
@@ -96,7 +96,7 @@ def test_wrong_wishes(results):
 
 def test_commands(results):
     done = call(
-        "stress", results / "lateral4", "-e", 1, "--at", 0.5, "--picture", results / "a.png", "--quantity", "shear"
+        "stress", results / "lateral4", "-e", 1, "--place", 0.5, "-o", results / "a.png", "--of", "shear"
     )
     assert done.status == 0, done.err
     done = call("visual", results / "lateral4", "--stress", "mises", "--over-section", "-o", results / "b.png")

@@ -82,9 +82,9 @@ def test_abort_ends_the_run_like_an_interrupt(no_screen):
 
 
 def test_plot_option_of_a_run(results, no_screen):
-    assert call("1", results / "crank", "--plot", "--quiet", "--steps", 4).status == 0
+    assert call("1", results / "crank", "--show", "--quiet", "--steps", 4).status == 0
     assert (results / "crank.sbd").is_file()
-    assert "No such option" in call("-1", results / "crank", "--plot").err
+    assert "No such option" in call("-1", results / "crank", "--show").err
 
 
 def test_play_goes_round(no_screen):

@@ -13,6 +13,6 @@ def test_the_refusal_says_what_the_original_does_and_what_to_do(tmp_path):
     output.write_bytes(b"kept")
     with pytest.raises(UsageError) as caught:
         combsbd([tmp_path / "a", tmp_path / "b"], output)
-    for words in ("all.sbd exists", "the original overwrites", "--force"):
+    for words in ("all.sbd exists", "the original overwrites", "--overwrite"):
         assert words in str(caught.value)
     assert output.read_bytes() == b"kept"

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import json
 from importlib import import_module
+from io import StringIO
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from spacar_cli.environment import Environment
 
 from spacar.errors import AnalysisError, UsageError
 
@@ -16,7 +19,11 @@ from .samples import LNP, ltv, sbd, sbm
 
 def call(name, *words):
     command = import_module(f"spacar_cli.commands.{name}").command
-    return CliRunner().invoke(command, [str(w) for w in words])
+    env = Environment(StringIO(), StringIO(), StringIO(), {})
+    done = CliRunner().invoke(command, [str(w) for w in words], obj=env)
+    return SimpleNamespace(
+        exit_code=done.exit_code, exception=done.exception, stdout=env.stdout.getvalue(), stderr=env.stderr.getvalue()
+    )
 
 
 def array(result):
@@ -78,21 +85,21 @@ def test_every_tool_says_that_a_file_is_incomplete(tmp_path):
     for name, *words in runs:
         result = call(name, tmp_path / "a.sbd", *words)
         assert result.exit_code == 0
-        assert text in result.output
+        assert text in result.stdout + result.stderr
     assert text in call("combsbd", tmp_path / "a", tmp_path / "a", tmp_path / "b").stderr
 
 
 def test_repinsbf_takes_json_and_negative_numbers(tmp_path):
     path = sbd(tmp_path / "a.sbd")
-    assert call("repinsbf", path, "t", "-2.5", "--step", "2").exit_code == 0
-    assert call("repinsbf", path, "x", "[7, 8, -9]", "--step", "1").exit_code == 0
+    assert call("repinsbf", path, "t", "-2.5", "--at", "2").exit_code == 0
+    assert call("repinsbf", path, "x", "[7, 8, -9]", "--at", "1").exit_code == 0
     assert call("getfrsbf", path, "t").stdout.split() == ["0.0", "-2.5", "0.2"]
     assert call("getfrsbf", path, "x", "1").stdout.split() == ["7.0", "8.0", "-9.0"]
     for words in (
         ("x", "[1"),
         ("x", "[1,2]"),
-        ("x", "{}", "--step", "1"),
-        ("x", "null", "--step", "1"),
+        ("x", "{}", "--at", "1"),
+        ("x", "null", "--at", "1"),
         ("y", "1"),
     ):
         assert isinstance(call("repinsbf", path, *words).exception, UsageError)
@@ -114,7 +121,7 @@ def test_combsbd_and_getss(tmp_path):
     ltv(tmp_path / "a.ltv")
     assert "6 steps" in call("combsbd", tmp_path / "a", tmp_path / "a", tmp_path / "b").stdout
     assert isinstance(call("combsbd", tmp_path / "a", tmp_path / "a", tmp_path / "b").exception, UsageError)
-    assert call("combsbd", "--force", tmp_path / "a", tmp_path / "a", tmp_path / "b").exit_code == 0
+    assert call("combsbd", "--overwrite", tmp_path / "a", tmp_path / "a", tmp_path / "b").exit_code == 0
     assert "A (2 x 2):\n0.0 1.0\n-4.0 -0.1" in call("getss", tmp_path / "a").stdout
     assert json.loads(call("getss", tmp_path / "a", 2, "--json").stdout)["t"] == 0.5
     assert call("getss", tmp_path / "a", "-o", tmp_path / "ss.mat").exit_code == 0

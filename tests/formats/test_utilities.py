@@ -35,6 +35,8 @@ from .samples import LNP, M, ltv, sbd, sbm
         ("1:4:end", [1, 5, 9]),
         ("1,4, 9", [1, 4, 9]),
         ("8:end,1", [8, 9, 1]),
+        ("-1", 9),
+        ("-2:end", [8, 9]),
     ],
 )
 def test_step_numbers_as_in_matlab(text, numbers):
@@ -42,7 +44,7 @@ def test_step_numbers_as_in_matlab(text, numbers):
 
 
 @pytest.mark.parametrize(
-    "text", ["", "x", "1:", "0:3", "3:2", "1:0:5", "2:10", "1;2", "-1", "1:10000000000000"]
+    "text", ["", "x", "1:", "0:3", "3:2", "1:0:5", "2:10", "1;2", "-10", "1:10000000000000"]
 )
 def test_wrong_step_numbers_are_usage_errors(text):
     with pytest.raises(UsageError):
@@ -195,7 +197,7 @@ def test_combsbd_puts_steps_behind_each_other(tmp_path):
         assert file.complete
         np.testing.assert_array_equal(file.get("x")[:, 0], [0, 1, 2, 0, 1, 0, 1, 2])
         assert file.get("note") == ["unknown variable"]
-    with pytest.raises(UsageError, match="--force"):
+    with pytest.raises(UsageError, match="--overwrite"):
         combsbd([tmp_path / "a", tmp_path / "b"], tmp_path / "all")
     assert combsbd([tmp_path / "a", tmp_path / "b"], tmp_path / "a", force=True)[1] == 5
     assert getfrsbf(tmp_path / "a", "tdef") == [[5]]

@@ -21,7 +21,7 @@ TARGETS = (
     (("draw", "old", "-o", "a.svg"), "a.svg"), (("draw", "old", "-o", "a.png"), "a.png"),
     (("draw", "old", "--frames", "6", "-o", "a.gif"), "a.gif"), (("report", "old", "-o", "a.html"), "a.html"),
     (("plot", "old", "x[6,1]", "--csv", "a.csv"), "a.csv"), (("loadsbd", "old", "-o", "a.npz"), "a.npz"),
-    (("repinsbf", "old", "T", "0", "--step", "1"), "old.sbd"), (("combsbd", "old", "old", "a", "--force"), "a.sbd"),
+    (("repinsbf", "old", "T", "0", "--at", "1"), "old.sbd"), (("combsbd", "old", "old", "a", "--overwrite"), "a.sbd"),
     (("trade", "old", "-i", "155", "-t", "1e-3", "--repeats", "1", "-o", "a.json"), "a.json"),
     (("sweep", "old", "--set", "XM.6=0.03:0.04:200", "--result", "x[6,1]@end", "-o", "rows.csv"), None),
     (("1", "crank", "--steps", "4000"), None),

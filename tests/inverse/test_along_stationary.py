@@ -150,7 +150,7 @@ def test_compliance_of_the_free_mechanism(tmp_path: Path):
     (tmp_path / "hinge_3.dat").write_text(text("DYNX"))
     command("10", tmp_path / "hinge")
     command("3", tmp_path / "hinge_3")
-    found = np.array(json.loads(command("compliance", tmp_path / "hinge_3", "7", "--step", "2", "--json"))["global"])
+    found = np.array(json.loads(command("compliance", tmp_path / "hinge_3", "7", "--at", "2", "--json"))["global"])
     nominal = spacar.run(10, tmp_path / "hinge.dat")
     result = spacar.run(3, tmp_path / "hinge_3.dat", nominal=nominal)
     n = result.mechanism.numbering

@@ -157,7 +157,7 @@ def test_bode(pair, capsys):
     _, _, folder = pair
     tables = []
     for name in ("sparse", "dense"):
-        words = ["bode", str(folder / name), "--csv", "--low", "0.01", "--high", "3", "--points", "20"]
+        words = ["bode", str(folder / name), "--csv", "-", "--low", "0.01", "--high", "3", "--points", "20"]
         assert main(words) == 0
         rows = list(csv.reader(io.StringIO(capsys.readouterr().out)))
         tables.append({row[0]: np.array(row[1:], float) for row in rows[1:]})
@@ -233,7 +233,7 @@ def test_visual_and_eigen_commands(pair, capsys):
     assert main(["eigen", str(folder / "sparse"), "--lowest", "2", "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)
     assert len(rows) == 2 * len(sparse.frames)
-    assert main(["visual", str(folder / "sparse"), "-m", "1", "-o", str(folder / "mode.png")]) == 0
+    assert main(["visual", str(folder / "sparse"), "--mode-number", "1", "-o", str(folder / "mode.png")]) == 0
 
 
 def test_too_large_for_full_matrices(pair, monkeypatch):

@@ -75,7 +75,7 @@ def test_the_attack_of_the_issue_is_refused(tmp_path, monkeypatch):
     assert not (tmp_path / "PWNED").exists()
 
 
-@pytest.mark.parametrize("compiled", [(), ("--compile",)], ids=["python", "c"])
+@pytest.mark.parametrize("compiled", [(), ("--compiled",)], ids=["python", "c"])
 @pytest.mark.parametrize("title", BREAKOUTS.values(), ids=BREAKOUTS)
 def test_a_title_never_enters_what_is_executed(tmp_path, monkeypatch, title, compiled):
     monkeypatch.chdir(tmp_path)
@@ -93,7 +93,7 @@ def test_exported_files_hold_the_title_escaped(tmp_path, monkeypatch, language):
         target = tmp_path / f"out.{language}"
         status, _, err = run("symbolic", "export", write(tmp_path, title), "--language", language, "-o", target)
         assert status == 0
-        assert err.startswith("check: energy")  # what was found out about the equations, nothing else
+        assert err.startswith("information: check: energy")  # what was found out about the equations, nothing else
         assert len(err.splitlines()) == 1
         text = target.read_text(encoding="utf-8")
         if language == "python":

@@ -162,7 +162,7 @@ def test_both_ways_to_eigenvalues_agree(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 # -- the command -----------------------------------------------------------------------------------------------------
-ARGUMENTS = ["-p", "ESTIFF.1[EA]", "-p", "XM.2", "-q", "f: frequency[1]", "-q", "x[2,1]@end"]
+ARGUMENTS = ["-p", "ESTIFF.1[EA]", "-p", "XM.2", "--of", "f: frequency[1]", "--of", "x[2,1]@end"]
 
 
 @pytest.fixture
@@ -193,7 +193,7 @@ def test_csv_and_json(oscillator: str, tmp_path: Path, capsys: pytest.CaptureFix
     assert found["derivatives"][0][0] == float(rows[0]["derivative"])
     assert found["quantities"][1] == {"name": "x[2,1]@end", "value": float(rows[2]["value"]), "unit": "m"}
     assert (tmp_path / "out.csv").read_text().startswith("quantity,value,unit,parameter,at")
-    assert main(["sensitivity", oscillator, "-p", "ESTIFF.1[EA]=24", "-q", "frequency[1]", "--json"]) == 0
+    assert main(["sensitivity", oscillator, "-p", "ESTIFF.1[EA]=24", "--of", "frequency[1]", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["parameters"][0]["value"] == 24.0
 
 
@@ -201,9 +201,9 @@ def test_csv_and_json(oscillator: str, tmp_path: Path, capsys: pytest.CaptureFix
     ("arguments", "status", "words"),
     [
         (["-p", "ESTIFF.1"], 2, "give at least one --parameter"),
-        (["-p", "ESTIFF.7", "-q", "x[2,1]"], 2, "there is no statement ESTIFF 7"),
-        (["-p", "ESTIFF.1=a", "-q", "x[2,1]"], 2, "'a' in 'ESTIFF.1=a' is not a number"),
-        (["-p", "ESTIFF.1", "-q", "y[2,1]"], 2, "variables with indices are"),
+        (["-p", "ESTIFF.7", "--of", "x[2,1]"], 2, "there is no statement ESTIFF 7"),
+        (["-p", "ESTIFF.1=a", "--of", "x[2,1]"], 2, "'a' in 'ESTIFF.1=a' is not a number"),
+        (["-p", "ESTIFF.1", "--of", "y[2,1]"], 2, "variables with indices are"),
     ],
 )
 def test_what_the_command_refuses(
@@ -216,7 +216,7 @@ def test_what_the_command_refuses(
 def test_notes_go_to_standard_error(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     path = tmp_path / "spatial.dat"
     path.write_text(still(linear_models.SPATIAL.format(extra="", third="")).text)
-    assert main(["sensitivity", str(path), "-p", "XM.6", "-q", "x[6,1]"]) == 0
+    assert main(["sensitivity", str(path), "-p", "XM.6", "--of", "x[6,1]"]) == 0
     assert "cut to 0.5 of its size" in capsys.readouterr().err
 
 

@@ -87,7 +87,7 @@ def folder(tmp_path_factory):
     (place / "alone.sim").write_text(ALONE)
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(place)
-        assert run("sim", "held", "-q", "--picture", "held.png")[0] == 0
+        assert run("sim", "held", "-q", "-o", "held.png")[0] == 0
         assert run("sim", "alone", "-q")[0] == 0
     return place
 
@@ -161,7 +161,7 @@ def test_scopes_stand_beside_the_mechanism(here):
 def test_no_window_without_a_display(here, monkeypatch):
     for name in ("DISPLAY", "WAYLAND_DISPLAY", "MPLBACKEND"):
         monkeypatch.delenv(name, raising=False)
-    status, _, err = run("sim", "alone", "--plot", "-o", "never.npz")
+    status, _, err = run("sim", "alone", "--show", "-o", "never.npz")
     assert status == 2
     assert "no window can be opened here" in err
     assert not (here / "never.npz").exists()  # told before the run
@@ -194,7 +194,7 @@ def test_every_example_simulation_is_listed_and_copied_with_its_models(tmp_path)
     listed = run("examples")[1]
     for name in ("robotopen", "robotflexltv", "robotsim.sim"):
         assert name in listed
-    assert run("examples", "robotflexltv", "--to", tmp_path)[0] == 0
+    assert run("examples", "robotflexltv", "--output-dir", tmp_path)[0] == 0
     names = {p.name for p in tmp_path.iterdir()}
     assert names == {"robotflexltv.sim", "robotflexinv.dat", "robotflexinvlin.dat"}
 

@@ -39,7 +39,7 @@ def call(tmp_path, monkeypatch):
 def test_tables_are_in_the_unit_of_the_file_and_files_in_metres(call, tmp_path):
     """UNITS mm: 7x=5 are 5 mm; the table says mm, N/mm and N/mm^2; csv, npz and JSON are in SI and agree."""
     words = ("leafguide", "--move", "7x=5", "--steps", "2")
-    status, out, err = call(*words, "--csv", "a.csv", "--npz", "a.npz")
+    status, out, err = call(*words, "--csv", "a.csv", "-o", "a.npz")
     assert (status, err) == (0, "")
     assert "stroke (mm)  force (N)  drive stiffness (N/mm)" in out
     assert re.search(r"^ +5 +13\.15 +2\.64", out, re.MULTILINE)
@@ -69,7 +69,7 @@ def test_the_same_model_in_metres(tmp_path):
 
 
 def test_the_page_holds_everything(call, tmp_path):
-    status, out, _ = call("planar", "--move", "9x=+-0.01", "--steps", "2", "--report", "page.html")
+    status, out, _ = call("planar", "--move", "9x=+-0.01", "--steps", "2", "-o", "page.html")
     assert status == 0
     assert out.startswith("page.html\n")
     page = (tmp_path / "page.html").read_text()
@@ -130,7 +130,7 @@ def test_a_model_without_a_drive_asks_for_one(call):
 
 @pytest.mark.slow
 def test_a_stroke_that_is_too_long_fails_without_files(call, tmp_path):
-    status, _, err = call("planar", "--move", "9x=1", "--steps", "1", "--csv", "a.csv", "--report", "a.html")
+    status, _, err = call("planar", "--move", "9x=1", "--steps", "1", "--csv", "a.csv", "-o", "a.html")
     assert status == 1
     assert err.startswith("error: ")
     assert not (tmp_path / "a.csv").exists()

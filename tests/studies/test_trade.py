@@ -155,7 +155,7 @@ def pendulum():
 
 def test_command_table_and_restart(call, pendulum):
     words = ("trade", "pendulum", "-i", "0,155", "-t", "1e-4,1e-6", "--repeats", "1")
-    files = ("-o", "t.csv", "--plot", "t.svg")
+    files = ("-o", "t.csv", "-o", "t.svg")
     done = call(*words, *files)
     assert (done.status, done.err) == (0, "")
     assert "cheapest for an error of 1e-06" in done.out
@@ -213,13 +213,13 @@ def test_models_of_a_flexible_mechanism(call):
     [
         (("crankfl", "-i", "999"), "integrator 999 does not exist"),
         (("crankfl", "-t", "0,1"), "must be positive"),
-        (("crankfl", "-e", "1.5"), "whole numbers"),
-        (("crankfl", "-e", "0"), "1 or more elements"),
+        (("crankfl", "--elements", "1.5"), "whole numbers"),
+        (("crankfl", "--elements", "0"), "1 or more elements"),
         (("crankfl", "-m", "2"), "trade runs modes 1, 7, 8, 9, 10"),
-        (("crankfl", "--plot", "p.gif"), "must end with .png"),
+        (("crankfl", "-o", "p.gif"), "must end with"),
         (("crankfl", "-o", "t.txt"), "must end with .csv"),
         (("crankfl", "--variable", "y"), "not known"),
-        (("crank", "-e", "1,2"), "no flexible PLBEAM or BEAM"),
+        (("crank", "--elements", "1,2"), "no flexible PLBEAM or BEAM"),
         (("crank", "--rigid"), "no beam with dynamic deformations"),
         (("crank", "-m", "7"), "without flexible beams"),
         (("robotsim",), "free coordinates|TIMESTEP|without flexible"),

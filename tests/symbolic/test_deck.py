@@ -163,7 +163,7 @@ def test_the_flexible_slider_crank_of_the_manual(folder):
     status, out, err = spacar("symbolic", "export", "crankfl.dat", "--time", "0.02")
     assert status == 0, err
     assert differences(out)[0] < 5e-6
-    status, out, err = spacar("symbolic", "simulate", "crankfl.toml", "--time", "0.01", "--steps", "4", "--compile")
+    status, out, err = spacar("symbolic", "simulate", "crankfl.toml", "--time", "0.01", "--steps", "4", "--compiled")
     assert status == 0, err
     assert spacar("draw", "crankfl", "-o", "c.png")[0] == 0
 

@@ -224,7 +224,7 @@ def test_derive_in_three_notations_and_formats(model):
     assert status == 0
     assert "equation of s1:" in out
     assert "b12.b22" in out
-    status, out, _ = run("symbolic", "derive", path, "--show", "transformed", "--format", "latex")
+    status, out, _ = run("symbolic", "derive", path, "--notation", "transformed", "--format", "latex")
     assert r"\begin{align*}" in out
     assert r"\hat" not in out
     status, out, _ = run("symbolic", "derive", path, "--strategy", "recursive", "--format", "json")
@@ -234,7 +234,7 @@ def test_derive_in_three_notations_and_formats(model):
 
 
 def test_held_equations_of_the_recursive_strategy_are_refused(model):
-    status, _, err = run("symbolic", "derive", model(), "--strategy", "recursive", "--show", "held")
+    status, _, err = run("symbolic", "derive", model(), "--strategy", "recursive", "--notation", "held")
     assert status == 2
     assert "only the held strategy" in err
 
@@ -250,7 +250,7 @@ def test_export(model, tmp_path, language):
 
 def test_simulate_writes_log_result_and_figures(model, tmp_path):
     path = model()
-    words = ("--time", "0.5", "--steps", "5", "--set", "g=0", "--set", "q4=0.5", "--plot", "--show")
+    words = ("--time", "0.5", "--steps", "5", "--set", "g=0", "--set", "q4=0.5", "--plot", "all", "--equations")
     status, out, _ = run("symbolic", "simulate", path, *words)
     assert status == 0
     assert "largest real part" in out

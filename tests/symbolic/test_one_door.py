@@ -163,7 +163,7 @@ def test_what_has_no_points_says_so(tmp_path, monkeypatch):
 def test_a_compiler_that_cannot_be_used_is_told_before_anything_is_written(result, monkeypatch, cc):
     monkeypatch.setenv("CC", cc)
     before = (result / "pendulum.sbd").read_bytes()
-    status, _, err = spacar("symbolic", "simulate", "pendulum.toml", "--compile")
+    status, _, err = spacar("symbolic", "simulate", "pendulum.toml", "--compiled")
     assert status == 2
     assert ("is empty" if not cc else "'no-such-compiler', was not found") in err
     assert (result / "pendulum.sbd").read_bytes() == before

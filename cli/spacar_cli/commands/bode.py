@@ -2,39 +2,40 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import click
 
 from spacar.errors import UsageError
-from spacar_cli.drawing_options import OUTPUT
+from spacar_cli import vocabulary as words
+from spacar_cli.drawing_options import PICTURES
 from spacar_cli.environment import Environment
-from spacar_cli.number_types import Real, Whole
+from spacar_cli.row_output import put_rows
+from spacar_cli.status import tell_notes
 
 
-@click.command("bode")
+@words.command("bode")
 @click.argument("file")
-@click.option("--step", type=Whole(), default=1, show_default=True, help="Stored step, from 1.")
-@click.option("--input", "inputs", multiple=True, metavar="NAME", help="Number (from 1) or part of the name; all.")
-@click.option("--to", "outputs", multiple=True, metavar="NAME", help="The same for outputs.")
-@click.option("--low", type=Real(min=0, min_open=True), help="Lowest frequency [Hz].")
-@click.option("--high", type=Real(min=0, min_open=True), help="Highest frequency [Hz].")
-@click.option("--points", type=Whole(2, 100000), default=400, show_default=True, help="Frequencies.")
-@click.option("--csv", "as_csv", is_flag=True, help="Print frequency, amplitude and phase as csv; no picture then.")
-@OUTPUT
+@words.option("at", default=1, show_default=True)
+@words.option("inputs", ": number (from 1) or part of the name; default all.", multiple=True)
+@words.option("of", ": an output by number (from 1) or part of the name; default all.", multiple=True, metavar="NAME")
+@words.option("low")
+@words.option("high")
+@words.option("points", default=400, show_default=True)
+@words.option("csv_file", ": frequency, amplitude and phase; no picture then, unless --output is given.")
+@words.option("output", PICTURES, multiple=True)
 @click.pass_obj
 def command(
     environment: Environment,
     /,
     file: str,
-    step: int,
+    at: int,
     inputs: tuple[str, ...],
-    outputs: tuple[str, ...],
+    of: tuple[str, ...],
     low: float | None,
     high: float | None,
     points: int,
-    as_csv: bool,
+    csv_file: Path | None,
     output: tuple[Path, ...],
 ) -> None:
     """Bode diagram of the state space matrices of a result (NAME.ltv) of mode 3, 4 or 9.
@@ -50,26 +51,20 @@ def command(
 
     with open_result(file, "ltv") as result:
         path = result.path
-        for note in notes(result):
-            environment.tell(f"warning: {note}")
-    system = linear_system(file, step)
+        tell_notes(environment, notes(result))
+    system = linear_system(file, at)
     if low is not None and high is not None and low >= high:
         raise UsageError(f"--low {low:g} is not below --high {high:g}", "bode.range")
-    pairs = [
-        (i, j) for i in _chosen(system.outputs, outputs, "output") for j in _chosen(system.inputs, inputs, "input")
-    ]
+    pairs = [(i, j) for i in _chosen(system.outputs, of, "output") for j in _chosen(system.inputs, inputs, "input")]
     turn = 2 * np.pi
     omega = frequencies(system, low and low * turn, high and high * turn, points)
     response = frequency_response(system, omega)
-    if as_csv:
-        writer = csv.writer(environment.stdout, lineterminator="\n")
+    if csv_file is not None:
         names = [f"{system.outputs[i]} / {system.inputs[j]}" for i, j in pairs]
-        writer.writerow(["frequency [Hz]", *(f"{what} {n}" for n in names for what in ("amplitude", "phase [deg]"))])
-        for k, w in enumerate(omega):
-            cells = [response[k, i, j] for i, j in pairs]
-            writer.writerow([repr(float(w / turn))] + [
-                repr(float(v)) for c in cells for v in (abs(c), np.degrees(np.angle(c)))
-            ])  # fmt: skip
+        heads = ["frequency [Hz]", *(f"{what} {n}" for n in names for what in ("amplitude", "phase [deg]"))]
+        cells = np.array([response[:, i, j] for i, j in pairs])
+        columns = np.stack([np.abs(cells), np.degrees(np.angle(cells))], axis=1).reshape(-1, len(omega))
+        put_rows(environment, csv_file, heads, np.vstack([omega / turn, columns]).T.tolist())
         if not output:
             return
     from spacar_drawing.files import check_name, save
@@ -81,7 +76,7 @@ def command(
     figure = bode_figure(system, omega, response, pairs, path.stem)
     for target in targets:
         save(figure, target)
-        environment.tell(str(target)) if as_csv else environment.say(str(target))
+        environment.wrote(target)
 
 
 def _chosen(names: tuple[str, ...], wanted: tuple[str, ...], what: str) -> list[int]:

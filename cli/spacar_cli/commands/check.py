@@ -11,9 +11,9 @@ import click
 
 from spacar.errors import InputError
 from spacar.modes import find_mode
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 from spacar_cli.input_files import PIPED, STANDARD_INPUT, input_file, parse_piped, piped_text
-from spacar_cli.number_types import Whole
 from spacar_cli.status import ExitStatus, tell_error, tell_messages
 
 if TYPE_CHECKING:
@@ -22,16 +22,13 @@ if TYPE_CHECKING:
 MOST = 20  # names of degrees of freedom
 
 
-@click.command("check")
+@words.command("check")
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--mode", "-m", type=Whole(), help="Check for this mode; without it every block is checked.")
-@click.option("--expand", is_flag=True, help="Print the input with plain statements for SECTION, BEAMSEC, UNITS.")
-@click.option("--verbose", "-v", is_flag=True, help="Print degrees of freedom and the diagnosis of constraints too.")
-@click.option("--json", "as_json", is_flag=True, help="Print all messages in JSON.")
+@words.option("mode", "; without it every block is checked.")
+@words.option("expand")
+@words.option("as_json", ": all messages")
 @click.pass_obj
-def command(
-    environment: Environment, file: Path, mode: int | None, expand: bool, verbose: bool, as_json: bool
-) -> ExitStatus:
+def command(environment: Environment, file: Path, mode: int | None, expand: bool, as_json: bool) -> ExitStatus:
     """Read FILE (or FILE.dat, or standard input for -) and report errors, warnings and information.
 
     With -v also what moves: degrees of freedom, and over- and under-constraints of the start position by name.
@@ -78,8 +75,8 @@ def command(
         environment.say(json.dumps({"input": str(source), "messages": [dataclasses.asdict(m) for m in messages]}))
     else:
         found = (f"{severities.count(s)} {s}{'s' * (severities.count(s) != 1)}" for s in ("error", "warning"))
-        environment.say(f"{source}: {', '.join(found)}")
-        if verbose and deck is not None and status is ExitStatus.DONE:
+        environment.wrote(f"{source}: {', '.join(found)}")
+        if environment.verbose and deck is not None and status is ExitStatus.DONE:
             for line in freedom(without_functions(deck)):
                 environment.say(line)
     return status

@@ -7,12 +7,15 @@ import json
 import click
 
 from spacar.errors import AnalysisError
+from spacar_cli import vocabulary as words
+from spacar_cli.environment import Environment
 
 
-@click.command("checksbf")
+@words.command("checksbf")
 @click.argument("file")
-@click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
-def command(file: str, as_json: bool) -> None:
+@words.option("as_json", ": the findings")
+@click.pass_obj
+def command(environment: Environment, file: str, as_json: bool) -> None:
     """List the variables of a result file and verify its checksums; exit status 1 when it is damaged."""
     from spacar_formats import checksbf
     from spacar_formats.sbf import SbfError
@@ -22,8 +25,9 @@ def command(file: str, as_json: bool) -> None:
     except SbfError as error:  # the file is what was asked about, so this is a result and no wrong use
         raise AnalysisError(str(error), error.code) from None
     if as_json:
-        click.echo(json.dumps(checksbf.as_json(check)))
+        environment.say(json.dumps(checksbf.as_json(check)))
     else:
-        click.echo("\n".join(checksbf.listing(check)))
+        for line in checksbf.listing(check):
+            environment.say(line)
     if not check.sound:
         raise AnalysisError(f"{check.path} is damaged: {'; '.join(check.damage)}", "files.damaged")

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import click
 
+from spacar_cli import vocabulary as words
+from spacar_cli.environment import Environment
+from spacar_cli.status import tell_notes
 
-@click.command("combsbd")
+
+@words.command("combsbd")
 @click.argument("files", nargs=-1, required=True)
 @click.argument("output")
-@click.option("--force", is_flag=True, help="Replace OUTPUT when it exists (the original SPACAR always does).")
-def command(files: tuple[str, ...], output: str, force: bool) -> None:
+@words.option("overwrite", "; the original SPACAR always does.")
+@click.pass_obj
+def command(environment: Environment, files: tuple[str, ...], output: str, overwrite: bool) -> None:
     """Put the steps of two or more .sbd files of one mechanism, in the given order, into OUTPUT."""
     from spacar_formats.combsbd import combsbd
     from spacar_formats.locate import notes, open_result
@@ -18,7 +23,6 @@ def command(files: tuple[str, ...], output: str, force: bool) -> None:
     for name in files:
         with open_result(name, "sbd") as result:
             remarks += notes(result)
-    target, steps = combsbd(files, output, force)
-    for remark in remarks:
-        click.echo(f"warning: {remark}", err=True)
-    click.echo(f"{target}: {steps} steps")
+    target, steps = combsbd(files, output, overwrite)
+    tell_notes(environment, remarks)
+    environment.wrote(f"{target}: {steps} steps")

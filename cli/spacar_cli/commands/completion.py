@@ -8,14 +8,16 @@ import click
 from click.shell_completion import get_completion_class
 
 from spacar.errors import UsageError
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
+from spacar_cli.status import tell
 
 SHELLS = ("bash", "zsh", "fish")
 
 
-@click.command("completion")
+@words.command("completion")
 @click.argument("shell", type=click.Choice(SHELLS), required=False)
-@click.option("--install", is_flag=True, help="Write the script where the shell looks for it, instead of printing it.")
+@words.option("install")
 @click.pass_obj
 def command(environment: Environment, shell: str | None, install: bool) -> None:
     """Print or install the completion of the command line for SHELL (default: that of $SHELL).
@@ -38,8 +40,8 @@ def command(environment: Environment, shell: str | None, install: bool) -> None:
     except OSError as error:
         raise UsageError(f"cannot make the folder {target.parent}: {error.strerror}", "files.open") from None
     write_text(target, script)
-    environment.say(str(target))
-    environment.tell(f"information: {advice}")
+    environment.wrote(target)
+    tell(environment, "information", advice)
 
 
 def source(shell: str) -> str:
@@ -63,8 +65,7 @@ def place(shell: str, environment: Environment) -> tuple[Path, str]:
     if shell == "bash":
         folder = Path(variables.get("BASH_COMPLETION_USER_DIR") or data / "bash-completion") / "completions"
         return folder / "spacar", (
-            "open a new shell; without the package bash-completion add to ~/.bashrc: "
-            f"source {folder / 'spacar'}"
+            f"open a new shell; without the package bash-completion add to ~/.bashrc: source {folder / 'spacar'}"
         )
     if shell == "zsh":
         folder = data / "zsh" / "site-functions"

@@ -7,20 +7,20 @@ import json
 import click
 
 from spacar.deck.length_unit import shown_in
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 from spacar_cli.number_types import Whole
+from spacar_cli.status import tell_notes
 
 
-@click.command("compliance")
+@words.command("compliance")
 @click.argument("file")
 @click.argument("node", type=Whole())
 @click.argument("orientation", type=Whole(), required=False)
-@click.option("--step", type=Whole(), default=1, show_default=True, help="Stored step, from 1.")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@words.option("at", default=1, show_default=True)
+@words.option("as_json")
 @click.pass_obj
-def command(
-    environment: Environment, /, file: str, node: int, orientation: int | None, step: int, as_json: bool
-) -> None:
+def command(environment: Environment, /, file: str, node: int, orientation: int | None, at: int, as_json: bool) -> None:
     """Compliance of a position node and its orientation node in a result of mode 7, 8, 9 or 10.
 
     The displacements and small rotations (6, planar 3) by unit forces and moments at the loaded state, along the global
@@ -32,9 +32,8 @@ def command(
     from spacar_formats.compliance import node_compliance
     from spacar_formats.log.text_layout import matrix
 
-    found, warnings = node_compliance(file, node, orientation, step)
-    for warning in warnings:
-        environment.tell(f"warning: {warning}")
+    found, warnings = node_compliance(file, node, orientation, at)
+    tell_notes(environment, warnings)
     rows, columns = found.labels
     if as_json:
         report = {

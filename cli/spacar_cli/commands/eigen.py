@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,9 +9,11 @@ from typing import TYPE_CHECKING
 import click
 
 from spacar.errors import UsageError
-from spacar_cli.drawing_options import OUTPUT
+from spacar_cli import vocabulary as words
+from spacar_cli.drawing_options import PICTURES
 from spacar_cli.environment import Environment
-from spacar_cli.number_types import Whole
+from spacar_cli.row_output import put_rows
+from spacar_cli.status import tell_notes
 
 if TYPE_CHECKING:
     import numpy as np
@@ -24,55 +25,52 @@ HEADS = (
 )  # fmt: skip
 
 
-@click.command("eigen")
+@words.command("eigen")
 @click.argument("file")
-@click.option("--step", type=Whole(), help="Print only this stored step (from 1; -1 the last).")
-@click.option("--lowest", type=Whole(min=1), metavar="N", help="Only the first N eigenvalues of the table.")
-@click.option("--against", metavar="EXPR", help="What the Campbell diagram is drawn over, as in `spacar plot`.")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-@click.option("--csv", "as_csv", is_flag=True, help="Print csv.")
-@OUTPUT
+@words.option("at", "Default: all of them.")
+@words.option("lowest")
+@words.option("against", " in the Campbell diagram, as in `spacar plot`.")
+@words.option("as_json")
+@words.option("csv_file")
+@words.option("output", PICTURES, multiple=True)
 @click.pass_obj
 def command(
     environment: Environment,
     /,
     file: str,
-    step: int | None,
+    at: int | None,
     lowest: int | None,
     against: str | None,
     as_json: bool,
-    as_csv: bool,
+    csv_file: Path | None,
     output: tuple[Path, ...],
 ) -> None:
     """Frequencies of a result (NAME.sbm) of mode 7 or 10, or of the matrices of mode 3, 4 or 9.
 
     Prints real and imaginary part, modulus, frequency, damping ratio and the degree of freedom with the largest
     component: growing motions first, then by rising frequency, zero modes last. The number of a mode is that of `spacar
-    visual -m`; conjugate eigenvalues are one mode. With --output a picture: the frequencies over the steps, or over the
-    expression --against (the speed of a rotor: Campbell diagram), and the root locus. Of a large model in mode 4 or 9,
-    whose equations are stored sparse, the N lowest are computed, without --lowest 20.
+    visual --mode-number`; conjugate eigenvalues are one mode. With --output a picture: the frequencies over the steps,
+    or over the expression --against (the speed of a rotor: Campbell diagram), and the root locus. Of a large model in
+    mode 4 or 9, whose equations are stored sparse, the N lowest are computed, without --lowest 20.
     """
     from spacar_formats.vibration import read_vibrations, without_rounding
 
     found, names, warnings = read_vibrations(file, *([] if lowest is None else [lowest]))
-    for warning in warnings:
-        environment.tell(f"warning: {warning}")
+    tell_notes(environment, warnings)
     if not found:
         raise UsageError(f"{file} contains no steps: the run stopped before the first one", "eigen.empty")
     chosen = range(1, len(found) + 1)
-    if step is not None:
-        number = len(found) + 1 + step if step < 0 else step
+    if at is not None:
+        number = len(found) + 1 + at if at < 0 else at
         if number not in chosen:
-            raise UsageError(f"step {step} does not exist: {file} has steps 1 to {len(found)}", "files.step")
+            raise UsageError(f"step {at} does not exist: {file} has steps 1 to {len(found)}", "files.step")
         chosen = range(number, number + 1)
     rows = [row for k in chosen for row in _rows(k, found[k - 1], names, lowest)]
     if as_json:
         keys = ("step", "mode", "real", "imag", "modulus", "frequency", "damping", "dof", "stored")
         environment.say(json.dumps([dict(zip(keys, row, strict=True)) for row in rows]))
-    elif as_csv:
-        writer = csv.writer(environment.stdout, lineterminator="\n")
-        writer.writerow(HEADS)
-        writer.writerows([*row[:2], *(repr(v) for v in row[2:7]), *row[7:]] for row in rows)
+    elif csv_file is not None:
+        put_rows(environment, csv_file, HEADS, rows)
     else:
         from spacar_formats.log.text_layout import table
 
@@ -137,4 +135,4 @@ def _pictures(
     figure = root_figure(steps, across, text, Path(file).stem)
     for path in output:
         save(figure, path)
-        environment.say(str(path))
+        environment.wrote(path)

@@ -9,18 +9,19 @@ from pathlib import Path
 import click
 
 from spacar.errors import UsageError
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 
 HERE = Path(__file__).resolve().parent.parent
 PLACES = (HERE / "examples", HERE.parent.parent / "data")  # in an installed wheel, in a checkout
 
 
-@click.command("examples")
+@words.command("examples")
 @click.argument("names", metavar="[NAME]...", nargs=-1)
-@click.option("--to", "folder", type=click.Path(path_type=Path), default=Path("."), help="Folder to copy to [.].")
-@click.option("--force", is_flag=True, help="Overwrite existing files.")
+@words.option("output_dir", "; default the current one.", default=Path())
+@words.option("overwrite")
 @click.pass_obj
-def command(environment: Environment, names: tuple[str, ...], folder: Path, force: bool) -> None:
+def command(environment: Environment, names: tuple[str, ...], output_dir: Path, overwrite: bool) -> None:
     """List the example models, or copy those that are named (`all` for every one) to a folder.
 
     A simulation (.sim) is copied with the models that it needs.
@@ -41,16 +42,16 @@ def command(environment: Environment, names: tuple[str, ...], folder: Path, forc
     for name in chosen:
         if name not in models:
             raise UsageError(f"there is no example '{name}'; `spacar examples` lists them", "usage.example")
-        if (folder / models[name].name).exists() and not force:
-            raise UsageError(f"{folder / models[name].name} exists; --force overwrites it", "files.exists")
-    folder.mkdir(parents=True, exist_ok=True)
+        if (output_dir / models[name].name).exists() and not overwrite:
+            raise UsageError(f"{output_dir / models[name].name} exists; --overwrite replaces it", "files.exists")
+    output_dir.mkdir(parents=True, exist_ok=True)
     needed = [other for name in chosen if name in alone for other in _needed(alone[name], models)]
-    missing = [name for name in needed if force or not (folder / f"{name}.dat").exists()]
+    missing = [name for name in needed if overwrite or not (output_dir / f"{name}.dat").exists()]
     for name in dict.fromkeys((*chosen, *missing)):
         for path in _home().glob(f"{name}.*"):  # with the user functions of the model, when it has some
-            with replacing(folder / path.name) as side:
+            with replacing(output_dir / path.name) as side:
                 shutil.copyfile(path, side)
-        environment.say(str(folder / models[name].name))
+        environment.wrote(output_dir / models[name].name)
 
 
 def _home() -> Path:

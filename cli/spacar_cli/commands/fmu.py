@@ -6,16 +6,16 @@ from pathlib import Path
 
 import click
 
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 from spacar_cli.input_files import input_file
-from spacar_cli.number_types import POSITIVE, TOLERANCE
 
 
-@click.command("fmu")
+@words.command("fmu")
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--output", "-o", type=click.Path(path_type=Path), help="File to write; default FILE.fmu.")
-@click.option("--rtol", type=TOLERANCE, default=1e-6, show_default=True, help="Relative error tolerance.")
-@click.option("--atol", type=POSITIVE, default=1e-8, show_default=True, help="Absolute error tolerance.")
+@words.option("output", "; default FILE.fmu")
+@words.option("rtol", default=1e-6, show_default=True)
+@words.option("atol", default=1e-8, show_default=True)
 @click.pass_obj
 def command(environment: Environment, file: Path, output: Path | None, rtol: float, atol: float) -> None:
     """Export the mechanism with its INPUTS, INPUTF and OUT... as FILE.fmu (FMI 2.0, co-simulation).
@@ -28,4 +28,4 @@ def command(environment: Environment, file: Path, output: Path | None, rtol: flo
     source = input_file(file)
     target = output or source.with_suffix(".fmu")
     plant = export_fmu(source, target, rtol, atol)
-    environment.say(f"{target}: {plant.n_in} inputs, {plant.n_out} outputs, FMI 2.0 for co-simulation")
+    environment.wrote(f"{target}: {plant.n_in} inputs, {plant.n_out} outputs, FMI 2.0 for co-simulation")

@@ -8,35 +8,41 @@ from pathlib import Path
 import click
 
 from spacar.errors import UsageError
-from spacar_cli.number_types import Whole
+from spacar_cli import vocabulary as words
+from spacar_cli.environment import Environment
+from spacar_cli.number_types import StepNumber
+from spacar_cli.status import tell_notes
 
 
-@click.command("getss")
+@words.command("getss")
 @click.argument("file")
-@click.argument("place", type=Whole(), required=False, metavar="[STEP]")
-@click.option("--step", type=Whole(), help="The same as the argument STEP: from 1, -1 the last; default the first.")
-@click.option("--output", "-o", help="Write a .mat, .npz or .json file instead of printing.")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def command(file: str, place: int | None, step: int | None, output: str | None, as_json: bool) -> None:
+@click.argument("step", type=StepNumber(), required=False, metavar="[STEP]")
+@words.option("at", ": the same as the argument STEP; default the first.")
+@words.option("output", ": a .mat, .npz or .json file, instead of printing.")
+@words.option("as_json")
+@click.pass_obj
+def command(
+    environment: Environment, file: str, step: int | None, at: int | None, output: Path | None, as_json: bool
+) -> None:
     """Print or export the state space matrices A, B, C, D of one step (default the first) of an .ltv file."""
     from spacar_formats import getss
     from spacar_formats.getfrsbf import as_lines
     from spacar_formats.locate import notes, open_result
 
-    if place is not None and step is not None:
-        raise UsageError("the step is given twice, as argument and by --step", "usage.step")
-    step = step or place or 1
+    if step is not None and at is not None:
+        raise UsageError("the step is given twice, as argument and by --at", "usage.step")
+    step = step or at or 1
     with open_result(file, "ltv") as result:
-        for note in notes(result):
-            click.echo(f"warning: {note}", err=True)
+        tell_notes(environment, notes(result))
     system = getss.getss(file, step)
     if output is not None:
-        getss.export_getss(system, Path(output))
-        click.echo(output)
+        getss.export_getss(system, output)
+        environment.wrote(output)
     elif as_json:
-        click.echo(json.dumps(getss.as_json(system)))
+        environment.say(json.dumps(getss.as_json(system)))
     else:
         for name, matrix in system.arrays().items():
-            click.echo("\n".join([f"{name} ({matrix.shape[0]} x {matrix.shape[1]}):", *as_lines(matrix)]))
+            for line in (f"{name} ({matrix.shape[0]} x {matrix.shape[1]}):", *as_lines(matrix)):
+                environment.say(line)
         if system.D is None:
-            click.echo("D: none, no direct feedthrough")
+            environment.say("D: none, no direct feedthrough")

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import click
 
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 
 
-@click.command("help")
+@words.command("help")
 @click.argument("word", required=False, metavar="[MODE|COMMAND]")
 @click.pass_context
 def command(context: click.Context, word: str | None) -> None:

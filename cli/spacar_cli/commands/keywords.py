@@ -12,6 +12,7 @@ from spacar.deck.findings import alternatives
 from spacar.deck.keyword_table import ALIASES, KEYWORDS, blocks_of
 from spacar.deck.table_types import BlockKind, Keyword, Variant
 from spacar.errors import UsageError
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ WIDTH = 100
 PICTURES = "VISUALIZATION section behind the blocks, or NAME.spv; each setting on a line of its own"
 
 
-@click.command("keywords")
+@words.command("keywords")
 @click.argument("name", required=False)
 @click.pass_obj
 def command(environment: Environment, name: str | None) -> None:

@@ -6,18 +6,15 @@ from pathlib import Path
 
 import click
 
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 
 
-@click.command("matlab")
-@click.option(
-    "--build",
-    is_flag=False,
+@words.command("matlab")
+@words.option(
+    "build", ", default spacar-matlab, and copies of the files; put that on the path instead.", is_flag=False,
     flag_value="spacar-matlab",
-    type=click.Path(path_type=Path),
-    metavar="[FOLDER]",
-    help="Make FOLDER [spacar-matlab], with copies of the files and the MEX file; put that on the path instead.",
-)
+)  # fmt: skip
 @click.pass_obj
 def command(environment: Environment, build: Path | None) -> None:
     """Print the folder that MATLAB and Octave need on their path: addpath('FOLDER').

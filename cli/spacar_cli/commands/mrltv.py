@@ -6,23 +6,19 @@ from pathlib import Path
 
 import click
 
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 from spacar_cli.number_types import Whole
-from spacar_cli.status import tell
+from spacar_cli.status import tell_notes
 
 
-@click.command("mrltv")
+@words.command("mrltv")
 @click.argument("file")
 @click.argument("modes", type=Whole(min=1))
-@click.option(
-    "--quasi-static", type=Whole(min=0), help="Number of next modes that answer statically; default all."
-)
-@click.option("--output", "-o", type=click.Path(path_type=Path), help="Name of the reduced file; default FILEmr.ltv.")
-@click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
+@words.option("quasi_static", "; default all")
+@words.option("output", "; default FILEmr.ltv")
 @click.pass_obj
-def command(
-    environment: Environment, file: str, modes: int, quasi_static: int | None, output: Path | None, quiet: bool
-) -> None:
+def command(environment: Environment, file: str, modes: int, quasi_static: int | None, output: Path | None) -> None:
     """Reduce the system of an .ltv file to MODES low-frequency modes.
 
     The next modes answer quasi-statically, the remaining ones are dropped. Prints which mode is in which group, with
@@ -38,9 +34,6 @@ def command(
     reduction = reduce_modes(data, modes, quasi_static)
     target = output or path.with_name(f"{path.stem}mr.ltv")
     write_ltv(reduction.system, target, path)
-    if not quiet:
-        for warning in warnings:
-            tell(environment, "warning", warning)
-        for line in reduction.report:
-            environment.say(line)
-        environment.say(str(target))
+    tell_notes(environment, warnings)
+    for line in (*reduction.report, target):
+        environment.wrote(line)

@@ -6,33 +6,23 @@ from pathlib import Path
 
 import click
 
-from spacar_cli.drawing_options import OUTPUT
+from spacar_cli import vocabulary as words
+from spacar_cli.drawing_options import PICTURES
 from spacar_cli.environment import Environment
-from spacar_cli.number_types import Real
-from spacar_cli.status import tell
+from spacar_cli.row_output import put_text
+from spacar_cli.status import tell_notes
 
 
-@click.command("plot")
+@words.command("plot")
 @click.argument("file")
 @click.argument("expressions", metavar="EXPR...", nargs=-1, required=True)
-@OUTPUT
-@click.option("--against", "-x", metavar="EXPR", default="t", show_default=True, help="What the horizontal axis shows.")
-@click.option(
-    "--csv",
-    "csv_file",
-    type=click.Path(path_type=Path, allow_dash=True),
-    help="Write the numbers as csv ('-': print them); no picture then, unless --output is given.",
-)
-@click.option("--title", help="Text above the plot, instead of the name of the result.")
-@click.option(
-    "--dpi",
-    type=Real(20, 1200),
-    default=150.0,
-    show_default=True,
-    help="Resolution of png [dots per inch].",
-)
-@click.option("--show", is_flag=True, help="Open a window. Without this option no window is opened.")
-@click.option("--stale-ok", is_flag=True, help="Plot a result although its input file has changed since.")
+@words.option("output", PICTURES, multiple=True)
+@words.option("against", default="t", show_default=True)
+@words.option("csv_file", "; no picture then, unless --output is given.")
+@words.option("title")
+@words.option("dpi", default=150.0, show_default=True)
+@words.option("show")
+@words.option("stale_ok")
 @click.pass_obj
 def command(
     environment: Environment,
@@ -66,25 +56,18 @@ def command(
     from spacar_drawing.files import check_name, save
     from spacar_drawing.history import csv_text, history_figure
     from spacar_drawing.picture_source import open_source
-    from spacar_formats.safety import write_text
 
     source = open_source(file, stale_ok, drawn=False)
     curves = [curve for text in expressions for curve in curves_of(source, text)]
     across = evaluate(source, against)
-    for warning in warnings([*curves, across]):
-        tell(environment, "warning", warning)
+    tell_notes(environment, warnings([*curves, across]))
     outputs = list(output)
     if not outputs and csv_file is None and not show:
         outputs = [Path(source.name).parent / f"{source.scene.title}_plot.png"]
     for path in outputs:
         check_name(path, film=False)
     if csv_file is not None:
-        text = csv_text(curves, across)
-        if str(csv_file) == "-":
-            environment.stdout.write(text)
-        else:
-            write_text(csv_file, text)
-            environment.say(str(csv_file))
+        put_text(environment, csv_file, csv_text(curves, across))
     if not outputs and not show:
         return
     metre = source.scene.metre
@@ -94,7 +77,7 @@ def command(
     )
     for path in outputs:
         save(figure, path, dpi)
-        environment.say(str(path))
+        environment.wrote(path)
     if show:
         from spacar_drawing.window import still_window
 

@@ -1,4 +1,4 @@
-"""`spacar repinsbf FILE ID VALUE [--step K]`."""
+"""`spacar repinsbf FILE ID VALUE [--at K]`."""
 
 from __future__ import annotations
 
@@ -7,25 +7,22 @@ import json
 import click
 
 from spacar.errors import UsageError
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
-from spacar_cli.number_types import Whole
+from spacar_cli.status import tell_notes
 
 
 def _refuse(word: str) -> None:
     raise UsageError(f"{word} is no value for a result file: finite numbers are needed")
 
 
-@click.command(
-    "repinsbf", context_settings={"ignore_unknown_options": True}
-)  # a value may begin with a minus sign
+@words.command("repinsbf", context_settings={"ignore_unknown_options": True})  # a value may begin with a minus sign
 @click.argument("file")
 @click.argument("ident", metavar="ID")
 @click.argument("value")
-@click.option(
-    "--step", type=Whole(), help="Step number, from 1; required for variables that have one value per step."
-)
+@words.option("at", "; required for variables that have one value a step.")
 @click.pass_obj
-def command(environment: Environment, /, file: str, ident: str, value: str, step: int | None) -> None:
+def command(environment: Environment, /, file: str, ident: str, value: str, at: int | None) -> None:
     """Replace the value of one variable of a result file; the size must be the stored one.
 
     VALUE is JSON: a number, a list such as [1,2,3], a list of rows such as [[1,2],[3,4]], or text in
@@ -37,11 +34,8 @@ def command(environment: Environment, /, file: str, ident: str, value: str, step
     try:
         new = json.loads(environment.stdin.read() if value == "-" else value, parse_constant=_refuse)
     except (ValueError, RecursionError):
-        raise UsageError(
-            f"VALUE is not JSON: {value}; write for example 2.5 or [1,2] or '\"text\"'"
-        ) from None
+        raise UsageError(f"VALUE is not JSON: {value}; write for example 2.5 or [1,2] or '\"text\"'") from None
     with open_result(file) as result:
         path = result.path
-        for note in notes(result):
-            click.echo(f"warning: {note}", err=True)
-    repinsbf(path, ident, new, step)
+        tell_notes(environment, notes(result))
+    repinsbf(path, ident, new, at)

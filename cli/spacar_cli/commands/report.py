@@ -6,53 +6,27 @@ from pathlib import Path
 
 import click
 
+from spacar_cli import vocabulary as words
 from spacar_cli.drawing_options import symbol_kinds
 from spacar_cli.environment import Environment
-from spacar_cli.number_types import Whole
 
 
-@click.command("report")
+@words.command("report")
 @click.argument("file")
-@click.option(
-    "--output", "-o", type=click.Path(path_type=Path), help="File to write. Default: NAME.html beside the result."
-)
-@click.option(
-    "--plot",
-    "-p",
-    "expressions",
-    multiple=True,
-    metavar="EXPR",
-    help="Expression to plot, as for spacar plot, instead of the degrees of freedom. May be repeated.",
-)
-@click.option(
-    "--log-lines",
-    type=Whole(min=0),
-    default=120,
-    show_default=True,
-    help="Lines of the log shown from its beginning and its end; 0: none.",
-)
-@click.option(
-    "--view",
-    default="iso",
-    show_default=True,
-    help="View of a spatial mechanism: iso, xy, xz, yz or azimuth,elevation in degrees.",
-)
-@click.option(
-    "--viewer", is_flag=True, help="With a picture that can be turned and played, as of spacar view (a script)."
-)
-@click.option(
-    "--symbols",
-    metavar="KINDS",
-    help="A picture with these, with commas between: loads, reactions, masses, gravity, axes; or all.",
-)
-@click.option("--stale-ok", is_flag=True, help="Report a result although its input file has changed since.")
+@words.option("output", "; default NAME.html beside the result.")
+@words.option("plot", ", as for spacar plot, instead of the degrees of freedom. May be repeated.", multiple=True)
+@words.option("log_lines", default=120, show_default=True)
+@words.option("view", default="iso", show_default=True)
+@words.option("viewer")
+@words.option("symbols")
+@words.option("stale_ok")
 @click.pass_obj
 def command(
     environment: Environment,
     /,
     file: str,
     output: Path | None,
-    expressions: tuple[str, ...],
+    plot: tuple[str, ...],
     log_lines: int,
     view: str,
     viewer: bool,
@@ -69,6 +43,6 @@ def command(
 
     source = open_source(file, stale_ok)
     path = output or Path(source.name).parent / f"{source.scene.title}.html"
-    page = report_page(source, expressions, log_lines, view, viewer, symbol_kinds(symbols))
+    page = report_page(source, plot, log_lines, view, viewer, symbol_kinds(symbols))
     write_text(path, page)
-    environment.say(str(path))
+    environment.wrote(path)

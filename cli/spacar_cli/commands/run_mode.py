@@ -16,27 +16,25 @@ from spacar.modes import Mode, find_mode
 from spacar.options import BEAMS, check_modes, integrator
 from spacar.stream import Outcome, Run, Sink
 from spacar_cli import accuracy_options
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 from spacar_cli.input_files import PIPED, STANDARD_INPUT, input_file, parse_piped, piped_text, result_stem
-from spacar_cli.number_types import POSITIVE, TOLERANCE, Whole
+from spacar_cli.number_types import Whole
 from spacar_cli.progress import Progress
-from spacar_cli.status import ExitStatus, tell, tell_error, tell_messages
+from spacar_cli.status import ExitStatus, tell, tell_error, tell_messages, tell_notes
 
 if TYPE_CHECKING:
     from spacar_drawing.window import LivePlot
 
     from spacar_cli import releasing
 
-ENGINE = ("--compiled/--general", "compiled", bool, "Equations in C (default where that is possible) or in NumPy.")
-# Options of integrated modes that replace a number of the input file: flag, field of Settings, type, help.
-OVERRIDES: tuple[tuple[str, str, Any, str], ...] = (
-    ("--atol", "atol", POSITIVE, "Absolute error tolerance, instead of ERROR."),
-    ("--rtol", "rtol", TOLERANCE, "Relative error tolerance, instead of ERROR."),
-    ("--integrator", "integrator", Whole(), "Integration method, instead of INTEGRAT."),
-    ("--steps", "n_steps", Whole(min=1), "Number of output steps, instead of TIMESTEP."),
-    ENGINE,
-    ("--time", "duration", POSITIVE, "Length of the time interval, instead of TIMESTEP [s]."),
-)
+WARNING = "warning: "
+# Options of integrated modes that replace a number of the input file, and what.
+OVERRIDES = {
+    "atol": "ERROR", "rtol": "ERROR", "integrator": "INTEGRAT", "n_steps": "TIMESTEP", "compiled": "",
+    "duration": "TIMESTEP",
+}  # fmt: skip
+FLAGS = ("beams", "elements", "modes")
 
 
 def command_of_mode(word: str) -> click.Command:
@@ -44,54 +42,42 @@ def command_of_mode(word: str) -> click.Command:
     mode = find_mode(int(word))
     releases = not mode.forces
     needed = not (releases or accuracy_options.of(mode))  # there the word may have gone to an option
-    params: list[click.Parameter] = [click.Argument(["file"], type=click.Path(path_type=Path), required=needed)]
-    params.append(
-        click.Option(
-            ["--output-dir", "-o"],
-            type=click.Path(path_type=Path),
-            help="Folder for the log and the results.",
-        )
-    )
-    text = (
-        "Measure of the deformations of all beams and tubes, instead of ADEFORM: angle is of fourth order in the "
-        "element length, sine of second."
-    )
-    params.append(click.Option(["--beams"], type=click.Choice(BEAMS), help=text))
-    text = "Equal beams in the place of each flexible beam that can be divided; results are those of the divided model."
-    params.append(click.Option(["--elements"], type=Whole(min=1), help=text))
-    for flag, field, kind, text in OVERRIDES if mode.integrated else (ENGINE,) if mode.forces else ():
-        switch = {"is_flag": True, "default": None} if kind is bool else {"type": kind}
-        params.append(click.Option([flag, field], help=text, **switch))
+    params: list[click.Parameter] = [
+        click.Argument(["file"], type=click.Path(path_type=Path), required=needed),
+        words.parameter("output_dir", ": the log and the results"),
+        words.parameter(
+            "beams", ": angle is of fourth order in the element length, sine of second.", type=click.Choice(BEAMS)
+        ),
+        words.parameter("elements", " that can be divided; results are those of the divided model."),
+    ]
+    for name in OVERRIDES if mode.integrated else ("compiled",) if mode.forces else ():
+        if name == "compiled":
+            params.append(words.parameter(name, default=None))
+        else:
+            params.append(words.parameter(name, f", instead of {OVERRIDES[name]}"))
     if accuracy_options.of(mode):
         params += accuracy_options.options(mode)
     if mode.stationary or mode.third == "linearization" or mode.takes_setpoints:
-        text = "Number of lowest modes, instead of MODES; 0: all of them, with the reduced matrices."
+        text = ", instead of MODES; 0: all of them, with the reduced matrices."
         if mode.third:
-            text = "Lowest modes of a large model (instead of MODES); 0: A, B, C, D and reduced matrices of any size."
+            text = ", of a large model (instead of MODES); 0: A, B, C, D and reduced matrices of any size."
         if mode.takes_setpoints:
-            text = "0: A, B, C, D and reduced matrices of a model of any size."
-        params.append(click.Option(["--modes"], type=Whole(min=0), help=text))
+            text = "; 0: A, B, C, D and reduced matrices of a model of any size."
+        params.append(words.parameter("modes", text, type=Whole(min=0)))
     if mode.takes_setpoints:
-        params.append(
-            click.Option(["--setpoints"], help="Result of mode 2 to linearize along, instead of the search by name.")
-        )
+        params.append(words.parameter("setpoints", type=str))
     if releases:
         text = (
-            "Solve over-constraints by RLSE of flexible deformations, which keeps the physics, and print the lines; "
-            "with a name write the input file with these lines to OUTPUT."
+            "They are RLSE of flexible deformations, which keep the physics, and are printed; with a name the input "
+            "file with these lines is written to OUTPUT."
         )
-        params.append(click.Option(["--release"], is_flag=False, flag_value="", metavar="[OUTPUT]", help=text))
+        params.append(words.parameter("release", text, is_flag=False, flag_value="", type=str))
     if not word.startswith("-"):
-        params.append(click.Option(["--plot"], is_flag=True, help="Show the mechanism in a window while it runs."))
-    params += [
-        click.Option(["--wait"], is_flag=True, help="Wait when another run is writing the same results."),
-        click.Option(["--quiet", "-q"], is_flag=True, help="Print errors only."),
-        click.Option(["--verbose", "-v"], is_flag=True, help="Print warnings, information and a summary."),
-        click.Option(["--json", "as_json"], is_flag=True, help="Print a summary in JSON."),
-    ]
+        params.append(words.parameter("show", ": the mechanism while it runs"))
+    params += [words.parameter("wait"), words.parameter("as_json", ": a summary")]
     short = f"Mode {mode.number}: {mode.title}. Writes FILE.log and " + ", ".join(f"FILE.{k}" for k in mode.files) + "."
     short += " FILE - is standard input, its results are stdin.* in the current folder."
-    return click.Command(word, params=params, callback=click.pass_obj(partial(run_mode, mode)), help=short)
+    return words.Command(word, params=params, callback=click.pass_obj(partial(run_mode, mode)), help=short)
 
 
 def run_mode(
@@ -100,12 +86,10 @@ def run_mode(
     *,
     file: Path | None,
     output_dir: Path | None,
-    quiet: bool,
-    verbose: bool,
     as_json: bool,
     wait: bool = False,
     setpoints: str | None = None,
-    plot: bool = False,
+    show: bool = False,
     release: str | None = None,
     **options: Any,
 ) -> ExitStatus:
@@ -149,23 +133,21 @@ def run_mode(
         if mode.takes_setpoints:
             _set_nominal(run, source, setpoints)
         _check_timestep(run)
-        if not quiet:
-            tell_messages(environment, run.mechanism.deck.messages, ("warning", "information")[: 1 + verbose])
-        show: list[Sink] = [] if quiet else [Progress(environment)]
-        if plot:
+        severities = ("warning", "information")[: 1 + environment.verbose]
+        tell_messages(environment, run.mechanism.deck.messages, severities)
+        watching: list[Sink] = [] if environment.quiet else [Progress(environment)]
+        if show:
             from spacar_drawing.window import LivePlot
 
             window = LivePlot()
-        outcome = run.consume(*show, *results, log, window=window)
+        outcome = run.consume(*watching, *results, log, window=window)
     except (Exception, KeyboardInterrupt) as error:  # before the first step
         log.finish(error)
         outcome.error = error
     finally:
         give_up(results)
-    if run is not None and not quiet:
-        for line in run.report.lines:
-            if line.startswith("warning: "):
-                tell(environment, "warning", line.removeprefix("warning: "))
+    told = [] if run is None else run.report.lines
+    tell_notes(environment, (line.removeprefix(WARNING) for line in told if line.startswith(WARNING)))
     status = _status(environment, outcome, results)
     done: releasing.Done | None = None
     if release is not None and run is not None and status == ExitStatus.DONE:
@@ -175,16 +157,17 @@ def run_mode(
         status = done.status
     if as_json:
         environment.say(_as_json(mode, source, outcome, status, log, results, run, done))
-    elif not quiet and run is not None and (verbose or environment.output_is_terminal or _ill_defined(run)):
-        if verbose or not mode.forces:
-            for line in run.report.lines:
-                environment.say(line)
+    elif run is not None and (environment.verbose or environment.output_is_terminal or _ill_defined(run)):
+        if environment.verbose or not mode.forces:
+            for line in told:
+                if not line.startswith(WARNING):
+                    environment.wrote(line)
         if outcome.error is None:
             names = " ".join(str(p) for p in (log.path, *(s.path for s in results)))
             steps = f"{outcome.steps} step{'s' * (outcome.steps != 1)}"
-            environment.say(f"{source.name}: {mode.title}, {steps} in {outcome.seconds:.2f} s: {names}")
+            environment.wrote(f"{source.name}: {mode.title}, {steps} in {outcome.seconds:.2f} s: {names}")
     if done is not None and not as_json:
-        done.tell(environment, quiet)
+        done.tell(environment)
     if window is not None:
         window.wait()
     return status
@@ -199,11 +182,10 @@ def _ill_defined(run: Run) -> bool:
 def _flags(overrides: dict[str, Any], setpoints: str | None) -> dict[str, Any]:
     """The given options under their names on the command line, for the log."""
     given: dict[str, Any] = {}
-    for flag, field, kind, _ in OVERRIDES:
-        if field in overrides:
-            yes, _, no = flag.partition("/")
-            given[no if kind is bool and not overrides[field] else yes] = True if kind is bool else overrides[field]
-    given |= {f"--{name}": overrides[name] for name in ("beams", "elements", "modes") if name in overrides}
+    for name in (*OVERRIDES, *FLAGS):
+        if name in overrides:
+            yes, _, no = words.VOCABULARY[name].spelled.partition("/")
+            given[yes if overrides[name] or not no else no] = True if no else overrides[name]
     return given | ({"--setpoints": setpoints} if setpoints else {})
 
 

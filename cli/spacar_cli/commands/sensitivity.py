@@ -1,4 +1,4 @@
-"""`spacar sensitivity FILE --parameter TARGET --quantity EXPRESSION`: exact derivatives of stationary quantities."""
+"""`spacar sensitivity FILE --parameter TARGET --of EXPRESSION`: exact derivatives of stationary quantities."""
 
 from __future__ import annotations
 
@@ -8,8 +8,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from spacar.errors import UsageError
+from spacar.options import BEAMS
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 from spacar_cli.input_files import input_file
+from spacar_cli.row_output import put_rows
 from spacar_cli.status import tell
 
 if TYPE_CHECKING:
@@ -18,42 +21,26 @@ if TYPE_CHECKING:
 COLUMNS = ("quantity", "value", "unit", "parameter", "at", "unit of parameter", "derivative", "relative")
 
 
-@click.command("sensitivity", epilog="Parameters and quantities are explained in docs/sensitivity.md.")
+@words.command("sensitivity", epilog="Parameters and quantities are explained in docs/sensitivity.md.")
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option(
-    "--parameter",
-    "-p",
-    "parameters",
-    multiple=True,
-    metavar="TARGET[=VALUE]",
-    help="Number of the input file: 'ESTIFF.3[EI]', 'SECTION.leaf[t]', 'X.2[2] & X.5[2]'; with a value it is given "
-    "that first. May be repeated.",
-)
-@click.option(
-    "--quantity",
-    "-q",
-    "quantities",
-    multiple=True,
-    metavar="[NAME:]EXPRESSION",
-    help="What is differentiated: 'x[6,1]@end', 'frequency[1]', 'lmult[1]', 'max(mises[3])'. May be repeated.",
-)
-@click.option(
-    "--beams", type=click.Choice(["angle", "sine"]), help="Measure of all beams and tubes, instead of ADEFORM."
-)
-@click.option(
-    "--csv",
-    "csv_file",
-    type=click.Path(path_type=Path, allow_dash=True),
-    help="Write a row for every quantity and parameter as csv ('-': print them).",
-)
-@click.option("--json", "as_json", is_flag=True, help="Print values and derivatives in JSON.")
+@words.option(
+    "parameters", ": 'ESTIFF.3[EI]', 'SECTION.leaf[t]', 'X.2[2] & X.5[2]'; with a value it is given that first. May be "
+    "repeated.", multiple=True,
+)  # fmt: skip
+@words.option(
+    "of", ": what is differentiated, 'x[6,1]@end', 'frequency[1]', 'lmult[1]', 'max(mises[3])'. May be repeated.",
+    multiple=True, metavar="[NAME:]EXPRESSION",
+)  # fmt: skip
+@words.option("beams", type=click.Choice(BEAMS))
+@words.option("csv_file", ": a row for every quantity and parameter.")
+@words.option("as_json", ": values and derivatives")
 @click.pass_obj
 def command(
     environment: Environment,
     /,
     file: Path,
     parameters: tuple[str, ...],
-    quantities: tuple[str, ...],
+    of: tuple[str, ...],
     beams: str | None,
     csv_file: Path | None,
     as_json: bool,
@@ -66,28 +53,22 @@ def command(
     from spacar.sensitivities.sensitivity import sensitivity
 
     source = input_file(file)
-    if not parameters or not quantities:
-        text = "give at least one --parameter, for instance 'ESTIFF.1[EI]', and one --quantity, 'frequency[1]'"
+    if not parameters or not of:
+        text = "give at least one --parameter, for instance 'ESTIFF.1[EI]', and one --of, 'frequency[1]'"
         raise UsageError(text, "usage.sensitivity")
     options: dict[str, Any] = {} if beams is None else {"beams": beams}
     names, values = _given(parameters)
     if any(v is not None for v in values):
         now = sensitivity(source, names, [], **options).parameter_values.tolist()
         at = [n if v is None else v for n, v in zip(now, values, strict=True)]
-        found = sensitivity(source, names, quantities, at=at, **options)
+        found = sensitivity(source, names, of, at=at, **options)
     else:
-        found = sensitivity(source, names, quantities, **options)
+        found = sensitivity(source, names, of, **options)
     for note in found.notes:
         severity, _, text = note.partition(": ") if note.startswith("warning: ") else ("information", "", note)
         tell(environment, severity, text)
     if csv_file is not None:
-        from spacar_formats.safety import write_text
-
-        if str(csv_file) == "-":
-            environment.stdout.write(_csv(found))
-            return
-        write_text(csv_file, _csv(found))
-        environment.say(str(csv_file))
+        put_rows(environment, csv_file, COLUMNS, _rows(found))
     if as_json:
         environment.say(_json(found))
     elif csv_file is None:
@@ -110,7 +91,7 @@ def _given(parameters: tuple[str, ...]) -> tuple[list[str], list[float | None]]:
 
 
 def _rows(found: Sensitivity) -> list[list[str | float]]:
-    """A row for every quantity and parameter, in the order of COLUMNS."""
+    """: a row for every quantity and parameter, in the order of COLUMNS."""
     relative = found.relative
     return [
         [
@@ -120,17 +101,6 @@ def _rows(found: Sensitivity) -> list[list[str | float]]:
         for i, q in enumerate(found.quantities)
         for j, p in enumerate(found.parameters)
     ]  # fmt: skip
-
-
-def _csv(found: Sensitivity) -> str:
-    import csv
-    from io import StringIO
-
-    out = StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    writer.writerows(_rows(found))
-    return out.getvalue()
 
 
 def _json(found: Sensitivity) -> str:

@@ -8,26 +8,22 @@ from pathlib import Path
 import click
 
 from spacar.errors import UsageError
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
-from spacar_cli.scope_output import check_pictures, scope_options, show_scopes
-from spacar_cli.status import tell
+from spacar_cli.scope_output import show_scopes, signal_options, sorted_files
+from spacar_cli.status import tell, tell_notes
 
 
-@click.command("sim")
+@words.command("sim")
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--output", "-o", type=click.Path(path_type=Path), help="Write .npz, .mat or .csv; default FILE_sim.npz.")
-@click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
-@click.option("--compiled/--general", default=True, help="Mechanisms in C (default where possible) or NumPy.")
-@scope_options
+@words.option("compiled", default=True)
+@signal_options("FILE_sim.npz")
 @click.pass_obj
-def command(
-    environment: Environment, file: Path, output: Path | None, quiet: bool, compiled: bool, plot: bool,
-    pictures: tuple[Path, ...],
-) -> None:
+def command(environment: Environment, file: Path, output: tuple[Path, ...], compiled: bool, show: bool) -> None:
     """Simulate the blocks and wires of a model file (docs/simulation.md).
 
     Writes the signals, FILE_sim.log, and FILE_sim.sbd with signals and the motion of the mechanism for draw, plot and
-    report. Scopes are drawn with --plot or --picture; without a scope the outputs of the mechanisms, or of all blocks.
+    report. Pictures and the window show the scopes; without a scope the outputs of the mechanisms, or of all blocks.
     """
     from spacar_formats.histories import export_signals
     from spacar_formats.plant_motion import write_motions
@@ -43,11 +39,9 @@ def command(
         raise UsageError(f"'{file}' is not the name of a model file", "files.not-readable")
     source = file if file.is_file() else file.with_name(f"{file.name}.sim")
     model = read_model(source)
-    check_pictures(plot, pictures)
-    target = output or source.with_name(f"{source.stem}_sim.npz")
-    if not quiet:
-        for warning in model.warnings:
-            tell(environment, "warning", warning)
+    tables, pictures = sorted_files(output, show)
+    targets = tables or [source.with_name(f"{source.stem}_sim.npz")]
+    tell_notes(environment, model.warnings)
     plants = {name: block for name, block in model.diagram.blocks.items() if isinstance(block, Spasim)}
     if not compiled:
         for plant in plants.values():
@@ -56,7 +50,7 @@ def command(
     response = simulate(model.diagram, model.times, **model.options)
     seconds = time.perf_counter() - begun
     for name, plant in plants.items():
-        if plant.doubt and not quiet:
+        if plant.doubt:
             tell(environment, "warning", f"{name}: {plant.doubt}")
     arrays = {"t": response.t}
     for name, block in model.diagram.blocks.items():
@@ -64,8 +58,9 @@ def command(
             arrays[name] = response[name]
         elif isinstance(block, Scope):
             arrays[name] = response.u[:, response.inputs[name]]
-    export_signals(arrays, target)
-    stem = target.with_suffix("")
+    for target in targets:
+        export_signals(arrays, target)
+    stem = targets[0].with_suffix("")
     if stem.with_suffix(".dat").is_file():  # the results of the model itself stay
         stem = stem.with_name(f"{stem.name}_sim")
     table = table_of(response)
@@ -80,11 +75,10 @@ def command(
     lines += [f"warning: {text}" for text in model.warnings] + [f"note: {text}" for text in response.notes]
     lines += [f"event at t = {t:.12g}: {text}" for t, text in response.events]
     lines.append("work: " + ", ".join(f"{count} {what}" for what, count in response.statistics.items()))
-    write_text(target.with_suffix(".log"), "\n".join(lines) + "\n")
-    if not quiet:
-        files = " ".join(str(path) for path in (target, *motions))
-        environment.say(f"{source.name}: {len(response.t)} times in {seconds:.2f} s: {files}")
-    if plot or pictures:
+    write_text(targets[0].with_suffix(".log"), "\n".join(lines) + "\n")
+    files = " ".join(str(path) for path in (*targets, *motions))
+    environment.wrote(f"{source.name}: {len(response.t)} times in {seconds:.2f} s: {files}")
+    if show or pictures:
         names = [*plants] or list(dict.fromkeys(table.blocks))
         panels = table.panels or tuple(p for name in names for p in panels_by_quantity(table, name))
-        show_scopes(environment, table, response.t, panels, source.stem, plot, pictures)
+        show_scopes(environment, table, response.t, panels, source.stem, show, pictures)

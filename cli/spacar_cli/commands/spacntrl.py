@@ -8,23 +8,22 @@ from typing import Any
 import click
 
 from spacar.errors import UsageError
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
-from spacar_cli.number_types import Real
-from spacar_cli.status import tell
+from spacar_cli.status import tell_notes
 
 
-@click.command("spacntrl")
+@words.command("spacntrl")
 @click.argument("file")
-@click.option("--kp", help="Numbers (diagonal of K_P) such as 100,50, FILE.csv, or FILE.py:NAME.")
-@click.option("--kd", help="The same for the derivative gain K_D.")
-@click.option("--omega", type=Real(), help="K_P = omega^2 M0 and, with --damping, K_D = 2 damping omega M0 [rad/s].")
-@click.option("--damping", type=Real(), default=0.0, help="Damping ratio that goes with --omega.")
-@click.option("--output", "-o", type=click.Path(path_type=Path), help="Name of the new file; default FILEkp.ltv.")
-@click.option("--quiet", "-q", is_flag=True, help="Print errors only.")
+@words.option("kp", ": numbers (its diagonal) such as 100,50, FILE.csv, or FILE.py:NAME.")
+@words.option("kd", ", as K_P")
+@words.option("omega", ": K_P = omega^2 M0 and, with --damping, K_D = 2 damping omega M0.")
+@words.option("damping", default=0.0)
+@words.option("output", "; default FILEkp.ltv")
 @click.pass_obj
 def command(
     environment: Environment, file: str, kp: str | None, kd: str | None, omega: float | None, damping: float,
-    output: Path | None, quiet: bool,
+    output: Path | None,
 ) -> None:  # fmt: skip
     """Add feedback of the actuated coordinates to the system of an .ltv file: K_P enters K0B and A, K_D C0B and A.
 
@@ -49,10 +48,8 @@ def command(
         derivative = _gain(kd, data.n_nominal, len(data.t))
     target = output or path.with_name(f"{path.stem}kp.ltv")
     write_ltv(with_gain(data, proportional, derivative), target, path)
-    if not quiet:
-        for warning in warnings:
-            tell(environment, "warning", warning)
-        environment.say(str(target))
+    tell_notes(environment, warnings)
+    environment.wrote(target)
 
 
 def _gain(text: str, count: int, steps: int) -> Any:

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 import click
 
 from spacar.errors import UsageError
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
-from spacar_cli.number_types import Real, Whole
+from spacar_cli.number_types import Whole
+from spacar_cli.row_output import put_rows
 from spacar_cli.status import tell
 
 if TYPE_CHECKING:
@@ -18,46 +20,35 @@ if TYPE_CHECKING:
     from spacar_drawing.stress_numbers import StressResults
 
 
-@click.command("stress")
+@words.command("stress")
 @click.argument("file")
-@click.option("--step", type=Whole(), help="Only this stored step (from 1; -1 the last).")
-@click.option("--element", "-e", "elements", type=Whole(min=1), multiple=True, help="Only this one; repeat for more.")
-@click.option("--points", type=Whole(2, 1001), default=9, show_default=True, help="Places along every element.")
-@click.option(
-    "--csv",
-    "csv_file",
-    type=click.Path(path_type=Path, allow_dash=True),
-    help="Write a row for every step, element and place as csv ('-': print them).",
-)
-@click.option("--npz", "npz_file", type=click.Path(path_type=Path), help="Write all arrays as a NumPy archive.")
-@click.option(
-    "--picture",
-    type=click.Path(path_type=Path),
-    help="Draw the section of one element (-e) at one place (--at) with its stresses: png, svg or pdf.",
-)
-@click.option("--at", "place", type=Real(0, 1), default=0.0, show_default=True, help="Place of the picture: 0 p, 1 q.")
-@click.option(
-    "--quantity",
-    type=click.Choice(("normal", "shear", "mises")),
-    default="normal",
-    show_default=True,
-    help="Stress of the picture.",
-)
-@click.option("--json", "as_json", is_flag=True, help="Print the largest values in JSON.")
-@click.option("--stale-ok", is_flag=True, help="Use a result although its input file has changed since.")
+@words.option("at", "Default: all of them.")
+@words.option("element", ": only this one; repeat for more", multiple=True)
+@words.option("points", " along every element", type=Whole(2, 1001), default=9, show_default=True)
+@words.option("csv_file", ": a row for every step, element and place.")
+@words.option(
+    "output", ": FILE.npz, all arrays; .png, .svg or .pdf, the section of one element (-e) at --place with its "
+    "stresses.", multiple=True,
+)  # fmt: skip
+@words.option("place", ", of the picture", default=0.0, show_default=True)
+@words.option(
+    "of", ": a stress of the picture", type=click.Choice(("normal", "shear", "mises")), default="normal",
+    show_default=True, metavar="STRESS",
+)  # fmt: skip
+@words.option("as_json", ": the largest values")
+@words.option("stale_ok")
 @click.pass_obj
 def command(
     environment: Environment,
     /,
     file: str,
-    step: int | None,
-    elements: tuple[int, ...],
+    at: int | None,
+    element: tuple[int, ...],
     points: int,
     csv_file: Path | None,
-    npz_file: Path | None,
-    picture: Path | None,
+    output: tuple[Path, ...],
     place: float,
-    quantity: str,
+    of: str,
     as_json: bool,
     stale_ok: bool,
 ) -> None:
@@ -71,26 +62,25 @@ def command(
     from spacar_drawing.stress_numbers import stress_results
 
     source = open_source(file, stale_ok=stale_ok)
-    steps = None if step is None else [source.steps + 1 + step if step < 0 else step]
-    if picture is not None:
-        _picture(source, picture, steps, elements, place, quantity)
-        environment.say(str(picture))
+    steps = None if at is None else [source.steps + 1 + at if at < 0 else at]
+    pictures = [path for path in output if path.suffix.lower() != ".npz"]
+    for path in pictures:
+        _picture(source, path, steps, element, place, of)
+        environment.wrote(path)
+    if pictures and len(pictures) == len(output) and csv_file is None and not as_json:
         return
-    found = stress_results(source, steps, elements or None, points)
-    if npz_file is not None:
-        from spacar_formats.exports import to_npz
+    found = stress_results(source, steps, element or None, points)
+    for path in output:
+        if path not in pictures:
+            from spacar_formats.exports import to_npz
 
-        to_npz(found.arrays(), npz_file)
-        environment.say(str(npz_file))
+            to_npz(found.arrays(), path)
+            environment.wrote(path)
     if csv_file is not None:
-        from spacar_formats.safety import write_text
-
-        text = _csv(found)
+        columns = found.table()
+        put_rows(environment, csv_file, list(columns), zip(*(c.tolist() for c in columns.values()), strict=True))
         if str(csv_file) == "-":
-            environment.stdout.write(text)
             return
-        write_text(csv_file, text)
-        environment.say(str(csv_file))
     largest = _largest(found)
     if as_json:
         import json
@@ -111,9 +101,9 @@ def _picture(
     from spacar_drawing.files import check_name, save
     from spacar_drawing.stress_section import section_figure, section_stress
 
-    if len(elements) != 1:
-        raise UsageError(f"--picture is of one element: give one -e, not {len(elements)}")
     check_name(path, film=False)
+    if len(elements) != 1:
+        raise UsageError(f"-o {path}: a picture is of one element: give one -e, not {len(elements)}")
     found = section_stress(source, (steps or [source.steps])[0], elements[0], place)
     title = f"{source.scene.title}   element {found.element} at {found.xi:.4g}, step {found.step}"
     save(section_figure(found, quantity, source.scene.metre, title), path)
@@ -125,18 +115,6 @@ def _largest(found: StressResults) -> list:
 
     known = [name for name, value in found.values.items() if np.nan_to_num(value).any()]
     return [found.largest(name) for name in known]
-
-
-def _csv(found: StressResults) -> str:
-    import csv
-    from io import StringIO
-
-    out = StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    columns = found.table()
-    writer.writerow(columns)
-    writer.writerows(zip(*(c.tolist() for c in columns.values()), strict=True))
-    return out.getvalue()
 
 
 def _lines(found: StressResults, metre: float) -> list[str]:

@@ -12,63 +12,31 @@ import click
 
 from spacar.errors import UsageError
 from spacar.modes import find_mode
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 from spacar_cli.input_files import input_file
-from spacar_cli.number_types import POSITIVE, TOLERANCE, Whole
 from spacar_cli.status import ExitStatus, tell
-from spacar_cli.studying import common, counted
+from spacar_cli.studying import ROWS, common, counted
 
 
-@click.command("sweep", epilog="Targets and quantities are explained in docs/studies.md. Exit status 1: cases failed.")
+@words.command("sweep", epilog="Targets and quantities are explained in docs/studies.md. Exit status 1: cases failed.")
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option(
-    "--set",
-    "assignments",
-    multiple=True,
-    metavar="TARGET=VALUES",
-    help="Values of a number of the input file: 'ESTIFF.3[EI]=100,200,300', 'XM.8=1:100:7:log', "
-    "'ESTIFF.*[EI]=@cases.csv:ei'. Several are combined.",
-)
-@click.option(
-    "--from",
-    "table_file",
-    type=click.Path(path_type=Path),
-    metavar="CSV",
-    help="One case a row; the header holds targets.",
-)
-@click.option(
-    "--zip", "together", is_flag=True, help="Take the values of several --set in parallel instead of all combinations."
-)
-@click.option("--mode", "-m", type=Whole(), default=1, show_default=True, help="Mode to run.")
-@click.option(
-    "--result",
-    "-r",
-    "results",
-    multiple=True,
-    metavar="[NAME:]EXPRESSION",
-    help="Quantity to keep: 'x[6,1]@end', 'max(sig[1,1])', 'abs(eigval[1])'. May be repeated.",
-)
-@click.option(
-    "--output",
-    "-o",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="Rows, .csv or .jsonl. Default: FILE.sweep.csv.",
-)
-@click.option(
-    "--scheduler", metavar="ADDRESS", help="Run on the Dask cluster with this scheduler instead of on local processes."
-)
-@click.option("--retry-failed", is_flag=True, help="Run cases again that failed earlier.")
-@click.option(
-    "--batch/--no-batch",
-    default=None,
-    help="Many cases at once in the lanes of the processor's vectors; default: where that is possible.",
-)
-@click.option("--atol", type=POSITIVE, help="Absolute error tolerance, instead of ERROR.")
-@click.option("--rtol", type=TOLERANCE, help="Relative error tolerance, instead of ERROR.")
-@click.option("--integrator", type=Whole(), help="Integration method, instead of INTEGRAT.")
-@click.option(
-    "--compiled/--general", default=None, help="Equations in C (default where that is possible), or in NumPy."
-)
+@words.option(
+    "assignments", ": values of a number of the input file: 'ESTIFF.3[EI]=100,200,300', 'XM.8=1:100:7:log', "
+    "'ESTIFF.*[EI]=@cases.csv:ei'. Several are combined.", multiple=True,
+)  # fmt: skip
+@words.option("table_file")
+@words.option("together")
+@words.option("mode", default=1, show_default=True)
+@words.option("results", ": 'x[6,1]@end', 'max(sig[1,1])', 'abs(eigval[1])'. May be repeated.", multiple=True)
+@words.option("output", ": rows, .csv or .jsonl. Default: FILE.sweep.csv.", type=ROWS)
+@words.option("scheduler")
+@words.option("retry_failed")
+@words.option("batch", "; default where that is possible.", default=None)
+@words.option("atol", ", instead of ERROR")
+@words.option("rtol", ", instead of ERROR")
+@words.option("integrator", ", instead of INTEGRAT")
+@words.option("compiled", default=None)
 @common
 @click.pass_obj
 def command(
@@ -85,7 +53,6 @@ def command(
     retry_failed: bool,
     batch: bool | None,
     jobs: int | None,
-    quiet: bool,
     as_json: bool,
     **options: Any,
 ) -> ExitStatus:
@@ -120,14 +87,12 @@ def command(
     batches = None
     if scheduler is None:
         batches, why = batches_of(study, cases, engine, jobs, batch, "--batch")
-        if why and not quiet and not as_json:
-            environment.say(f"the cases run one by one, not in batches: {why}")
+        if why and not as_json:
+            environment.wrote(f"the cases run one by one, not in batches: {why}")
     begun = time.perf_counter()
     failed = new = 0
     reasons: list[str] = []
-    for row in counted(
-        environment, sweep(study, cases, path, engine, retry_failed, batches), len(cases), quiet, "cases"
-    ):
+    for row in counted(environment, sweep(study, cases, path, engine, retry_failed, batches), len(cases), "cases"):
         new += 1
         if row["status"] != DONE:
             failed += 1
@@ -138,8 +103,8 @@ def command(
     if as_json:
         summary = {"cases": len(cases), "run": new, "failed": failed, "seconds": seconds, "output": str(path)}
         environment.say(json.dumps(summary))
-    elif not quiet:
-        environment.say(f"{len(cases)} cases: {new} run in {seconds:.2f} s, {failed} of them failed; rows in {path}")
+    else:
+        environment.wrote(f"{len(cases)} cases: {new} run in {seconds:.2f} s, {failed} of them failed; rows in {path}")
     return ExitStatus.FAILED if failed else ExitStatus.DONE
 
 

@@ -12,7 +12,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from spacar.errors import SpacarError, UsageError
+from spacar_cli import vocabulary as words
+from spacar_cli.environment import Environment
 from spacar_cli.number_types import Real, Whole
+from spacar_cli.status import tell
 
 if TYPE_CHECKING:
     from spacar.symbolic.script import SymbolicModel
@@ -45,35 +48,39 @@ def _read(path: Path) -> SymbolicModel:
     return read_model(path)
 
 
-def _derived(model: SymbolicModel, strategy: str) -> SymbolicEquations:
-    """The equations, checked; errors of the derivation are errors of the model. The check is printed on stderr."""
+def _derived(environment: Environment, model: SymbolicModel, strategy: str) -> SymbolicEquations:
+    """The equations, checked; errors of the derivation are errors of the model. The check is told."""
     try:
         eq = model.system.derive(strategy)
         checked = eq.check()
         checked.demand()
-        click.echo(f"check: {checked}", err=True)
+        tell(environment, "information", f"check: {checked}")
         return eq
     except SpacarError as error:
         raise UsageError(f"{model.path.name}: {error}", error.code) from None
 
 
-@command.command("check")
+@command.command("check", cls=words.Command)
 @MODEL
-def check(model: Path) -> None:
+@click.pass_obj
+def check(environment: Environment, model: Path) -> None:
     """Read MODEL and say what it contains; nothing is derived."""
     from spacar_cli.symbolic_text import description
 
-    click.echo("\n".join(description(_read(model))))
+    for line in description(_read(model)):
+        environment.say(line)
 
 
-@command.command("derive")
+@command.command("derive", cls=words.Command)
 @MODEL
-@click.option("--strategy", type=STRATEGY, default="held", show_default=True, help="Readable or lean.")
-@click.option(
-    "--show", type=click.Choice(["held", "transformed", "program"]), help="Vector notation, cosines, or assignments."
-)
-@click.option("--format", "form", type=click.Choice(["text", "latex", "json"]), default="text", show_default=True)
-def derive(model: Path, strategy: str, show: str | None, form: str) -> None:
+@words.option("strategy", type=STRATEGY, default="held", show_default=True)
+@words.option(
+    "notation", ": vectors (held), cosines (transformed), or assignments (program).",
+    type=click.Choice(["held", "transformed", "program"]),
+)  # fmt: skip
+@words.option("form", type=click.Choice(["text", "latex", "json"]), default="text", show_default=True)
+@click.pass_obj
+def derive(environment: Environment, model: Path, strategy: str, notation: str | None, form: str) -> None:
     """Derive the equations of MODEL and print them.
 
     The default is vector notation for the held strategy and the program for the recursive one.
@@ -81,21 +88,22 @@ def derive(model: Path, strategy: str, show: str | None, form: str) -> None:
     from spacar_cli.symbolic_text import equations_text
 
     read = _read(model)
-    show = show or ("held" if strategy == "held" else "program")
-    click.echo(equations_text(read, _derived(read, strategy), show, form))
+    notation = notation or ("held" if strategy == "held" else "program")
+    environment.say(equations_text(read, _derived(environment, read, strategy), notation, form))
 
 
-@command.command("export")
+@command.command("export", cls=words.Command)
 @MODEL
-@click.option("--language", type=click.Choice(["python", "c", "fortran", "latex"]), help="Language of the program.")
-@click.option("--strategy", type=STRATEGY, default="recursive", show_default=True, help="Readable or lean.")
-@click.option("--jacobian", is_flag=True, help="Also the exact Jacobian (python, c, fortran).")
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="File to write (default: MODEL with its ending).")
-@click.option("--shapes", type=Whole(min=2), default=2, show_default=True, help="Of NAME.dat: shapes of a beam.")
-@click.option("--time", type=Real(), help="Of NAME.dat: end of the comparison [s] (default: TIMESTEP, or 1).")
+@words.option("language", type=click.Choice(["python", "c", "fortran", "latex"]))
+@words.option("strategy", type=STRATEGY, default="recursive", show_default=True)
+@words.option("jacobian")
+@words.option("output", "; default MODEL with its ending.")
+@words.option("shapes", ", for NAME.dat", default=2, show_default=True)
+@words.option("duration", ", for NAME.dat of the comparison; default TIMESTEP, or 1.")
+@click.pass_obj
 def export(
-    model: Path, language: str | None, strategy: str, jacobian: bool, output: Path | None, shapes: int,
-    time: float | None,
+    environment: Environment, model: Path, language: str | None, strategy: str, jacobian: bool, output: Path | None,
+    shapes: int, duration: float | None,
 ) -> None:  # fmt: skip
     """Write the equations of MODEL as a self-contained program.
 
@@ -106,7 +114,8 @@ def export(
         from spacar_cli.deck_export import export_deck
 
         _demand_sympy()
-        click.echo("\n".join(export_deck(model, language, strategy, jacobian, output, shapes, time)))
+        for line in export_deck(model, language, strategy, jacobian, output, shapes, duration):
+            environment.wrote(line)
         return
     if language is None:
         raise UsageError("choose the language of the program with --language: python, c, fortran or latex")
@@ -115,14 +124,14 @@ def export(
 
     from spacar.symbolic.emit import LANGUAGES
 
-    program = _derived(read, strategy).program(read.outputs)
+    program = _derived(environment, read, strategy).program(read.outputs)
     target = output or read.path.with_suffix(LANGUAGES[language])
     if target == read.path:
         raise UsageError(f"{target} is the model itself: choose another file with --output")
     with replacing(target) as side:
         program.write(side, language, jacobian)
     counts = program.counts()
-    click.echo(f"{target}: {counts['step']} operations per step, {counts['once']} once")
+    environment.wrote(f"{target}: {counts['step']} operations per step, {counts['once']} once")
 
 
 def _setting(ctx: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> dict[str, float]:
@@ -138,36 +147,42 @@ def _setting(ctx: click.Context, parameter: click.Parameter, values: tuple[str, 
     return result
 
 
-@command.command("simulate")
+@command.command("simulate", cls=words.Command)
 @MODEL
-@click.option(
-    "--set", "changes", multiple=True, callback=_setting, metavar="NAME=VALUE", help="Parameter or start value."
+@words.option("assignments", ": a parameter or start value", multiple=True, callback=_setting, metavar="NAME=VALUE")
+@words.option("duration", type=Real())
+@words.option("n_steps", " of the output", type=Whole())
+@words.option("integrator", "; default lsoda", type=click.Choice(["lsoda", "radau", "dop853"]))
+@words.option("rtol", "; default 1e-8", type=Real())
+@words.option("atol", "; default rtol times the scale of each state.", type=Real())
+@words.option("strategy", type=STRATEGY, default="recursive", show_default=True)
+@words.option("compile")
+@words.option(
+    "plot",
+    ": a coordinate or an output, or all; a figure (png) for each. May be repeated.",
+    multiple=True,
+    metavar="NAME",
 )
-@click.option("--time", type=Real(), help="End of the simulation [s].")
-@click.option("--steps", type=Whole(), help="Number of output steps.")
-@click.option("--integrator", type=click.Choice(["lsoda", "radau", "dop853"]), help="Default lsoda.")
-@click.option("--rtol", type=Real(), help="Relative tolerance (default 1e-8).")
-@click.option("--atol", type=Real(), help="Absolute tolerance (default: rtol times the scale of each state).")
-@click.option("--strategy", type=STRATEGY, default="recursive", show_default=True)
-@click.option("--compile", "compiled", is_flag=True, help="Build the C program with the system compiler.")
-@click.option("--plot", is_flag=True, help="Also one figure (png) for each coordinate and output.")
-@click.option("--show", is_flag=True, help="Write all equations in vector notation into the log.")
-@click.option("--wait", is_flag=True, help="Wait when another run is writing the same results.")
-@click.option("--quiet", is_flag=True, help="No summary.")
+@words.option("equations")
+@words.option("wait")
+@click.pass_obj
 def simulate(
+    environment: Environment,
     model: Path,
-    changes: dict[str, float],
-    compiled: bool,
-    plot: bool,
-    show: bool,
+    assignments: dict[str, float],
+    duration: float | None,
+    n_steps: int | None,
+    compile: bool,
+    plot: tuple[str, ...],
+    equations: bool,
     strategy: str,
     wait: bool,
-    quiet: bool,
     **wishes: Any,
 ) -> None:
     """Simulate MODEL; writes NAME.log and NAME.sbd beside it."""
     from spacar_cli.symbolic_run import simulate_model
 
-    lines = simulate_model(_read(model), strategy, changes, wishes, compiled=compiled, plot=plot, show=show, wait=wait)
-    if not quiet:
-        click.echo("\n".join(lines))
+    wishes |= {"time": duration, "steps": n_steps}
+    lines = simulate_model(_read(model), strategy, assignments, wishes, compile, plot, equations, wait)
+    for line in lines:
+        environment.wrote(line)

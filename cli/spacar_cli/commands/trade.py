@@ -14,93 +14,39 @@ from typing import Any
 import click
 
 from spacar.errors import UsageError
+from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 from spacar_cli.input_files import input_file
-from spacar_cli.number_types import POSITIVE, Whole
 from spacar_cli.status import ExitStatus, tell
-from spacar_cli.studying import common, counted, say_table
+from spacar_cli.studying import ROWS, common, counted, say_table
 
+TABLES, DIAGRAMS = (".csv", ".json"), (".png", ".svg", ".pdf")
 CODES, TOLERANCES, JUDGES = "0,155,853", "1e-3:1e-9:7:log", "853,0"  # where only some of the lists are given
 HEADER = ("model", "integration", "error", "processor time [s]", "right-hand sides", "note")
 
 
-@click.command("trade", epilog="The error norm and the reference are explained in docs/studies.md.")
+@words.command("trade", epilog="The error norm and the reference are explained in docs/studies.md.")
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--mode", "-m", type=Whole(), help="1, 7, 8, 9 or 10. Default: 1 with TIMESTEP, else 7.")
-@click.option(
-    "--integrators",
-    "-i",
-    metavar="CODES",
-    help="Integration methods to compare. Default: those that suit the model, within --budget.",
+@words.option("mode", ": 1, 7, 8, 9 or 10. Default: 1 with TIMESTEP, else 7.")
+@words.option("integrators", "Default: those that suit the model, within --budget.")
+@words.option("tolerances", "Default: as far as --target needs, within --budget.")
+@words.option("grids", ", of methods with fixed step", default="1,4,16,64", show_default=True)
+@words.option("meshes", "Default: one.")
+@words.option("rigid")
+@words.option("linear")
+@words.option("perturbation")
+@words.option("variables", ", as in `spacar sweep`: 'x[6,1]'. Default: all free coordinates.", multiple=True)
+@words.option("target", default=1e-6, show_default=True)
+@words.option("repeats", default=3, show_default=True)
+@words.option("judges", "Default: 853,0; without lists, what suits the model.")
+@words.option(
+    "budget", ", when no settings are given as lists (-i, -t, --reference ...).", default=60.0, show_default=True
 )
-@click.option(
-    "--tolerances",
-    "-t",
-    metavar="VALUES",
-    help="Tolerances of methods with variable step. Default: as far as --target needs, within --budget.",
-)
-@click.option(
-    "--substeps",
-    default="1,4,16,64",
-    show_default=True,
-    metavar="VALUES",
-    help="Steps in an output step, of methods with fixed step.",
-)
-@click.option(
-    "--elements",
-    "-e",
-    metavar="VALUES",
-    help="Elements in the place of every flexible beam of the file.",
-)
-@click.option("--rigid", is_flag=True, help="Also with rigid beams.")
-@click.option("--linear", is_flag=True, help="Also without the non-linear strain terms (LDEFORM).")
-@click.option("--perturbation", is_flag=True, help="Also by the perturbation method, with the grids of --substeps.")
-@click.option(
-    "--variable",
-    "variables",
-    multiple=True,
-    metavar="EXPRESSION",
-    help="What is compared, as in `spacar sweep`: 'x[6,1]'. Default: all free coordinates.",
-)
-@click.option(
-    "--target",
-    type=POSITIVE,
-    default=1e-6,
-    show_default=True,
-    help="Error for which the cheapest setting is recommended.",
-)
-@click.option(
-    "--repeats",
-    type=Whole(min=1),
-    default=3,
-    show_default=True,
-    help="Runs of each setting; the median time counts.",
-)
-@click.option(
-    "--reference",
-    "judges",
-    metavar="CODES",
-    help="Two methods whose agreement makes the reference. Default: 853,0; without lists, what suits the model.",
-)
-@click.option(
-    "--budget",
-    type=POSITIVE,
-    default=60.0,
-    show_default=True,
-    help="Seconds for everything, when the settings are not given as lists (-i, -t, -e, --reference ...).",
-)
-@click.option(
-    "--compiled/--general", default=None, help="Equations in C (default where that is possible), or in NumPy."
-)
-@click.option(
-    "--output",
-    "-o",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="Table as .csv or .json; what is finished is kept in OUTPUT.rows.jsonl and not run again.",
-)
-@click.option(
-    "--plot", type=click.Path(path_type=Path, dir_okay=False), help="Work-precision diagram as .png, .svg or .pdf."
-)
+@words.option("compiled", default=None)
+@words.option(
+    "output", ": the table as .csv or .json, of which what is finished is kept in FILE.rows.jsonl and not run again; "
+    "the work-precision diagram as .png, .svg or .pdf. May be repeated.", type=ROWS, multiple=True,
+)  # fmt: skip
 @common
 @click.pass_obj
 def command(
@@ -110,8 +56,8 @@ def command(
     mode: int | None,
     integrators: str | None,
     tolerances: str | None,
-    substeps: str,
-    elements: str | None,
+    grids: str,
+    meshes: str | None,
     budget: float,
     rigid: bool,
     linear: bool,
@@ -121,10 +67,8 @@ def command(
     repeats: int,
     judges: str | None,
     compiled: bool | None,
-    output: Path | None,
-    plot: Path | None,
+    output: tuple[Path, ...],
     jobs: int | None,
-    quiet: bool,
     as_json: bool,
     duration: float | None,
     n_steps: int | None,
@@ -139,9 +83,9 @@ def command(
     from spacar.studies.study_calls import compared_deck, require_beams
     from spacar.studies.trade import Trade, default_variables, setups
 
-    for path, kinds in ((output, (".csv", ".json")), (plot, (".png", ".svg", ".pdf"))):
-        if path is not None and path.suffix.lower() not in kinds:
-            raise UsageError(f"{path}: its name must end with {', '.join(kinds)}", "usage.trade")
+    for path in output:
+        if path.suffix.lower() not in (*TABLES, *DIAGRAMS):
+            raise UsageError(f"{path}: its name must end with {', '.join((*TABLES, *DIAGRAMS))}", "usage.trade")
     source = input_file(file)
     options = {k: v for k, v in (("duration", duration), ("n_steps", n_steps)) if v is not None}
     number, deck = compared_deck(source, mode, options)
@@ -150,38 +94,34 @@ def command(
     chosen = tuple(map(quantity, variables)) or default_variables(number, deck)
     trade = Trade(number, deck, chosen, repeats, options)
     require_beams(deck, number)
-    lists = (integrators, tolerances, elements, judges)
+    lists = (integrators, tolerances, meshes, judges)
     if all(v is None for v in lists) and not (rigid or linear or perturbation) and jobs in (None, 1):
-        return _within_budget(environment, trade, target, budget, source.name, output, plot, quiet, as_json)
+        return _within_budget(environment, trade, target, budget, source.name, output, as_json)
     integrators, tolerances = integrators or CODES, tolerances or TOLERANCES
-    meshes = _whole(elements or "1", "--elements")
+    divided = _whole(meshes or "1", "--elements")
     cases = setups(
         trade,
         _whole(integrators, "--integrators"),
         _numbers(tolerances),
-        _whole(substeps, "--substeps"),
-        meshes,
+        _whole(grids, "--substeps"),
+        divided,
         rigid,
         linear,
         perturbation,
     )
     judging = _whole(judges or JUDGES, "--reference")
-    against = reference_setups(trade, meshes, min(target, *_numbers(tolerances)), judging)
-    rows = _rows(environment, trade, list(dict.fromkeys([*against, *cases])), output, jobs or 1, quiet)
+    against = reference_setups(trade, divided, min(target, *_numbers(tolerances)), judging)
+    table_file = next((path for path in output if path.suffix.lower() in TABLES), None)
+    rows = _rows(environment, trade, list(dict.fromkeys([*against, *cases])), table_file, jobs or 1)
     ref = reference(trade, rows, against)
     entries = assess(trade, rows, cases, ref)
     best = recommend(entries, target, ref)
     sentence = _sentence(best, target, ref)
     table = [_cells(e) for e in entries]
-    if output is not None:
-        _write(output, entries, ref, target, best)
-    if plot is not None:
-        from spacar_cli.work_precision import draw
-
-        draw(entries, ref.error, target, trade.stationary, f"{source.name}, mode {number}", plot)
+    _write_all(environment, output, entries, ref, target, best, trade, source.name)
     if as_json:
         environment.say(json.dumps(_document(entries, ref, target, best)))
-    elif not quiet:
+    elif not environment.quiet:
         say_table(environment, HEADER, table, None if best is None else entries.index(best))
         environment.say(f"reference: {ref.text}; its estimated error is {ref.error:.2e}")
         environment.say(sentence)
@@ -192,41 +132,41 @@ def command(
 
 
 def _within_budget(
-    environment: Environment, trade: Any, target: float, budget: float, name: str, output: Path | None,
-    plot: Path | None, quiet: bool, as_json: bool,
+    environment: Environment, trade: Any, target: float, budget: float, name: str, output: tuple[Path, ...],
+    as_json: bool,
 ) -> ExitStatus:  # fmt: skip
     """The settings that suit the model, cheapest first, until the time is used; the recommendation as a command."""
     from spacar.studies.budgeted import command_line, search, unneeded
     from spacar.studies.judged import recommend
 
     def tick(what: str, left: float) -> None:
-        if environment.error_is_terminal and not quiet:
+        if environment.error_is_terminal and not environment.quiet:
             print(f"\r\x1b[K{what}, at most {left:.0f} s to go ", end="", file=environment.stderr, flush=True)
 
     try:
         found = search(trade, target, budget, tick)
         prices = unneeded(found, target, tick)
     finally:
-        if environment.error_is_terminal and not quiet:
+        if environment.error_is_terminal and not environment.quiet:
             print("\r\x1b[K", end="", file=environment.stderr, flush=True)
     ref = found.reference
     assert ref is not None  # search has said why otherwise
     entries = found.entries
     best = recommend(entries, target, ref)
     command = "" if best is None or best.setup is None else command_line(trade, best.setup, name)
-    if output is not None:
-        _write(output, entries, ref, target, best)
-    if plot is not None:
-        from spacar_cli.work_precision import draw
-
-        draw(entries, ref.error, target, trade.stationary, f"{name}, mode {trade.mode}", plot)
+    _write_all(environment, output, entries, ref, target, best, trade, name)
     if as_json:
-        environment.say(json.dumps(_document(entries, ref, target, best) | {
-            "command": command or None,
-            "prices": [vars(p) | {"error": p.error if math.isfinite(p.error) else None} for p in prices],
-            "undivided": {str(beam): why for beam, why in found.undivided.items()},
-        }))
-    elif not quiet:
+        environment.say(
+            json.dumps(
+                _document(entries, ref, target, best)
+                | {
+                    "command": command or None,
+                    "prices": [vars(p) | {"error": p.error if math.isfinite(p.error) else None} for p in prices],
+                    "undivided": {str(beam): why for beam, why in found.undivided.items()},
+                }
+            )
+        )
+    elif not environment.quiet:
         rows = [(*_cells(e)[:-1], "stopped" if "stopped after" in e.reason else _cells(e)[-1]) for e in entries]
         say_table(environment, HEADER, rows, None if best is None else entries.index(best))
         environment.say(f"reference: {ref.text}; its estimated error is {ref.error:.2e}")
@@ -263,9 +203,7 @@ def _whole(text: str, option: str) -> tuple[int, ...]:
     return tuple(int(v) for v in found)
 
 
-def _rows(
-    environment: Environment, trade: Any, wanted: list[Any], output: Path | None, jobs: int, quiet: bool
-) -> list[Any]:
+def _rows(environment: Environment, trade: Any, wanted: list[Any], output: Path | None, jobs: int) -> list[Any]:
     """Rows of all setups: those of an earlier run of this study, and the others as they finish."""
     from spacar.studies.rows import Rows
     from spacar.studies.trade import Job, run_setup
@@ -276,7 +214,7 @@ def _rows(
         with Rows(path, ()) as rows:
             todo = [Job(trade, s) for s in wanted if trade.key(s) not in rows.done]
             outcomes = partial(run, jobs=jobs)(run_setup, todo)
-            for job, outcome in counted(environment, outcomes, len(todo), quiet, "settings"):
+            for job, outcome in counted(environment, outcomes, len(todo), "settings"):
                 if isinstance(outcome, Lost):
                     outcome = {"case": trade.key(job.setup), "status": "failed", "reason": outcome.reason}
                 rows.add(outcome)
@@ -314,6 +252,20 @@ def _document(entries: Any, ref: Any, target: float, best: Any) -> dict[str, Any
         "recommended": None if best is None else plain(best),
         "settings": [plain(e) for e in entries],
     }
+
+
+def _write_all(
+    environment: Environment, output: tuple[Path, ...], entries: Any, ref: Any, target: float, best: Any, trade: Any,
+    name: str,
+) -> None:  # fmt: skip
+    """Tables and diagrams."""
+    for path in output:
+        if path.suffix.lower() in TABLES:
+            _write(path, entries, ref, target, best)
+        else:
+            from spacar_cli.work_precision import draw
+
+            draw(entries, ref.error, target, trade.stationary, f"{name}, mode {trade.mode}", path)
 
 
 def _write(path: Path, entries: Any, ref: Any, target: float, best: Any) -> None:

@@ -6,31 +6,20 @@ from pathlib import Path
 
 import click
 
+from spacar_cli import vocabulary as words
 from spacar_cli.commands.visual import QUANTITIES
 from spacar_cli.environment import Environment
-from spacar_cli.number_types import Real, Whole
 
 
-@click.command("view")
+@words.command("view")
 @click.argument("file")
-@click.option(
-    "--output", "-o", type=click.Path(path_type=Path), help="File to write. Default: NAME_view.html beside the result."
-)
-@click.option("--frames", type=Whole(min=2), default=150, show_default=True, help="Most steps that the page holds.")
-@click.option(
-    "--view",
-    default="iso",
-    show_default=True,
-    help="First view of a spatial mechanism: iso, xy, xz, yz or azimuth,elevation in degrees.",
-)
-@click.option("--fps", type=Real(1, 100), default=25.0, show_default=True, help="Pictures per second while it plays.")
-@click.option(
-    "--stress",
-    type=click.Choice(QUANTITIES, case_sensitive=False),
-    help="Colour beams and trusses by a stress resultant or a stress, as of spacar visual.",
-)
-@click.option("--show", is_flag=True, help="Open the page in the browser.")
-@click.option("--stale-ok", is_flag=True, help="Show a result although its input file has changed since.")
+@words.option("output", "; default NAME_view.html beside the result.")
+@words.option("frames", default=150, show_default=True)
+@words.option("view", ", the first one", default="iso", show_default=True)
+@words.option("fps", default=25.0, show_default=True)
+@words.option("stress", ", as spacar visual does", type=click.Choice(QUANTITIES, case_sensitive=False))
+@words.option("show", ": here the page in the browser")
+@words.option("stale_ok")
 @click.pass_obj
 def command(
     environment: Environment,
@@ -55,7 +44,7 @@ def command(
     source = open_source(file, stale_ok)
     path = output or Path(source.name).parent / f"{source.scene.title}_view.html"
     write_text(path, view_page(source, frames, view, fps, stress))
-    environment.say(str(path))
+    environment.wrote(path)
     if show:
         import webbrowser
 

@@ -7,53 +7,32 @@ from typing import Any
 import click
 
 from spacar.errors import UsageError
+from spacar_cli import vocabulary as words
 from spacar_cli.drawing_options import Choices, common
 from spacar_cli.environment import Environment
-from spacar_cli.number_types import Real, Whole
+from spacar_cli.number_types import Whole
 
 QUANTITIES = ("N", "Qy", "Qz", "T", "My", "Mz", "B", "mises", "normal", "shear")
 
 
-@click.command("visual")
+@words.command("visual")
 @click.argument("file")
 @click.argument("mode", type=Whole(), required=False)
 @common
-@click.option(
-    "--mode-number",
-    "-m",
-    "mode_numbers",
-    metavar="N",
-    help="Vibration or buckling mode: 1, 2:4, 1,3 or all; instead of VIBRATIONMODE, BUCKLINGMODE. Default 1.",
-)
-@click.option(
-    "--factor",
-    type=Real(),
-    help=(
-        "Enlargement of the mode, whose degrees of freedom have norm 1, instead of ENLARGEFACTOR. "
-        "Default: such that the largest displacement is an eighth of the mechanism."
-    ),
-)
-@click.option("--step", type=Whole(min=1), help="Stored step. Default: the last one.")
-@click.option("--rest/--no-rest", default=True, show_default=True, help="Dashed outline of the position at rest.")
-@click.option(
-    "--stress",
+@words.option("mode_numbers", ": 1, 2:4, 1,3 or all; instead of VIBRATIONMODE, BUCKLINGMODE. Default 1.")
+@words.option(
+    "factor", "The degrees of freedom of a mode have norm 1. Default: such that the largest displacement is an eighth "
+    "of the mechanism.",
+)  # fmt: skip
+@words.option("at", "Default: the last one.", default=-1)
+@words.option("rest", default=True, show_default=True)
+@words.option(
+    "stress", ": resultants N, Qy, Qz, T, My, Mz, B; stresses, which need cross-sections: mises, normal, shear.",
     type=click.Choice(QUANTITIES, case_sensitive=False),
-    help=(
-        "Colour the beams by a stress resultant (N, Qy, Qz, T, My, Mz, B) or a stress (mises, normal, "
-        "shear; these need cross-sections)."
-    ),
-)
-@click.option(
-    "--diagram",
-    type=click.Choice(QUANTITIES, case_sensitive=False),
-    help="The same quantities as ordinates beside the beams.",
-)
-@click.option(
-    "--over-section",
-    is_flag=True,
-    help="With --stress mises, normal or shear: the stress at every point of the surface, instead of the largest.",
-)
-@click.option("--list", "as_list", is_flag=True, help="Print the modes instead of drawing them.")
+)  # fmt: skip
+@words.option("diagram", type=click.Choice(QUANTITIES, case_sensitive=False))
+@words.option("over_section", "; with --stress mises, normal or shear.")
+@words.option("as_list")
 @click.pass_obj
 def command(
     environment: Environment,
@@ -62,7 +41,7 @@ def command(
     mode: int | None,
     mode_numbers: str | None,
     factor: float | None,
-    step: int | None,
+    at: int,
     rest: bool,
     stress: str | None,
     diagram: str | None,
@@ -82,5 +61,5 @@ def command(
     if over_section and stress not in ("mises", "normal", "shear"):
         raise UsageError("--over-section shows a stress: give --stress mises, normal or shear")
     wanted = StressWish(stress, diagram, over_section)
-    for line in visual(environment, file, mode, choices, mode_numbers, factor, step, rest, wanted, as_list):
-        environment.say(line)
+    for line in visual(environment, file, mode, choices, mode_numbers, factor, at, rest, wanted, as_list):
+        environment.say(line) if as_list else environment.wrote(line)

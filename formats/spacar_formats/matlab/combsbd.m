@@ -10,7 +10,7 @@ function steps = combsbd(varargin)
 % See also getfrsbf, checksbf.
   words = cellfun(@char, varargin, 'UniformOutput', false);
   option = {};
-  if ~isempty(words) && strcmp(words{end}, '-force'), option = {'--force'}; words(end) = []; end
+  if ~isempty(words) && strcmp(words{end}, '-force'), option = {'--overwrite'}; words(end) = []; end
   if numel(words) < 3, error('spacar:arguments', 'combsbd needs two or more files and the name of the output'); end
   words = cellfun(@full_name, words, 'UniformOutput', false);
   text = call_spacar([{'combsbd'}, option, {'--'}, words]);

@@ -10,7 +10,7 @@ function repinsbf(file, id, value, step)
 % See also getfrsbf, checksbf.
   if nargin < 3, error('spacar:arguments', 'repinsbf needs a file, a variable and a value'); end
   words = {'repinsbf', result_file(file, {'sbd', 'sbm', 'ltv'}), char(id), '-'};
-  if nargin > 3, words = [words, {'--step', sprintf('%d', step)}]; end
+  if nargin > 3, words = [words, {'--at', sprintf('%d', step)}]; end
   call_spacar(words, as_json(value));
 end
 

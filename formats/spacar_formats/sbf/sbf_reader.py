@@ -164,10 +164,15 @@ class SbfFile:
         return values.astype(values.dtype.newbyteorder("="), copy=False)
 
     def step_indices(self, steps: int | Iterable[int] | None = None) -> np.ndarray:
-        """Zero-based indices of the given steps. Raises UsageError for steps that the file does not have."""
+        """Zero-based indices of the given steps; one that is negative counts from the end.
+
+        Raises UsageError for steps that the file does not have.
+        """
         if steps is None:
             return np.arange(self.steps)
         wanted = list(steps) if isinstance(steps, Iterable) else [steps]
+        if isinstance(steps, (int, np.integer)) and -self.steps <= steps < 0:
+            wanted = [self.steps + 1 + int(steps)]
         chosen = np.array(wanted, dtype=object)
         if any(not isinstance(k, (int, np.integer)) or not 1 <= k <= self.steps for k in chosen):
             wrong = next(

@@ -1,0 +1,235 @@
+"""The options of all commands: one table, in which a spelling has one meaning wherever it stands.
+
+A command takes its options from here by name, `@words.option("at", ...)`; its help is the sentence of the table and
+what the command adds to it. Every command has -q and -v, which the environment keeps. FORMER tells who writes an
+option as it was before what it is now. `tests/cli/test_vocabulary.py` holds the table against all helps.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+
+from spacar_cli.number_types import POSITIVE, TOLERANCE, Real, StepNumber, TablePath, Whole
+
+MODE = re.compile(r"[+-]?\d+")
+FILE, TABLE = click.Path(path_type=Path), TablePath()
+
+
+@dataclass(frozen=True)
+class OptionRow:
+    """An option: its spellings, what it means, and for one that takes a value what that is (none: a switch)."""
+
+    spelled: str
+    means: str
+    value: str = ""
+    kind: Any = None
+
+
+VOCABULARY: Mapping[str, OptionRow] = {
+    # what comes out
+    "output": OptionRow("-o --output", "What is written", "FILE", FILE),
+    "output_dir": OptionRow("--output-dir", "Folder for what is written", "FOLDER", FILE),
+    "overwrite": OptionRow("--overwrite", "Replace files that exist"),
+    "csv_file": OptionRow("--csv", "Write the numbers as csv (-: print them)", "PATH", TABLE),
+    "as_json": OptionRow("--json", "Print in JSON"),
+    "formats": OptionRow("--to", "Kind of the file", "KIND"),
+    "notation": OptionRow("--notation", "How equations are written", "KIND"),
+    "form": OptionRow("--format", "Text of the equations", "KIND"),
+    "language": OptionRow("--language", "Language of the program", "NAME"),
+    "show": OptionRow("--show", "Open a window; without it none is opened"),
+    "quiet": OptionRow("-q --quiet", "Print errors, and what was asked for, only"),
+    "verbose": OptionRow("-v --verbose", "Print warnings, information and a summary"),
+    "as_list": OptionRow("--list", "Print the modes instead of drawing them"),
+    "expand": OptionRow("--expand", "Print the input with plain statements for SECTION, BEAMSEC, UNITS"),
+    "equations": OptionRow("--equations", "Write all equations in vector notation into the log"),
+    "install": OptionRow("--install", "Write the script where the shell looks for it, instead of printing it"),
+    "build": OptionRow("--build", "Make a folder with the MEX file", "[FOLDER]", FILE),
+    "release": OptionRow("--release", "Solve over-constraints by releases", "[OUTPUT]"),
+    "releases": OptionRow("--release", "Solve over-constraints by releases"),
+    "wait": OptionRow("--wait", "Wait when another run is writing the same results"),
+    "stale_ok": OptionRow("--stale-ok", "Take a result although its input file has changed since"),
+    # which, how many, what
+    "at": OptionRow("--at", "Which stored step: from 1; end or -1 the last", "STEP", StepNumber()),
+    "n_steps": OptionRow("--steps", "How many steps", "N", Whole(min=1)),
+    "substeps": OptionRow("--substeps", "Steps between two stored ones", "N", Whole(min=1)),
+    "duration": OptionRow("--time", "Length of the time interval [s]", "SECONDS", POSITIVE),
+    "plot": OptionRow("--plot", "What is drawn", "EXPRESSION"),
+    "against": OptionRow("-x --against", "What the horizontal axis shows", "EXPRESSION"),
+    "of": OptionRow("--of", "The quantity that is meant", "EXPRESSION"),
+    "variables": OptionRow("--variable", "Whose accuracy is meant", "EXPRESSION"),
+    "results": OptionRow("-r --result", "Quantity to keep", "[NAME:]EXPRESSION"),
+    "node": OptionRow("-n --node", "A node", "NODE", Whole(min=1)),
+    "element": OptionRow("-e --element", "An element", "ELEMENT", Whole(min=1)),
+    "parameters": OptionRow("-p --parameter", "A number of the input file", "TARGET[=VALUE]"),
+    "assignments": OptionRow("-s --set", "A setting of the model", "TARGET=VALUES"),
+    "orientation": OptionRow("--orientation", "Its orientation node, where no element has both", "NODE", Whole(min=1)),
+    "mode": OptionRow("-m --mode", "Mode of the analysis", "MODE", Whole()),
+    "mode_numbers": OptionRow("--mode-number", "Vibration or buckling modes", "N"),
+    "modes": OptionRow("--modes", "How many modes", "N", Whole(min=1)),
+    "lowest": OptionRow("--lowest", "Only the first N eigenvalues", "N", Whole(min=1)),
+    "points": OptionRow("--points", "How many places or frequencies", "N", Whole(2, 100000)),
+    "place": OptionRow("--place", "Place in the element: 0 p, 1 q", "FRACTION", Real(0, 1)),
+    "inputs": OptionRow("--input", "Input of the system", "NAME"),
+    "low": OptionRow("--low", "Lowest frequency [Hz]", "HZ", POSITIVE),
+    "high": OptionRow("--high", "Highest frequency [Hz]", "HZ", POSITIVE),
+    # how it is computed
+    "atol": OptionRow("--atol", "Absolute error tolerance", "ERROR", POSITIVE),
+    "rtol": OptionRow("--rtol", "Relative error tolerance", "ERROR", TOLERANCE),
+    "integrator": OptionRow("--integrator", "Integration method", "METHOD", Whole()),
+    "compiled": OptionRow("--compiled/--general", "Equations in C (default where that is possible), or in NumPy"),
+    "beams": OptionRow("--beams", "Measure of the deformations of all beams, instead of ADEFORM", "KIND"),
+    "elements": OptionRow("--elements", "Beams in the place of each flexible beam", "N", Whole(min=1)),
+    "accuracy": OptionRow("--accuracy", "Error of the result over the amplitude of each variable", "[TARGET]"),
+    "fixed_mesh": OptionRow("--fixed-mesh", "The accuracy is that of the integration: beams are not divided for it"),
+    "setpoints": OptionRow("--setpoints", "Result of mode 2 to linearize along, instead of the search by name", "FILE"),
+    "jobs": OptionRow("-j --jobs", "Local processes", "N", Whole(min=1)),
+    "strategy": OptionRow("--strategy", "How the equations are derived: readable (held) or lean (recursive)", "KIND"),
+    "jacobian": OptionRow("--jacobian", "Also the exact Jacobian (python, c, fortran)"),
+    "shapes": OptionRow("--shapes", "Shapes of a beam", "N", Whole(min=2)),
+    "compile": OptionRow("--compiled", "Equations in C, compiled by the system compiler"),
+    "interpolation": OptionRow("--interpolation", "Of matrices and inputs between the stored times", "KIND"),
+    "static_start": OptionRow("--static-start", "Start from the static answer to sigma0 instead of X0"),
+    "quasi_static": OptionRow("--quasi-static", "How many of the next modes answer statically", "N", Whole(min=0)),
+    "kp": OptionRow("--kp", "Proportional gain K_P", "GAIN"),
+    "kd": OptionRow("--kd", "Derivative gain K_D", "GAIN"),
+    "omega": OptionRow("--omega", "Frequency of the closed loop [rad/s]", "OMEGA", Real()),
+    "damping": OptionRow("--damping", "Damping ratio that goes with --omega", "RATIO", Real()),
+    # pictures
+    "view": OptionRow("--view", "View of a spatial mechanism: iso, xy, xz, yz or azimuth,elevation in degrees", "VIEW"),
+    "sections": OptionRow("--section", "Cross-section instead of BEAMVIS", "TEXT"),
+    "opacity": OptionRow("--opacity", "Opacity of solids, instead of TRANSPARENCY (1: opaque)", "FRACTION", Real(0, 1)),
+    "light": OptionRow("--light/--no-light", "Shade solids or not, instead of LIGHT"),
+    "hide": OptionRow("--hide", "Do not draw this element (DONOTDRAW)", "ELEMENT", Whole()),
+    "supports": OptionRow("--supports/--no-supports", "Ground symbols, drives and pins"),
+    "numbers": OptionRow("--numbers", "Numbers of nodes and elements"),
+    "node_numbers": OptionRow("--node-numbers", "Numbers of the nodes only"),
+    "element_numbers": OptionRow("--element-numbers", "Numbers of the elements only"),
+    "title": OptionRow("--title", "Text above the picture, instead of the name of the result", "TEXT"),
+    "dpi": OptionRow("--dpi", "Resolution of png, gif and mp4 [dots per inch]", "DPI", Real(20, 1200)),
+    "fps": OptionRow("--fps", "Pictures per second of an animation", "RATE", Real(1, 100)),
+    "frames": OptionRow("--frames", "Most steps in an animation or a page", "N", Whole(min=2)),
+    "strobe": OptionRow("--strobe", "N evenly spread steps in one picture", "N", Whole(min=2)),
+    "trace": OptionRow("--trace", "Path of a node over all steps, instead of TRAJECTNODE", "NODE", Whole()),
+    "no_trace": OptionRow("--no-trace", "No paths, whatever the settings say"),
+    "initial": OptionRow("--initial", "Dashed outline of the first step behind the others, in the INITIAL COLOR"),
+    "scale": OptionRow("--scale", "Draw the deflections from the start so many times as large", "F", Real()),
+    "factor": OptionRow("--factor", "Enlargement of a mode, instead of ENLARGEFACTOR", "F", Real()),
+    "symbols": OptionRow("--symbols", "Symbols: loads, reactions, masses, gravity, axes, with commas, or all", "KINDS"),
+    "scopes": OptionRow("--scopes/--no-scopes", "Scopes of a simulation beside the mechanism"),
+    "rest": OptionRow("--rest/--no-rest", "Dashed outline of the position at rest"),
+    "stress": OptionRow("--stress", "Colour beams by a stress resultant or a stress", "QUANTITY"),
+    "diagram": OptionRow("--diagram", "A stress resultant or a stress as ordinates beside the beams", "QUANTITY"),
+    "over_section": OptionRow("--over-section", "The stress at every point of the surface, instead of the largest"),
+    "log_lines": OptionRow("--log-lines", "Lines of the log from its beginning and end; 0: none", "N", Whole(min=0)),
+    "viewer": OptionRow("--viewer", "With a picture that can be turned and played, as of spacar view (a script)"),
+    # flexures
+    "move": OptionRow("--move", "What is moved and how far, from the reference position", "COORDINATE=RANGE"),
+    "force": OptionRow("--force", "The same with a force or moment", "COORDINATE=RANGE"),
+    "loads": OptionRow("--load", "Acts all the time", "COORDINATE=FORCE"),
+    "extra": OptionRow("--extra", "Does not act: its load multiplier is asked for", "COORDINATE=FORCE"),
+    "pivot": OptionRow("--pivot", "Ideal pivot, instead of the pole of the undeflected state", "X,Y[,Z]"),
+    "axes": OptionRow("--axes", "Directions of the stiffness", "KIND"),
+    # studies
+    "table_file": OptionRow("--from", "One case a row; the header holds targets", "CSV", FILE),
+    "together": OptionRow("--zip", "Take the values of several --set in parallel instead of all combinations"),
+    "scheduler": OptionRow("--scheduler", "Run on the Dask cluster with this scheduler, not here", "ADDRESS"),
+    "retry_failed": OptionRow("--retry-failed", "Run cases again that failed earlier"),
+    "batch": OptionRow("--batch/--no-batch", "Many cases at once in the lanes of the processor's vectors"),
+    "integrators": OptionRow("-i --integrators", "Integration methods to compare", "CODES"),
+    "tolerances": OptionRow("-t --tolerances", "Tolerances of methods with variable step", "VALUES"),
+    "grids": OptionRow("--substeps", "Steps between two stored ones", "VALUES"),
+    "meshes": OptionRow("--elements", "Beams in the place of each flexible beam", "VALUES"),
+    "rigid": OptionRow("--rigid", "Also with rigid beams"),
+    "linear": OptionRow("--linear", "Also without the non-linear strain terms (LDEFORM)"),
+    "perturbation": OptionRow("--perturbation", "Also by the perturbation method, with the grids of --substeps"),
+    "target": OptionRow("--target", "Error for which the cheapest setting is recommended", "ERROR", POSITIVE),
+    "repeats": OptionRow("--repeats", "Runs of each setting; the median time counts", "N", Whole(min=1)),
+    "judges": OptionRow("--reference", "Two methods whose agreement makes the reference", "CODES"),
+    "budget": OptionRow("--budget", "Seconds for everything", "SECONDS", POSITIVE),
+}
+
+FIGURES = "-o FILE, by its ending (.png, .svg, .pdf)"
+FORMER: Mapping[str, Mapping[str, str]] = {
+    "MODE": {"-o": "--output-dir", "--plot": "--show"},
+    "-MODE": {"-o": "--output-dir"},
+    "draw": {"--steps": "--at", "--step": "--at", "-s": "--at", "-n": "--numbers"},
+    "visual": {"--step": "--at", "-n": "--numbers", "-m": "--mode-number"},
+    "report": {"-p": "--plot"},
+    "stress": {
+        "--step": "--at", "--at": "--place for a place, and which step", "--quantity": "--of", "--picture": FIGURES,
+        "--npz": "-o FILE.npz",
+    },
+    "eigen": {"--step": "--at", "--csv": "--csv PATH (- prints)"},
+    "bode": {"--step": "--at", "--csv": "--csv PATH (- prints)", "--to": "--of"},
+    "compliance": {"--step": "--at"},
+    "getfrsbf": {"--step": "--at", "--steps": "--at", "-s": "--at"},
+    "getss": {"--step": "--at"},
+    "repinsbf": {"--step": "--at"},
+    "sensitivity": {"--quantity": "--of", "-q": "--of (-q is quiet)"},
+    "flexure": {"--report": "-o PAGE.html", "--plot": FIGURES, "--npz": "-o FILE.npz"},
+    "sim": {"--plot": "--show", "--picture": FIGURES},
+    "ltv": {"--plot": "--show", "--picture": FIGURES},
+    "trade": {"--plot": FIGURES, "-e": "--elements"},
+    "examples": {"--to": "--output-dir", "--force": "--overwrite"},
+    "combsbd": {"--force": "--overwrite"},
+    "symbolic derive": {"--show": "--notation"},
+    "symbolic simulate": {"--show": "--equations", "--compile": "--compiled", "--plot": "--plot NAME (or all)"},
+}  # fmt: skip
+
+
+def parameter(name: str, more: str = "", **changes: Any) -> click.Option:
+    """The option of this name for one command: `more` goes on behind what it means, `changes` to what click is told."""
+    word = VOCABULARY[name]
+    told: dict[str, Any] = {"help": f"{word.means}{more if more[:1] in ',:; ' else f'. {more}'}".rstrip(".") + "."}
+    told |= {"metavar": word.value, "type": word.kind} if word.value else {"is_flag": True}
+    if isinstance(changes.get("type"), click.Choice):
+        del told["metavar"]  # the choices are better
+    spellings = word.spelled.split()
+    return click.Option([*spellings, name], **(told | changes))
+
+
+def option(name: str, more: str = "", **changes: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """`parameter` as a decorator of a command."""
+    return partial(_added, make=partial(parameter, name, more, **changes))
+
+
+def _added(function: Callable[..., Any], make: Callable[[], click.Option]) -> Callable[..., Any]:
+    if not hasattr(function, "__click_params__"):
+        function.__click_params__ = []  # type: ignore[attr-defined]
+    function.__click_params__.append(make())  # type: ignore[attr-defined]
+    return function
+
+
+def _kept(ctx: click.Context, param: click.Parameter, value: bool) -> None:
+    """The environment of this command is quiet or verbose."""
+    if value:
+        ctx.obj = replace(ctx.obj, **{str(param.name): True})
+
+
+class Command(click.Command):
+    """A command that can be quiet and verbose."""
+
+    def __init__(self, *args: Any, **more: Any) -> None:
+        super().__init__(*args, **more)
+        self.params += [parameter(name, callback=_kept, expose_value=False) for name in ("quiet", "verbose")]
+
+
+command = partial(click.command, cls=Command)
+
+
+def renamed(arguments: Sequence[str]) -> list[str]:
+    """What to write instead of the former spellings among the words of a command line."""
+    name = " ".join(arguments[: 2 if arguments[:1] == ["symbolic"] else 1])
+    former = FORMER.get(re.sub(r"^\+?\d+$", "MODE", re.sub(r"^-\d+$", "-MODE", name)), {})
+    return [f"{old} is now {new}" for old, new in former.items() if any(_spells(word, old) for word in arguments)]
+
+
+def _spells(word: str, option: str) -> bool:
+    return word == option or word.startswith(f"{option}=" if option.startswith("--") else option)
