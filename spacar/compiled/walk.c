@@ -1,7 +1,7 @@
-/* Along the equilibrium path over levels, as long as nothing there needs a decision: spacar/stationary/walk.py, which gives the constants
+/* Along the equilibrium path over levels, as long as nothing there needs a decision: spacar/stationary/continuation.py, which gives the constants
    and goes on where this ends. A level is passed when Newton's iteration finds the state from the prediction, the path is not much faster
    than before or the iteration at the level before leads back, and the state is proved to be stable. */
-enum { REMEMBERED = 4 }; /* states that predict the next one, as in walk.py */
+enum { REMEMBERED = 4 }; /* states that predict the next one, as in passed_levels.py */
 
 typedef struct {
     const double *levels;      /* (count, 5): fractions of both parts of the loading, part of the forces that are held, place on the way, stored? */
@@ -12,8 +12,8 @@ typedef struct {
     double demands[2][4];      /* of a level that is passed only, of one that is stored: forces, lengths, correction, tolerance */
 } Passed;
 
-/* Lagrange's polynomial through the last states at a place, of fewer where they are close together. */
-static void predict(const Passed *p, int size, double place, double *x, int nx, double *sigma)
+/* Lagrange's polynomial through the last states at a place, of fewer where they are close together. The first `fixed` coordinates stay. */
+static void predict(const Passed *p, int size, double place, double *x, int nx, int fixed, double *sigma)
 {
     double weights[REMEMBERED], most;
     int n = (int)p->known;
@@ -29,7 +29,8 @@ static void predict(const Passed *p, int size, double place, double *x, int nx, 
         if (n == 1 || most <= p->farthest) break;
     }
     const double *states = p->states + (size_t)(REMEMBERED - n) * size;
-    for (int c = 0; c < size; c++) {
+    memcpy(x, p->states + (size_t)(REMEMBERED - 1) * size, sizeof(double) * fixed);
+    for (int c = fixed; c < size; c++) {
         double sum = 0.0;
         for (int i = 0; i < n; i++) sum += weights[i] * states[(size_t)i * size + c];
         *(c < nx ? x + c : sigma + c - nx) = sum;
@@ -74,7 +75,7 @@ static void spacar_equilibrium_walk(Equilibrium *q, Passed *p)
         const double *demand = p->demands[level[4] != 0.0];
         memcpy(p->near, q->near, sizeof(double) * ne);
         take_level(q, level, demand);
-        predict(p, size, level[3], q->x, nx, q->sigma);
+        predict(p, size, level[3], q->x, nx, (int)q->x_free, q->sigma);
         if (spacar_equilibrium_newton(q) != FOUND || !q->iterations || !(q->noise <= p->critical)) break;
         const int64_t iterations = q->iterations;
         const double noise = q->noise, moved = way(q, w->x, last);

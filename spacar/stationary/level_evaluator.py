@@ -224,7 +224,7 @@ class LevelEvaluator:
         self._at = x
         return self._engine.point(x, sigma)
 
-    def stand(self, p: Iterate) -> None:
+    def set_state(self, p: Iterate) -> None:
         """Evaluate at a state of this level again, and factor its matrix. Raises SingularMatrixError."""
         if self._engine is not None:
             self._at = p.x

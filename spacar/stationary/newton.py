@@ -19,7 +19,7 @@ end the iteration.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import isfinite
 
 import numpy as np
@@ -55,6 +55,10 @@ class Demand:
     def of(cls, limit: int, tolerance: float, stored: bool) -> Demand:
         """The demand of a level that is stored, or of one that is passed through only."""
         return cls(limit, tolerance, FORCES, LENGTHS, CORRECTION) if stored else cls(limit)
+
+    def exactly(self) -> Demand:
+        """The same with the accuracy of a result, whatever ITERSTEP asks for."""
+        return replace(self, forces=FORCES, lengths=LENGTHS, correction=CORRECTION)
 
     @classmethod
     def of_return(cls, limit: int, near: float) -> Demand:

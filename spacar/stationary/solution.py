@@ -14,6 +14,7 @@ from spacar.errors import AnalysisError, Report
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stationary.about_rest import AboutRest
+from spacar.stationary.continuation import Continuation
 from spacar.stationary.contract import Tangent
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.loading import LoadLevel
@@ -22,7 +23,6 @@ from spacar.stationary.newton import LENGTHS
 from spacar.stationary.stability import Stability, critical_motion
 from spacar.stationary.stationary_equations import Iterate, Motion, StationaryEquations
 from spacar.stationary.tangent import SparseTangent
-from spacar.stationary.walk import Walk
 
 MOST_PASSED = 64  # levels in one call of C: an interruption waits for no more
 SINGULAR_SLIP = 1e-8  # relative: the stress of a slip that its law does not give
@@ -67,7 +67,7 @@ class StationarySolver:
         self._idle = e.plain and not m.loads.present and not e.whole.shift(m)
         self.iterations = 0
         self._said: Stability | None = None
-        self._walk: Walk | None = None
+        self._walk: Continuation | None = None
         self._determined = False  # does C say so?
 
     @property
@@ -162,17 +162,17 @@ class StationarySolver:
         if idle and walk.is_exact:
             walk.stay(target)
         else:
-            walk.go(target)
+            walk.advance(target)
         self.iterations = walk.iterations
         if target.store:
             self._place(walk.point, target)
 
-    def _begun(self, first: LoadLevel) -> Walk:
+    def _begun(self, first: LoadLevel) -> Continuation:
         if self._walk is None:
             self._walk = self._begin(first)
         return self._walk
 
-    def _begin(self, first: LoadLevel) -> Walk:
+    def _begin(self, first: LoadLevel) -> Continuation:
         """A walk from the start values. Where these are no equilibrium, forces hold them that fade out on the way to
         the first level."""
         e, n = self._evaluator, self.mechanism.numbering
@@ -194,9 +194,9 @@ class StationarySolver:
             force[e.equations.F] = p.right[: e.equations.nf]
             e.held_by(force, first.path)
         try:
-            return Walk(e, p, known, self.report)
+            return Continuation(e, p, known, self.report)
         except SingularMatrixError:
-            return Walk(e, p, False, self.report)
+            return Continuation(e, p, False, self.report)
 
     def _reference(self) -> Iterate | None:
         """The reference configuration, if it is the start and its deformations are those wanted."""

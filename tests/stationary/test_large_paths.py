@@ -7,7 +7,7 @@ import pytest
 from spacar import Deck
 from spacar.errors import Report
 from spacar.mechanism import build
-from spacar.stationary import StationarySolver, load_program, walk
+from spacar.stationary import StationarySolver, continuation, load_program
 from spacar.stationary.level_evaluator import LevelEvaluator
 
 
@@ -41,4 +41,4 @@ def test_levels_between_stored_ones_cost_no_count(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(LevelEvaluator, "stability", lambda *a: counts.append(counted(*a)) or counts[-1])
     report_of_column(120, 2.0, 10)
     assert [c.negative for c in counts] == [0, 0]
-    assert walk.LARGE < 3 * 120 * 2
+    assert continuation.LARGE < 3 * 120 * 2

@@ -14,7 +14,7 @@ from spacar.deck import parse_deck
 from spacar.errors import AnalysisError, Report
 from spacar.mechanism import build
 from spacar.stationary import StationarySolver, load_program
-from spacar.stationary.walk import Walk
+from spacar.stationary.continuation import Continuation
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 from statics import cantilever
@@ -78,15 +78,15 @@ def states(text: str) -> tuple[list, list[str], str]:
 @pytest.mark.parametrize("name", TEXTS)
 def test_states_iterations_and_words_are_those_of_one_level_after_the_other(name, monkeypatch):
     passed: list[int] = []
-    together = Walk.pass_by
+    together = Continuation.pass_by
 
-    def counted(self: Walk, levels: list) -> int:
+    def counted(self: Continuation, levels: list) -> int:
         passed.append(together(self, levels))
         return passed[-1]
 
-    monkeypatch.setattr(Walk, "pass_by", counted)
+    monkeypatch.setattr(Continuation, "pass_by", counted)
     found, lines, error = states(TEXTS[name])
-    monkeypatch.setattr(Walk, "pass_by", lambda self, levels: 0)
+    monkeypatch.setattr(Continuation, "pass_by", lambda self, levels: 0)
     expected, words, failure = states(TEXTS[name])
     assert (lines, error, len(found)) == (words, failure, len(expected))
     assert sum(passed) > 0 or name == "perfect column"

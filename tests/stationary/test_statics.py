@@ -12,7 +12,7 @@ import spacar
 from spacar.deck import parse_deck
 from spacar.errors import AnalysisError, Report
 from spacar.mechanism import build
-from spacar.stationary import StationarySolver, load_program, walk
+from spacar.stationary import StationarySolver, continuation, load_program
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 from statics import cantilever, elastica, solve
@@ -40,7 +40,7 @@ def test_strongly_bent_cantilever_converges_with_second_order():
 def test_prediction_saves_iterations(monkeypatch):
     text = cantilever(10, 3.0, steps=10)
     _, predicted = solver_of(text)
-    monkeypatch.setattr(walk, "REMEMBERED", 1)
+    monkeypatch.setattr(continuation, "REMEMBERED", 1)
     _, plain = solver_of(text)
     assert sum(predicted) < 0.8 * sum(plain)
 

@@ -7,7 +7,7 @@ import pytest
 
 import spacar
 from spacar.deck import parse_deck
-from spacar.stationary.walk import Walk
+from spacar.stationary.continuation import Continuation
 
 BEAM = """PLBEAM 1 1 2 3 4
 X 3 1. 0.
@@ -31,10 +31,10 @@ def solved(mode, more=""):
 @pytest.mark.parametrize("general", [False, True])
 def test_it_is_the_state_that_an_iteration_finds(general, monkeypatch):
     deck = parse_deck(BEAM.format(more=""), 7)
-    monkeypatch.setattr(Walk, "is_exact", False)
+    monkeypatch.setattr(Continuation, "is_exact", False)
     expected = spacar.run(7, deck, compiled=not general)
     monkeypatch.undo()
-    monkeypatch.setattr(Walk, "go", None)  # no iteration
+    monkeypatch.setattr(Continuation, "advance", None)  # no iteration
     found = spacar.run(7, deck, compiled=not general)
     x, predicted = ([f.x for f in result.frames] for result in (found, expected))
     np.testing.assert_allclose(x, predicted, rtol=1e-14)  # the prediction of the iteration rounds
@@ -46,10 +46,10 @@ def test_it_is_the_state_that_an_iteration_finds(general, monkeypatch):
 @pytest.mark.parametrize("more", ["XF 3 0. 0.1\n", "ESIG 1 0. 0.1\n", "GRAVITY 0. -1.\n"])
 def test_what_acts_is_walked_to(more, monkeypatch):
     walked = []
-    for name in ("go", "pass_by"):
-        function = getattr(Walk, name)
+    for name in ("advance", "pass_by"):
+        function = getattr(Continuation, name)
         monkeypatch.setattr(
-            Walk, name, lambda self, *args, function=function: (walked.append(1), function(self, *args))[1]
+            Continuation, name, lambda self, *args, function=function: (walked.append(1), function(self, *args))[1]
         )
     solved(7, more)
     assert walked

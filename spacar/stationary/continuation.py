@@ -29,6 +29,7 @@ from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
+from spacar.stationary.arc_length import LimitPoint, follow
 from spacar.stationary.contract import Astray, Tangent
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.loading import LoadLevel, loads_grow
@@ -37,16 +38,20 @@ from spacar.stationary.passed_levels import ELSEWHERE, FARTHEST, FASTER, REMEMBE
 from spacar.stationary.singular import FreeMotion
 from spacar.stationary.stability import STABLE, Stability, critical_motion
 from spacar.stationary.stationary_equations import Given, Iterate, StationaryEquations
-from spacar.stationary.turning import LimitPoint, around
 
 SMALLEST_PART = 1.0 / 1024.0
 CRITICAL_PART = 1.0 / 256.0  # of a load step, in which a critical state is looked for
 STILL = 1e-6  # model lengths or rad: parts that move less (a straight column at its critical load) keep their branch
-LARGE = 600  # unknowns; above, the count costs more than an iteration: see `Walk._odd`
+LARGE = 600  # unknowns; above, the count costs more than an iteration: see `Continuation._odd`
+NEARLY, TAKEN_BACK = 1e-4, 8  # of the loading: what a state that is passed only may be off; times it is doubled
 EASY = 6  # iterations after which the next part of a step may be twice as large
 
 
-class Walk:
+class Bifurcation(Exception):
+    """The determinant changes its sign where the path does not turn: it crosses another one."""
+
+
+class Continuation:
     """The path so far.
 
     point   the last state;  stable  its stability if known;  iterations  their number at the last level
@@ -67,7 +72,7 @@ class Walk:
         # A start that is held, or has no stiffness as long as no load acts, is not on the path and predicts nothing.
         self._arbitrary = not known or (self.stable is not None and self.stable.zero > 0)
 
-    def go(self, target: LoadLevel) -> None:
+    def advance(self, target: LoadLevel) -> None:
         """To a level. Raises AnalysisError 'statics.no-convergence', 'statics.limit-point', 'statics.no-solution'."""
         origin, place, part = self.level, 0.0, 1.0
         self.iterations = 0
@@ -75,35 +80,46 @@ class Walk:
             following = min(1.0, place + part)
             level = target if following == 1.0 else origin.towards(target, following)
             before, near = (self.point, self.stable, self.path), self.evaluator.near.copy()
+            reason: Exception = Astray("the determinant of the tangent stiffness changes its sign")
             try:
                 reached = origin.towards(target, place) if place else origin
-                steps = self._advance(reached, level, target.store and following == 1.0)
+                demand = Demand.of(self.limit, self.tolerance, target.store and following == 1.0)
+                if part < 1.0:  # where parts are cut a limit may be near, beyond which there is only what nearly fits
+                    demand = demand.exactly()
+                steps = self._advance(reached, level, demand)
                 crossed = self._count(level.store)
-            except (Astray, SingularMatrixError) as reason:
-                self.point, self.stable, self.path = before
-                self._back(near)
-                if isinstance(reason, FreeMotion) and len(self.path) == 1:
-                    raise self._unsupported(reason, target) from None
-                part *= 0.5
-                if part < SMALLEST_PART:
-                    steps = self._turn(origin, target, place, reason)
-                    following = 1.0
-                elif part == 0.5 and place == 0.0:
-                    self.report.add(f"{target}: no convergence in one part, cut to 0.5 of its size")
-                    continue
-                else:
-                    continue
+            except (Astray, SingularMatrixError) as failure:
+                reason, crossed, steps = failure, False, 0
             else:
-                if crossed and part > CRITICAL_PART and self._moved(before[0]) > STILL:
-                    self.point, self.stable, self.path = before
-                    self._back(near)
-                    part *= 0.25
+                if not crossed or self._moved(before[0]) <= STILL:
+                    if crossed:
+                        self._say_passed(level, before[1])
+                    self.iterations += steps
+                    place = following
+                    part = min(2.0 * part if steps <= EASY else part, 1.0)
                     continue
-                if crossed:
-                    self._say_passed(level, before[1])
-            self.iterations += steps
-            place = following
-            part = min(2.0 * part if steps <= EASY else part, 1.0)
+            found = self.point, self.stable, self.path
+            self.point, self.stable, self.path = before
+            self.evaluator.near[:] = near
+            if isinstance(reason, FreeMotion) and len(self.path) == 1:
+                raise self._unsupported(reason, target) from None
+            if part > (CRITICAL_PART if crossed else SMALLEST_PART):
+                if part == 1.0 and place == 0.0 and not crossed:
+                    self.report.add(f"{target}: no convergence in one part, cut to 0.5 of its size")
+                part *= 0.25 if crossed else 0.5
+                continue
+            # Too small: does the path turn back, or does it only cross another one?
+            until = level if crossed else target
+            try:
+                self.iterations += self._turn(origin, until, target, place, reason)
+            except Bifurcation:
+                self.point, self.stable, self.path = found
+                self.evaluator.load(level)
+                self.evaluator.set_state(self.point)
+                self.evaluator.near[:] = self.evaluator.e
+                self._say_passed(level, before[1])
+                self.iterations += steps
+            place = following if crossed else 1.0
         self._reach(target)
 
     @property
@@ -145,11 +161,10 @@ class Walk:
         self._arbitrary = False
 
     # -- one part -------------------------------------------------------------------------------------------------
-    def _advance(self, reached: LoadLevel, level: LoadLevel, stored: bool) -> int:
+    def _advance(self, reached: LoadLevel, level: LoadLevel, demand: Demand) -> int:
         """Newton's iteration at the level from the prediction, then from the last state; the number of iterations."""
         e = self.evaluator
         e.load(level)
-        demand = Demand.of(self.limit, self.tolerance, stored)
         near = e.near.copy()
         reason: Exception = Astray("no start")
         for start in self._starts(level.path):
@@ -191,7 +206,7 @@ class Walk:
             pass
         e.load(level)
         e.near[:] = near
-        e.stand(point)
+        e.set_state(point)
         return False
 
     def _steady(self, level: LoadLevel, moved: float) -> bool:
@@ -233,9 +248,6 @@ class Walk:
         self.path = [*self.path, Known(path, p.x, p.sigma)][-REMEMBERED:]
         self.evaluator.near[:] = self.evaluator.e
 
-    def _back(self, near: Array) -> None:
-        self.evaluator.near[:] = near
-
     def _predicted(self, path: float) -> Known:
         """Lagrange's polynomial through the known states; fewer of them if they are close together."""
         known = self.path
@@ -244,6 +256,8 @@ class Walk:
             known = known[1:]
             weights = _lagrange(known, path)
         x, sigma = np.dot(weights, [k.x for k in known]), np.dot(weights, [k.sigma for k in known])
+        fixed = self.evaluator.mechanism.numbering.x_class["fixed"]
+        x[fixed] = known[-1].x[fixed]  # no iteration corrects them: rounding would grow from level to level
         return Known(path, x, sigma)
 
     def _moved(self, before: Iterate) -> float:
@@ -295,47 +309,77 @@ class Walk:
         )
 
     # -- where natural parts do not help ----------------------------------------------------------------------------
-    def _turn(self, origin: LoadLevel, target: LoadLevel, place: float, reason: Exception) -> int:
-        """Along the path by arc length to the target; the number of iterations."""
+    def _turn(self, origin: LoadLevel, until: LoadLevel, target: LoadLevel, place: float, reason: Exception) -> int:
+        """Along the path by arc length to a level on the way to the target; the number of iterations.
+
+        Raises Bifurcation where the path does not turn before a level that natural parts reached too.
+        """
         e = self.evaluator
 
         def at(p: float) -> tuple[StationaryEquations, Tangent, Given]:
             e.load(origin.towards(target, p))
             return e.equations, e.tangent, e.given
 
-        known = [(k.x, k.sigma) for k in self.path]
+        whole = until is target
+        end = 1.0 if whole else (until.path - origin.path) / (target.path - origin.path)
         try:
-            found = around(at, known, place, self.limit, self.follow or not loads_grow(e.mechanism, target))
-            e.load(target)
-            end = e.newton(found.x, found.sigma, Demand.of(self.limit, self.tolerance, target.store))
+            begin = self._before_turn(origin, target)
+            beyond = self.follow or not loads_grow(e.mechanism, target)
+            found = follow(at, *begin, end, self.limit, beyond)
+            if not (whole or found.turns):
+                raise Bifurcation
+            e.load(until)
+            last = e.newton(found.x, found.sigma, Demand.of(self.limit, self.tolerance, until.store))
         except LimitPoint as limit:
             raise self._at_limit(origin.towards(target, limit.place), target, limit) from None
         except (Astray, SingularMatrixError):
+            if not whole:
+                raise Bifurcation from None
             e.load(origin.towards(target, place))
             raise self._given_up(origin.towards(target, place), target, reason) from None
         self.path = []
-        self._accept(target.path, end)
+        self._accept(until.path, last)
         before = self.stable
-        self._count(target.store)
+        self._count(until.store)
         if found.turns:
-            places = ", ".join(f"{origin.towards(target, t).path:.5g}" for t in found.turns[:8])
+            places = ", ".join(f"{origin.towards(target, t).path:.8g}" for t in found.turns[:8])
             self.report.add(
                 f"warning: {target}: limit points at {places} of the loading (initial 0 to 1, additional 1 to 2); the"
                 " solution is where the equilibrium path beyond them first reaches the load: a slow loading would jump"
             )
         elif before is not None and self.stable is not None and self.stable.differs(before):
             self._say_passed(target, before)
-        return found.iterations + end.iterations
+        return found.iterations + last.iterations
+
+    def _before_turn(self, origin: LoadLevel, target: LoadLevel) -> tuple[Array, Array, float, Array]:
+        """The last state of the path that lies on it to the accuracy of results and before any change of the sign of
+        the determinant: x, sigma, its place on the load step, the motion that led there. States that were passed only
+        may lie off the path, where the load is a little above its extreme value: if all do, the load is taken back."""
+        e, span, path = self.evaluator, target.path - origin.path, self.path
+        tries = [(k, path[k].path) for k in range(len(path) - 1, -1, -1)]
+        tries += [(0, path[0].path - back) for k in range(TAKEN_BACK) if (back := 2.0**k * NEARLY) < path[0].path % 1.0]
+        for k, there in tries:
+            known, place = path[k], (there - origin.path) / span
+            motion = known.x - path[k - 1].x if k else np.zeros_like(known.x)
+            e.load(origin.towards(target, place))
+            near = e.near.copy()
+            try:
+                found = e.newton(known.x, known.sigma, Demand(self.limit).exactly()).point
+                e.near[:] = e.e
+                if self.stable is None or e.sign(found, False) * (-1.0) ** self.stable.negative > 0.0:
+                    return found.x, found.sigma, place, motion
+            except (Astray, SingularMatrixError):
+                pass
+            e.near[:] = near
+        raise Astray("no state before the turn")
 
     def _at_limit(self, reached: LoadLevel, target: LoadLevel, limit: LimitPoint) -> AnalysisError:
         e = self.evaluator
-        motion = ""
-        if limit.point is not None:
-            e.load(reached)
-            e.dynamics.sweep.strain(limit.point.x)
-            motion = critical_motion(e.equations, e.tangent, limit.point, negative=False)
+        e.load(reached)
+        e.dynamics.sweep.strain(limit.point.x)
+        motion = critical_motion(e.equations, e.tangent, limit.point, negative=False)
         text = (
-            f"the equilibrium path has a limit point at {reached.initial:.6g} x initial + {reached.additional:.6g} x"
+            f"the equilibrium path has a limit point at {reached.initial:.8g} x initial + {reached.additional:.8g} x"
             f" additional loading, before {target} is reached: no static solution is near beyond it, the mechanism"
             " jumps" + (f" (the motion is largest at {motion})" if motion else "") + "; prescribe the displacement"
             " instead of the load, or give ITERSTEP position 7 the value 1 to follow the path beyond limit points;"

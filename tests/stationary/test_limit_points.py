@@ -1,0 +1,133 @@
+"""Limit points do not depend on the number of load steps, nor on the engine."""
+
+from __future__ import annotations
+
+import re
+from math import hypot
+
+import numpy as np
+import planar_models as models
+import pytest
+from scipy.optimize import brentq, minimize_scalar
+
+import spacar
+from spacar.deck import parse_deck
+from spacar.errors import AnalysisError
+
+# Williams' toggle, left half, beams rigid against shear: F. W. Williams, Q. J. Mech. Appl. Math. 17 (1964) 451-469.
+L, H, EA, EI = 12.943, 0.386, 1.885e6, 9.27e3
+
+
+def toggle(n: int, apex: str, settings: str) -> str:
+    lines = ["FIX 1 1 2", "FIX 2 1", f"FIX {2 * n + 1} 1", f"FIX {2 * n + 2} 1"]
+    for k in range(n):
+        a = 2 * k + 1
+        lines += [f"PLBEAM {k + 1} {a} {a + 1} {a + 2} {a + 3}", f"X {a + 2} {L * (k + 1) / n!r} {H * (k + 1) / n!r}"]
+        lines += [f"RLSE {k + 1}"] + ([f"DYNX {a + 2} 1 2", f"DYNX {a + 3} 1"] if k < n - 1 else [])
+    lines += [f"INPUTX {2 * n + 1} 2" if "INPUTX" in apex else f"DYNX {2 * n + 1} 2", "END HALT"]
+    lines += [f"ESTIFF {k + 1} {EA} {EI}\nEM {k + 1} 1e-4" for k in range(n)]
+    return "\n".join([*lines, apex, f"ITERSTEP {settings}", "END END\n"])
+
+
+def limit_of(text: str) -> float:
+    with pytest.raises(AnalysisError) as caught:
+        spacar.run(7, parse_deck(text, mode=7))
+    assert caught.value.code == "statics.limit-point", str(caught.value)
+    return float(caught.value.data["level"].initial)
+
+
+@pytest.fixture(scope="module")
+def limit_load() -> float:
+    """The largest force of the toggle under prescribed displacement [N]: at a distance of 1e-6, so to its square."""
+
+    def force(v: float) -> float:
+        v = float(v)
+        r = spacar.run(7, parse_deck(toggle(4, f"INPUTX 9 2 {H - v!r}", "30 10 1e-10"), mode=7))
+        return -float(r.frames[-1].fxtot[r.mechanism.numbering.x_index(9, 2)])
+
+    found = minimize_scalar(lambda v: -force(v), bounds=(0.1, 0.3), method="bounded", options={"xatol": 1e-6})
+    return -float(found.fun)
+
+
+@pytest.mark.parametrize("general", ["", "1"])
+def test_the_toggle_for_many_numbers_of_steps(limit_load, monkeypatch, general):
+    monkeypatch.setenv("SPACAR_GENERAL", general)
+    for steps in (100,) if general else (1, 7, 60, 100, 150):
+        found = 20.0 * limit_of(toggle(4, "XF 9 0 -20", f"30 {steps} 1e-6"))
+        assert found == pytest.approx(limit_load, rel=1e-8)
+        r = spacar.run(7, parse_deck(toggle(4, "XF 9 0 -20", f"30 {steps} 1e-6 1 0 0 1"), mode=7))
+        said = re.search(r"limit points at ([0-9.]+), ([0-9.]+) of", "\n".join(r.report))
+        assert said
+        assert 20.0 * float(said[1]) == pytest.approx(limit_load, rel=1e-7)
+        assert r.node(9, 2)[-1] < -0.1
+
+
+@pytest.mark.parametrize("height", [0.02, 0.1, 0.4])
+@pytest.mark.parametrize("steps", [1, 60, 150])
+def test_a_truss_of_von_mises(height, steps):
+    """P(y) = 2 k (l0 - l) y/l, k = EA/l0: the limit is its maximum over 0 < y < h."""
+    l0 = hypot(1.0, height)
+    at = minimize_scalar(lambda y: -(l0 - hypot(1.0, y)) * y / hypot(1.0, y), bounds=(0, height), method="bounded",
+                         options={"xatol": 1e-10}).x  # fmt: skip
+    at = float(at)
+    limit = 2e5 / l0 * (l0 - hypot(1.0, at)) * at / hypot(1.0, at)
+    text = f"PLTRUSS 1 1 2\nPLTRUSS 2 2 3\nX 1 -1 0\nX 2 0 {height}\nX 3 1 0\nFIX 1\nFIX 3\nFIX 2 1\nDYNX 2 2\n"
+    text += f"RLSE 1\nRLSE 2\nEND HALT\nESTIFF 1 1e5\nESTIFF 2 1e5\nXM 2 1\nITERSTEP 20 {steps} 1e-8\n"
+    text += f"XF 2 0 {-1.07 * limit!r}\nEND END\n"
+    assert 1.07 * limit_of(text) == pytest.approx(1.0, abs=1e-7)
+
+
+def test_thousands_of_steps_leave_fixed_nodes_where_they_are():
+    """Predictions of fixed coordinates were extrapolated, and rounding grew with the number of levels: 6e-7 m."""
+    r = spacar.run(7, parse_deck(toggle(4, "XF 9 0 -16", "30 2000 1e-6"), mode=7))
+    n = r.mechanism.numbering
+    assert np.array_equal(r.frames[-1].x[n.x_class["fixed"]], r.mechanism.x0[n.x_class["fixed"]])
+
+
+def test_lee_frame_for_many_numbers_of_steps():
+    limits = [2.5 * limit_of(models.lee(2.5, steps, 10)[0]) for steps in (3, 10, 77)]
+    assert np.ptp(limits) < 1e-7
+
+
+def test_the_limit_of_a_column_pushed_off_its_axis():
+    """A rigid bar of length 1, 0.1 rad off the vertical, under P, held by a long spring k at its tip: about
+    P = k cos a (sin a - sin a0)/sin a, whose largest value is found by differences."""
+    a0, k = 0.1, 10.0
+    x0, y0 = float(np.sin(a0)), float(np.cos(a0))
+    text = f"""
+PLRBEAM 1 1 2 3
+PLTRUSS 2 3 4
+X 3 {x0!r} {y0!r}
+X 4 {x0 - 50.0!r} {y0!r}
+FIX 1
+FIX 4 1
+INPUTX 4 2
+DYNX 2
+RLSE 2
+END HALT
+ESTIFF 2 {k * 50.0}
+XM 3 1
+XF 3 0 -10
+ITERSTEP 20 40 1e-8
+END END
+"""
+
+    def load(a: float) -> float:  # the long truss stays where its end is fixed: force k (l - l0) along it
+        dx, dy = np.sin(a) - np.sin(a0) + 50.0, np.cos(a) - np.cos(a0)
+        length = hypot(dx, dy)
+        pull = k * (length - 50.0)
+        fx, fy = -pull * dx / length, -pull * dy / length
+        return float((-fx * np.cos(a) + fy * np.sin(a)) / np.sin(a))
+
+    def slope(a: float) -> float:
+        return (load(a + 1e-5) - load(a - 1e-5)) / 2e-5
+
+    at = brentq(slope, 0.2, 1.2)
+    assert 10.0 * limit_of(text) == pytest.approx(load(at), rel=1e-8)
+
+
+@pytest.mark.slow
+def test_the_toggle_for_all_numbers_of_steps(limit_load):
+    for steps in [*range(1, 200), 333, 1000]:
+        found = 20.0 * limit_of(toggle(4, "XF 9 0 -20", f"30 {steps} 1e-6"))
+        assert found == pytest.approx(limit_load, rel=1e-8)
