@@ -15,6 +15,7 @@ from spacar.errors import AnalysisError
 from spacar.forward.accepted_steps import at_time, watched
 from spacar.forward.charts import Chart, ChartEnds, ChartWatch, tumbling_nodes
 from spacar.forward.driver import frames
+from spacar.forward.extent import Extent
 from spacar.frame import Frame
 from spacar.integrators import METHODS, EvenTimes
 from spacar.integrators.times import RemainingTimes
@@ -49,16 +50,28 @@ def motion(run: Run, own: bool = True) -> Iterator[tuple[Evaluator, Sequence[Fra
     run.header["condition"] = evaluator.condition()
     times = output_times(run)
     run.n_frames = len(times)
-    moves = run.mechanism.numbering.nkddof and run.n_frames > 1
-    if moves:
-        run.header["integrator"] = METHODS[settings.integrator].name
+    if not run.mechanism.numbering.nkddof or run.n_frames == 1:
+        yield from frames(evaluator, y, times, settings, run.report, standing=own)
+        return
+    run.header["integrator"] = METHODS[settings.integrator].name
+    extent = Extent(run.mechanism)
+    for where, block in _moved(run, evaluator, y, times, own):
+        extent.take(block)
+        yield where, block
+    extent.tell(run.report)
+
+
+def _moved(
+    run: Run, evaluator: Evaluator, y: Array, times: Sequence[float], own: bool
+) -> Iterator[tuple[Evaluator, Sequence[Frame]]]:
+    """What `motion` gives of a motion that is integrated."""
     nodes = tumbling_nodes(run.mechanism)
     if nodes and isinstance(times, EvenTimes):
         moved = _tumbling(run, evaluator, y, times, Chart.of(run.mechanism, dict.fromkeys(nodes, 1)), own)
         yield from _at_home(run, moved, nodes) if own else moved
     else:
-        watch = watched(evaluator, run.report) if moves else None
-        yield from frames(evaluator, y, times, settings, run.report, watch=watch, standing=own)
+        watch = watched(evaluator, run.report)
+        yield from frames(evaluator, y, times, run.mechanism.settings, run.report, watch=watch, standing=own)
 
 
 def _tumbling(
