@@ -29,7 +29,7 @@ from spacar.compiled.methods_in_c import (
     address_of_call,
     vector,
 )
-from spacar.compiled.passage import Passage
+from spacar.compiled.passage import SUSPECT, Passage
 from spacar.compiled.passage_of_cases import PassageOfCases, not_followed
 from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, STILL, Accepted, LoadedMechanism, Moving
 from spacar.errors import AnalysisError
@@ -166,7 +166,7 @@ class Marching:
                     status = by.march()
                 else:
                     passage.begin(output, evaluation.halt - counted.n_steps)
-                    passage.c.since = self.lookout.n
+                    passage.c.since, passage.c.suspect = self.lookout.n, evaluation.suspect
                     status = by.march_through(passage)
                     output += passage.c.done
                 by.taken(status)
@@ -181,6 +181,7 @@ class Marching:
                 self.lookout.n = self.lookout.n + made[0] if passage is None else passage.c.since
                 self.lookout.passed(self._last)
                 passed = None if passage is None else passage.outputs(known)
+                evaluation.suspected = passage is not None and passage.c.last == SUSPECT
                 yield Step(c.t, by.y, by.value, (c.sizes[1], c.sizes[0]), passed)
                 if failed:  # behind the outputs that came before it
                     self._failed(status, method)

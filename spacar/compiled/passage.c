@@ -7,7 +7,8 @@
    Rows of several cases have all lanes of a number behind one another. */
 #include <time.h>
 
-enum { HARMLESS, LOOKED_AT, NOT_SHOWN }; /* an output: done; Python looks at it; C cannot evaluate it. As in passage.py */
+/* An output: done; Python looks at it; C cannot evaluate it; F may have jumped before it, it is not done. As in passage.py */
+enum { HARMLESS, LOOKED_AT, NOT_SHOWN, SUSPECT };
 
 /* The state y at a time in the last step: 0, or 2 when Python keeps an error. */
 typedef int (*Value)(double t, double *y);
@@ -20,8 +21,11 @@ typedef struct {
     const int *ground;         /* (n_ground) rows of sigma that may press but not pull */
     Value value;               /* NULL: that of Adams */
     double *y;                 /* of several cases: room for the state at an output */
+    double *around;            /* (2, n of y) room for states beside an output */
+    const int *rates;          /* (n of rates) places of the accelerations of the state in a row */
+    double suspect;            /* 0, or d of spacar/integrators/jumps.py from which on an output is not shown */
     double exact, jump, singular, guard, longest; /* limits of a position, a jump, 1/condition, guards of elements; seconds */
-    int n, done, width, since, far, n_exact, n_ground, foreign, steps;
+    int n, done, width, since, far, n_exact, n_ground, foreign, steps, n_rates;
     int last, status;          /* how the last output came out, and its evaluation */
     int counted[5];            /* what March had counted at the last output of this call */
 } Passage;
@@ -82,6 +86,24 @@ static void lead(March *r, Passage *p)
     p->since = 0;
 }
 
+/* Does F at the i-th output, which has been evaluated, tell other rates than the polynomial of the step (jumps.py)? */
+static int disagrees(const March *r, const void *adams, const Passage *p, int i)
+{
+    const double h = r->sizes[0], t = p->t[i], low = fmax(r->t - h, t - 1e-4 * h), high = fmin(r->t, t + 1e-4 * h);
+    const int first = r->n - p->n_rates;
+    const double *row = row_of(p, i), *y = state_of(r->model, p, i);
+    double *before = p->around, *behind = before + r->n, sum = 0.0;
+    spacar_adams_value(r, adams, low, before);
+    spacar_adams_value(r, adams, high, behind);
+    for (int k = 0; k < p->n_rates; k++) {
+        const int j = first + k;
+        const double slope = (behind[j] - before[j]) / (high - low), weight = r->atol[j] + r->rtol * fabs(y[j]);
+        const double scaled = h * (row[p->rates[k]] - slope) / weight;
+        sum += scaled * scaled;
+    }
+    return sqrt(sum) > p->suspect;
+}
+
 typedef int (*Go)(March *r, void *method);
 
 /* Steps, and the outputs in them, those in the step that was made last first. n: room for outputs, of which there is one at
@@ -101,9 +123,15 @@ static int pass(March *r, void *method, Go go, const double *end, Passage *p)
             else if (p->value(p->t[i], y)) return INTERRUPTED;
             const int now[] = {r->n_steps, r->n_rhs, 0, r->n_rejected, 0};
             for (int k = 0; k < 5; k++) p->work[5 * i + k] = now[k] - p->counted[k];
-            memcpy(p->counted, now, sizeof now);
             lead(r, p);
-            if (!show(r->model, p, i) || p->done == p->n) return AT_OUTPUT;
+            const int go_on = show(r->model, p, i);
+            if (p->suspect > 0.0 && p->last != NOT_SHOWN && p->t[i] < r->t && disagrees(r, method, p, i)) {
+                p->done = i;
+                p->last = SUSPECT;
+                return AT_OUTPUT;
+            }
+            memcpy(p->counted, now, sizeof now);
+            if (!go_on || p->done == p->n) return AT_OUTPUT;
         }
         if (r->t >= r->t_end) return ARRIVED;
         if (p->done && (r->n_steps >= p->steps || seconds() - begin >= p->longest)) return AT_OUTPUT;

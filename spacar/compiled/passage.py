@@ -29,7 +29,7 @@ from spacar.integrators.times import EvenTimes
 from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.mechanism.numbering import Numbering
 
-HARMLESS, LOOKED_AT, NOT_SHOWN = range(3)  # as in passage.c
+HARMLESS, LOOKED_AT, NOT_SHOWN, SUSPECT = range(4)  # as in passage.c
 LONGEST = 0.05  # s of one call, unless a single step takes longer
 ROOM = 50_000  # numbers in the rows of one array, so that a frame that is kept does not keep many others: 0.4 MB
 UNLIMITED = 2**31 - 1
@@ -45,9 +45,11 @@ class CPassage(ctypes.Structure):
     _fields_ = [
         ("shown", POINTER), ("t", DOUBLES), ("rows", DOUBLES), ("work", INTEGERS),
         ("ground", INTEGERS), ("value", POINTER), ("y", DOUBLES),
-        *((name, NUMBER) for name in ("exact", "jump", "singular", "guard", "longest")),
+        ("around", DOUBLES), ("rates", INTEGERS),
+        *((name, NUMBER) for name in ("suspect", "exact", "jump", "singular", "guard", "longest")),
         *((name, INTEGER) for name in (
-            "n", "done", "width", "since", "far", "n_exact", "n_ground", "foreign", "steps", "last", "status",
+            "n", "done", "width", "since", "far", "n_exact", "n_ground", "foreign", "steps", "n_rates",
+            "last", "status",
         )),
         ("counted", INTEGER * 5),
     ]  # fmt: skip
@@ -95,6 +97,11 @@ class Passage:
         c.width, c.far, c.n_exact, c.n_ground = self.width, far, shown.largest_exact, len(ground)
         c.foreign = model.slots.has_limits
         self.address = ctypes.addressof(c)
+        self.around = np.empty((2, shown.n_positions + n.nddof))  # C points at these two
+        x, e = n.x_class["dynamic"], n.e_class["dynamic"]
+        of_x, of_e = np.arange(x.start, x.stop) + 2 * n.nx, np.arange(e.start, e.stop) + (6 * n.nx + 2 * n.ne)
+        self.rates = np.concatenate((of_x, of_e)).astype(np.int32)
+        c.around, c.rates, c.n_rates = address_of(self.around), address_of(self.rates), len(self.rates)
         self.first = self.used = self.end = 0  # output of the first row, rows that have been handed on, rows
         self.held = 0  # outputs of earlier calls that are handed on with those of the next one
 
@@ -138,7 +145,7 @@ class Passage:
         if lost:  # C asks for them when there have been any
             lost[:0] = [{}] * (n - (self.c.last == NOT_SHOWN) - len(lost))
         self.used, self.held = first + n, 0
-        if self.c.last == HARMLESS:
+        if self.c.last in (HARMLESS, SUSPECT):
             return [self._passed(first, slice(0, n), begun, now)] if n else []
         before = counts(map(sub, now, self.work[first + n - 1].tolist()))
         last = self._passed(first, slice(n - 1, n), before, now)

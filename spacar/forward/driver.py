@@ -30,7 +30,7 @@ from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
 from spacar.integrators.problem import Jacobian, March, Output, Passed, Step
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import nearly_singular
-from spacar.mechanism.mechanism import SolverSettings
+from spacar.mechanism.mechanism import Polynomial, SolverSettings
 
 # Tolerance of one step / ERROR, for every code with variable steps alike. Errors of the steps add up, and the watch of
 # dead points takes the degrees of freedom as known to ERROR: a hundred steps may err to the same side.
@@ -94,6 +94,7 @@ class Integrand:
     def __init__(
         self, evaluator: Integrable, within: float, jacobian: Jacobian | None, accepted: Watch | None, report: Report,
         rejected: Callable[[], None] | None = None, trail: Trail | None = None, marching: Marches | None = None,
+        may_jump: bool = False,
     ) -> None:  # fmt: skip
         self.rejected = rejected
         self.n_positions, self.by_case = evaluator.n_positions, evaluator.by_case
@@ -109,6 +110,7 @@ class Integrand:
         self._iterates: bool = getattr(evaluator, "newton", None) is not None
         self._steps = None if marching is None else marching.steps
         self.passes = marching is not None and marching.passage is not None
+        self.may_jump = may_jump
 
     # Nothing here may hold this object: what a run leaves behind goes away with it, without a search for circles.
     @property
@@ -172,14 +174,16 @@ def integrated(
     evaluator: Integrable, y: Array, times: Times, settings: SolverSettings, tolerances: Tolerances, *,
     breaks: Sequence[float] = (), watch: Watch | None = None, jacobian: Jacobian | None = None,
     report: Report | None = None, back: Callable[[], None] | None = None, trail: Trail | None = None,
-    marching: Marches | None = None,
+    marching: Marches | None = None, may_jump: bool = False,
 ) -> Iterator[Output]:  # fmt: skip
     """States at the output times, with the work done since the last one. Raises AnalysisError.
 
     `watch` is called after accepted steps, `back` after rejected ones; `marching`: of an evaluator that makes many
-    steps at a time.
+    steps at a time; `may_jump`: forces or inputs may jump at times that nobody has told.
     """
-    problem = Integrand(evaluator, tolerances.position, jacobian, watch, report or Report(), back, trail, marching)
+    problem = Integrand(
+        evaluator, tolerances.position, jacobian, watch, report or Report(), back, trail, marching, may_jump
+    )
     return integrate(
         problem, y, times, settings.integrator, tolerances.atol, tolerances.rtol, settings.step, breaks=breaks
     )
@@ -214,10 +218,12 @@ def frames(
     limits = Limits(shown, report)
     trail = Trail(evaluator, watch)
     breaks = (*model.drive.breaks, *getattr(model.mechanism.user_signal, "breaks", ()))
+    may_jump = not breaks and (model.mechanism.user_signal is not None or not isinstance(model.drive, Polynomial))
     marching: Marches | None = None
     passage = None
     if evaluator.marching is not None:
-        together = None if standing else shown.passage
+        one_by_one = may_jump and settings.integrator not in (0, AUTOMATIC)  # C looks for jumps in steps of Adams only
+        together = None if standing or one_by_one else shown.passage
         if together is not None:
             passage = together(times, limits.wheels.rows, nearly_singular(model.mechanism), FAR)
         marching = evaluator.marching(trail, passage)
@@ -225,6 +231,7 @@ def frames(
         evaluator, y, times, settings, tolerances,
         breaks=breaks, watch=trail.accepted, jacobian=jacobian,
         back=trail.rejected if trail.back else None, report=report, trail=trail, marching=marching,
+        may_jump=may_jump,
     )  # fmt: skip
     try:
         for out in outputs:

@@ -21,6 +21,7 @@ from spacar.errors import AnalysisError, UsageError
 from .adams import Adams
 from .automatic import Automatic
 from .failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small, too_many_steps
+from .jumps import Jumps
 from .methods import AUTOMATIC, METHODS, method
 from .problem import Evaluation, Output, Problem, Step, Tolerance, counts
 from .runge_kutta import ExplicitRungeKutta
@@ -194,14 +195,24 @@ def _variable(
     y = y0.copy()
     # Nothing is known beyond the first output: a longer first step could jump over a short pulse of an input.
     h = step if step is not None else float(times[1]) - evaluation.first
-    for start, end, evaluation.first, evaluation.last in segments:
-        t, before, size = start, 0.0, 0.0
-        for taken in run(start, y, end, min(h, end - start)):
-            before, size = taken.sizes or (size, taken.t - t)
-            t = taken.t
-            yield taken
-        # After a break not longer than before it; the last step may have been shortened to end there.
-        y, h = taken.y.copy(), max(before, size)
+    jumps = Jumps(evaluation, times, integrator.tolerance) if evaluation.may_jump else None
+    for begin, end, evaluation.first, evaluation.last in segments:
+        start = begin
+        while True:
+            t, before, size, jump = start, 0.0, 0.0, None
+            for taken in run(start, y, end, min(h, end - start)):
+                before, size = taken.sizes or (size, taken.t - t)
+                if jumps is not None and (jump := jumps.within(taken.t - size, taken)) is not None:
+                    taken = Step(jump[0], taken.interpolate(jump[0]), taken.interpolate, None, taken.passed)
+                t = taken.t
+                yield taken
+                if jump is not None:
+                    break
+            # After a break not longer than before it; the last step may have been shortened to end there.
+            y, h = taken.y.copy(), max(before, size)
+            if jump is None:
+                break
+            start = evaluation.first = jump[1]
 
 
 def _one_step(

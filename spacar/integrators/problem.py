@@ -30,7 +30,7 @@ class Problem(Protocol):
     need `len(y) == 2 * n_positions`. `rhs` may return the same array at every call: integrators copy what
     they keep. It must neither change nor keep the `y` it is given.
 
-    Nine optional members are used when they are present (`Automatic` knows two more):
+    Ten optional members are used when they are present (`Automatic` knows two more):
 
     jacobian(t, y)     (dF/dy, dF/dt) with shapes (n, n) and (n,); the linearly implicit and implicit codes need it
     accepted(t, y)     called after each accepted step, so that a problem can update its branch memory
@@ -44,6 +44,7 @@ class Problem(Protocol):
                        it converged, size and contraction of the last change, or None when it cannot
     by_case            the shape (blocks, components, lanes) of a state of many cases, each of which keeps the tolerance
                        (Runge-Kutta codes)
+    may_jump           whether F may jump at times that are not told as `breaks` (`spacar.integrators.jumps`)
     march(method, t, t_end, h, longest)
                        takes the steps of codes 0, 135, 155 and 853 itself, with what `accepted` and `rejected` do, and
                        yields those with an output, or, where it `passes` outputs, the last of many with the outputs in
@@ -143,12 +144,15 @@ class Evaluation:
         "halt",
         "last",
         "march",
+        "may_jump",
         "newton",
         "passes",
         "problem",
         "rejected",
         "stages",
         "statistics",
+        "suspect",
+        "suspected",
         "times",
     )  # fmt: skip
 
@@ -166,6 +170,9 @@ class Evaluation:
         self.by_case: tuple[int, int, int] | None = getattr(problem, "by_case", None)
         self.march: March | None = getattr(problem, "march", None)
         self.passes: bool = getattr(problem, "passes", False)
+        self.may_jump: bool = getattr(problem, "may_jump", False)
+        # `spacar.integrators.jumps`: difference above which `march` does not pass an output, whether one was left
+        self.suspect, self.suspected = 0.0, False
         self.times: Sequence[float] | np.ndarray = (first, last)
         # Accepted steps after which `march` gives way at the next output, to whoever looks at the steps.
         self.halt = float("inf")
