@@ -4,6 +4,9 @@ Rows that came together are written with a single call, so they survive the proc
 seconds later, as waiting for the disk costs more than a small case. A process that is killed leaves at most a piece of
 a last line; it is cut off when the file is opened again. JSON lines hold anything; csv has its columns fixed by the
 first row. Rows are told apart by the text `case`.
+
+A file that was edited, or saved by another program, goes on when its rows can be told: with a byte order mark, empty
+lines, short rows, a last line without an end. One that is not of this study is not touched.
 """
 
 from __future__ import annotations
@@ -18,10 +21,11 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from spacar.errors import UsageError
+from spacar.errors import UsageError, shown
 
 Row = dict[str, Any]
 SYNC = 0.1  # seconds
+BEGIN = b'{"case": "'  # of a row in JSON
 
 
 class Rows:
@@ -37,19 +41,21 @@ class Rows:
         self._synced = 0.0
 
     def __enter__(self) -> Rows:
+        """Read what is there; nothing of the file changes before all of it was understood."""
         self._file = self.path.open("a+b")
         try:
             _lock(self._file, self.path)
             self._file.seek(0)
             data = self._file.read()
-            whole = data.rfind(b"\n") + 1
+            rows, whole = self._read_csv(data) if self.csv else self._read_json(data)
+            for row in rows:
+                self.done[str(row["case"])] = row
             if whole < len(data):
                 self._file.truncate(whole)
-            text = data[:whole].decode("utf-8")
-            for row in self._read_csv(text) if self.csv else self._read_json(text):
-                self.done[str(row["case"])] = row
             if self.csv and not whole:
                 self._write(_csv_line(self.columns))
+            elif whole and not data[:whole].endswith(b"\n"):
+                self._write("\n")
         except BaseException:
             self._file.close()
             raise
@@ -79,24 +85,66 @@ class Rows:
         os.fsync(self._file.fileno())
         self._synced = time.monotonic()
 
-    def _read_csv(self, text: str) -> list[Row]:
-        if not text:
-            return []
-        header, *lines = csv.reader(io.StringIO(text))
+    def _read_csv(self, data: bytes) -> tuple[list[Row], int]:
+        """The rows, and up to which byte the file is whole."""
+        own = _csv_line(self.columns).encode()
+        if own.startswith(data):  # nothing, or a piece of the header
+            return [], 0 if len(data) < len(own) else len(data)
+        whole = data.rfind(b"\n") + 1 or len(data)
+        lines = self._cells(self._text(data[:whole]))
+        header = lines.pop(0)[1] if lines else []
         if tuple(header) != self.columns:
             odd = ", ".join(sorted({*header} ^ {*self.columns})) or "the order"
-            text = f"{self.path} has other columns than this study ({odd}); choose another --output"
-            raise UsageError(text, "study.rows")
-        return [dict(zip(header, line, strict=True)) for line in lines]
+            raise self._refusal(f"has other columns than this study ({shown(odd)})")
+        try:  # the last line: complete (saved by another program), or what a killed process left, perhaps of a reason
+            rest = csv.reader([data[whole:].decode()], strict=True)
+            last = [line for line in rest if len(line) == len(header) and not line[-1]]
+        except (csv.Error, UnicodeDecodeError):
+            last = []
+        if last:
+            lines.append((len(lines) + 2, last[0]))
+            whole = len(data)
+        for number, line in lines:
+            if any(line[len(header) :]):
+                raise self._refusal(f"has a row with {len(line)} cells under {len(header)} columns in line {number}")
+        return [dict(zip(header, line + [""] * len(header), strict=False)) for _, line in lines], whole
 
-    def _read_json(self, text: str) -> list[Row]:
+    def _cells(self, text: str) -> list[tuple[int, list[str]]]:
+        """Number of the line and cells of the rows that are not empty."""
+        reader = csv.reader(io.StringIO(text, newline=""))
         try:
-            rows = [json.loads(line) for line in text.splitlines()]
-        except json.JSONDecodeError:
-            rows = [None]
-        if not all(isinstance(row, dict) and "case" in row for row in rows):
-            raise UsageError(f"{self.path} does not hold rows of a study; choose another --output", "study.rows")
-        return rows
+            return [(reader.line_num, line) for line in reader if any(line)]
+        except csv.Error as error:
+            raise self._refusal(f"cannot be read as csv ({error} in line {reader.line_num})") from None
+
+    def _read_json(self, data: bytes) -> tuple[list[Row], int]:
+        """The same."""
+        self._text(data[: data.rfind(b"\n") + 1])
+        rows, whole, at = [], 0, 0
+        for number, line in enumerate(data.splitlines(keepends=True), 1):
+            at += len(line)
+            try:
+                row = json.loads(line.decode("utf-8-sig")) if line.strip() else None
+            except (ValueError, RecursionError):
+                row = ""
+            if row is not None and not (isinstance(row, dict) and row.keys() >= {"case", "status"}):
+                if not line.endswith(b"\n") and (number > 1 or BEGIN.startswith(line[: len(BEGIN)])):
+                    break  # what a killed process left
+                raise self._refusal(f"does not hold rows of a study (line {number})")
+            rows += [row] if row is not None else []
+            whole = at
+        return rows, whole
+
+    def _text(self, data: bytes) -> str:
+        """Of UTF-8, without the mark that other programs put at the start."""
+        try:
+            return data.decode("utf-8-sig")
+        except UnicodeDecodeError as error:
+            line = data.count(b"\n", 0, error.start) + 1
+            raise self._refusal(f"is not UTF-8 (byte {data[error.start]:#04x} in line {line})") from None
+
+    def _refusal(self, what: str) -> UsageError:
+        return UsageError(f"{self.path} {what}; it was not touched: choose another --output", "study.rows")
 
 
 def key(*parts: Any) -> str:

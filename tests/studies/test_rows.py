@@ -36,7 +36,7 @@ def test_a_file_cut_anywhere_is_repaired(tmp_path, name):
     for size in range(0, len(data), 3):
         path.write_bytes(data[:size])
         with Rows(path, COLUMNS) as rows:
-            whole = max(0, data[:size].count(b"\n") - (lines - 3))
+            whole = max(0, (data[:size] + b"\n" * (data[size : size + 1] == b"\n")).count(b"\n") - (lines - 3))
             assert len(rows.done) == whole
             for case in "abc"[whole:]:
                 rows.add({"case": case, "k": 1.0, "y": 2.0, "status": "done", "reason": ""})
@@ -45,11 +45,11 @@ def test_a_file_cut_anywhere_is_repaired(tmp_path, name):
 
 def test_complex_numbers(tmp_path):
     with Rows(tmp_path / "r.csv", COLUMNS) as rows:
-        rows.add({"case": "a", "y": 1.5 - 2j})
+        rows.add({"case": "a", "y": 1.5 - 2j, "status": "done"})
     with Rows(tmp_path / "r.csv", COLUMNS) as rows:
         assert complex(rows.done["a"]["y"]) == 1.5 - 2j
     with Rows(tmp_path / "r.jsonl", COLUMNS) as rows:
-        rows.add({"case": "a", "y": 1.5 - 2j})
+        rows.add({"case": "a", "y": 1.5 - 2j, "status": "done"})
     with Rows(tmp_path / "r.jsonl", COLUMNS) as rows:
         assert rows.done["a"]["y"] == [1.5, -2.0]
 
@@ -63,6 +63,60 @@ def test_other_files_are_not_touched(tmp_path):
         with pytest.raises(UsageError, match="does not hold rows"), Rows(tmp_path / "r.jsonl", COLUMNS):
             pass
         assert (tmp_path / "r.jsonl").read_text() == text
+
+
+HEAD = ",".join(COLUMNS)
+ROW = "a,1.0,2.0,done,"
+JSON = '{"case": "a", "k": 1.0, "y": 2.0, "status": "done", "reason": ""}'
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "sentence"),
+    [
+        ("r.csv", b"a letter without an end of line", "other columns"),
+        ("r.csv", b"a,b\n1,2", "other columns"),
+        ("r.csv", f"{HEAD}\n{ROW}\u00e9\n".encode("latin-1"), r"is not UTF-8 \(byte 0xe9 in line 2\)"),
+        ("r.csv", f"{HEAD}\n{'x' * 200_000}\n".encode(), r"cannot be read as csv \(field larger"),
+        ("r.csv", f"{HEAD}\n{ROW},6\n".encode(), "6 cells under 5 columns in line 2"),
+        ("r.csv", f"{HEAD.replace(',', ';')}\n".encode(), "other columns"),
+        ("r.jsonl", b"a letter without an end of line", r"does not hold rows of a study \(line 1\)"),
+        ("r.jsonl", b"[" * 100_000 + b"\n", "does not hold rows"),
+        ("r.jsonl", f'{JSON}\n{{"n": {"9" * 5000}}}\n'.encode(), r"does not hold rows of a study \(line 2\)"),
+        ("r.jsonl", f"{JSON}\n\u00e9\n".encode("latin-1"), "is not UTF-8 .*line 2"),
+        ("r.jsonl", b'{"case": 1}\n', "does not hold rows"),
+    ],
+)
+def test_what_is_not_of_the_study_is_not_touched(tmp_path, name, data, sentence):
+    """Bit for bit, whatever is wrong: the last line too."""
+    path = tmp_path / name
+    path.write_bytes(data)
+    with pytest.raises(UsageError, match=f"{sentence}.*not touched"), Rows(path, COLUMNS):
+        pass
+    assert path.read_bytes() == data
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "done"),
+    [
+        ("r.csv", f"\ufeff{HEAD}\r\n{ROW}\r\n", "a"),  # saved by a spreadsheet
+        ("r.csv", f"{HEAD}\n{ROW}\n\n,,,,\n", "a"),
+        ("r.csv", f"{HEAD}\n{ROW}", "a"),
+        ("r.csv", f"{HEAD}\nb,1.0\n{ROW}\n", "ba"),  # its case is run again
+        ("r.csv", HEAD, ""),
+        ("r.csv", f"\ufeff{HEAD}", ""),
+        ("r.jsonl", f"\ufeff{JSON}\n\n", "a"),
+        ("r.jsonl", JSON, "a"),
+    ],
+)
+def test_a_file_that_was_edited_goes_on(tmp_path, name, text, done):
+    path = tmp_path / name
+    path.write_bytes(text.encode())
+    with Rows(path, COLUMNS) as rows:
+        assert list(rows.done) == list(done)
+        rows.add({"case": "z", "k": 3.0, "status": "done"})
+    with Rows(path, COLUMNS) as rows:
+        assert list(rows.done) == [*done, "z"]
+        assert float(rows.done["z"]["k"]) == 3.0
 
 
 def test_one_writer(tmp_path):
