@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 LONGEST_LINE = 1000
+BY_USERS = (Exception, SystemExit, GeneratorExit)  # what code of a user may raise; a Ctrl-C passes
 
 
 def shown(text: str) -> str:

@@ -14,7 +14,7 @@ from typing import BinaryIO
 
 from spacar.errors import AnalysisError, UsageError
 from spacar_formats import locks
-from spacar_formats.safety import backup_path, force, part_path, sweep
+from spacar_formats.safety import backup_path, force, part_path, side_path, sweep
 
 PAUSE = 0.1  # seconds between two looks of one that waits
 
@@ -80,7 +80,7 @@ class Claim:
 
     def _renew(self) -> None:
         """A new file takes the name; it is locked before it has it, so the name is never without a lock."""
-        side = self.part.with_name(f".{self.part.name}.{os.getpid()}-0.spacar-side")
+        side = side_path(self.part)
         side.unlink(missing_ok=True)
         fd = os.open(side, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
         release = locks.lock(fd, self.part)

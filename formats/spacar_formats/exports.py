@@ -8,6 +8,7 @@ import os
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -43,12 +44,18 @@ def to_npz(arrays: Arrays, target: Path) -> None:
 
 
 def to_csv(table: Arrays, target: Path) -> None:
-    """A table with a named column for each entry (1-D arrays of one length), with all digits of numbers."""
+    """A table with a named column for each entry (1-D arrays of one length), with all digits of numbers. Text that a
+    spreadsheet would evaluate has an apostrophe in front."""
     columns = [column.tolist() for column in table.values()]
     with replacing(target) as side, open(side, "w", newline="", encoding="utf-8") as out:
         writer = csv.writer(out)
-        writer.writerow(table)
-        writer.writerows(zip(*columns, strict=True))
+        writer.writerow(map(no_formula, table))
+        writer.writerows(map(no_formula, row) for row in zip(*columns, strict=True))
+
+
+def no_formula(cell: Any) -> Any:
+    """A cell of a csv."""
+    return f"'{cell}" if isinstance(cell, str) and cell[:1] in ("=", "@") else cell
 
 
 def step_table(file: SbfFile, ids: tuple[str, ...]) -> dict[str, np.ndarray]:

@@ -70,10 +70,15 @@ def write_text(target: Path, text: str) -> None:
         side.write_text(text, encoding="utf-8", errors="backslashreplace", newline="")
 
 
+def side_path(target: Path) -> Path:
+    """A name of its own, which is not too long where that of the target is just not."""
+    return target.with_name(f".{target.stem[:40]}.{os.getpid()}-{next(_numbers)}.spacar-side{target.suffix}")
+
+
 @contextmanager
 def _beside(target: Path, mode: int | None) -> Iterator[Path]:
     sweep(target.parent)
-    side = target.with_name(f".{target.stem}.{os.getpid()}-{next(_numbers)}.spacar-side{target.suffix}")
+    side = side_path(target)
     fd = os.open(side, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o666)
     try:
         release = locks.lock(fd, side)

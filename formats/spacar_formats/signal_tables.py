@@ -19,7 +19,7 @@ import numpy as np
 
 import spacar
 from spacar_formats.claim import Claim
-from spacar_formats.sbf import SbfFile, SbfWriter
+from spacar_formats.sbf import SbfError, SbfFile, SbfWriter
 
 if TYPE_CHECKING:
     from spacar.simulation.response import Response
@@ -103,17 +103,37 @@ def panels_by_quantity(table: SignalTable, block: str) -> list[Panel]:
 
 
 def read_table(file: SbfFile) -> SignalTable | None:
-    """The signals of a result; None when it has none."""
+    """The signals of a result; None when it has none. Raises SbfError."""
     if not (file.has("SIGNAL") and file.has("SIGNAME")):
         return None
     lines = [str(line).partition("\t") for line in file.header["SIGNAME"]]
     values = np.asarray(file.get("SIGNAL"), float).reshape(file.steps, -1)
-    panels = []
-    for line in file.header["SCOPES"] if file.has("SCOPES") else ():
-        found: Mapping[str, Any] = json.loads(line)
-        columns = tuple(k - 1 for k in found["columns"])
-        panels.append(Panel(found["title"], columns, tuple(found["labels"]), found["unit"]))
+    if len(lines) != values.shape[1]:
+        raise _damaged(file, f"has {values.shape[1]} signals and {len(lines)} names")
+    panels = [
+        _panel(file, number, str(line), values.shape[1])
+        for number, line in enumerate(file.header["SCOPES"] if file.has("SCOPES") else (), 1)
+    ]
     return SignalTable(tuple(line[0] for line in lines), tuple(line[2] for line in lines), values, tuple(panels))
+
+
+def _panel(file: SbfFile, number: int, line: str, count: int) -> Panel:
+    """What a line of SCOPES says, whoever wrote it. Raises SbfError."""
+    try:
+        found = json.loads(line)
+        title, unit, columns, labels = (found[key] for key in ("title", "unit", "columns", "labels"))
+    except (ValueError, KeyError, TypeError, RecursionError):
+        raise _damaged(file, f"line {number} of SCOPES is no description of a scope") from None
+    texts = [title, unit, *labels] if isinstance(labels, list) else [None]
+    if not all(isinstance(text, str) for text in texts) or not isinstance(columns, list):
+        raise _damaged(file, f"line {number} of SCOPES is no description of a scope")
+    if not all(type(k) is int and 1 <= k <= count for k in columns) or len(columns) != len(labels):
+        raise _damaged(file, f"line {number} of SCOPES needs a label and a signal from 1 to {count} for every curve")
+    return Panel(title, tuple(k - 1 for k in columns), tuple(labels), unit)
+
+
+def _damaged(file: SbfFile, what: str) -> SbfError:
+    return SbfError(f"{file.path} is damaged: {what}")
 
 
 def write_table(stem: Path, t: Sequence[float] | np.ndarray, table: SignalTable, source: Path) -> Path:

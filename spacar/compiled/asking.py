@@ -19,6 +19,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from spacar.compiled.library import POINTER, CAsking, CUser
+from spacar.errors import BY_USERS
 
 # in the order of `Python` in asking.c
 FUNCTIONS = (
@@ -120,7 +121,7 @@ class Asking:
         error = self.caught[-1]
         self.caught.clear()
         self.c.stopped = 0
-        if self.law is None or not self.c.within or not isinstance(error, Exception):
+        if self.law is None or not self.c.within or not isinstance(error, BY_USERS):
             return error
         failed = self.law.failed(self.c.t, error)
         failed.__cause__ = error

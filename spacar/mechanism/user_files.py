@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from spacar.deck import Deck, Statement
-from spacar.errors import InputError, Message
+from spacar.errors import BY_USERS, InputError, Message
 
 STATEMENTS = {"USERSIG": "forces and stresses", "USERINP": "prescribed motion", "USERTRAJ": "trajectory"}
 
@@ -136,7 +136,7 @@ def _found(deck: Deck, statement: Statement, refuse: Callable[[str], Exception])
 def _text(path: str, refuse: Callable[[str], Exception]) -> bytes:
     try:
         return Path(path).read_bytes()
-    except Exception as error:
+    except BY_USERS as error:
         raise refuse(f"{path} cannot be loaded: {one_line(error)}") from error
 
 
@@ -171,7 +171,7 @@ def import_file(path: Path, refuse: Callable[[str], Exception]) -> ModuleType:
 def _compiled(path: str, text: bytes, refuse: Callable[[str], Exception]) -> CodeType:
     try:
         return _code(path, text)
-    except Exception as error:  # a user's file may fail in any way
+    except BY_USERS as error:  # a user's file may fail in any way
         raise refuse(f"{path} cannot be loaded: {one_line(error)}") from error
 
 
@@ -185,11 +185,11 @@ def _executed(code: CodeType, path: str, stem: str, refuse: Callable[[str], Exce
     module.__file__ = path
     try:
         exec(code, vars(module))
-    except Exception as error:
+    except BY_USERS as error:
         raise refuse(f"{path} cannot be loaded: {one_line(error)}") from error
     return module
 
 
-def one_line(error: Exception) -> str:
+def one_line(error: BaseException) -> str:
     """Type and text of an exception without line breaks."""
     return " ".join(f"{type(error).__name__}: {error}".split())

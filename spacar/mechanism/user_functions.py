@@ -22,7 +22,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.deck import Deck, Statement
-from spacar.errors import AnalysisError
+from spacar.errors import BY_USERS, AnalysisError
 from spacar.mechanism.mechanism import DriveState, Polynomial, Rows, SolverSettings, UserForces, UserSignal
 from spacar.mechanism.numbering import Numbering
 from spacar.mechanism.placed_vectors import PlacedVector, placed
@@ -34,12 +34,12 @@ def call(function: Callable[..., Any], name: str, t: float, *arguments: Any) -> 
     """Call a user function and return its second and third result. Raises AnalysisError."""
     try:
         _, first, second = function(t, *arguments)
-    except Exception as error:  # a user's function may fail in any way
+    except BY_USERS as error:  # a user's function may fail in any way
         raise _failed(name, t, error) from error
     return first, second
 
 
-def _failed(name: str, t: float, error: Exception) -> AnalysisError:
+def _failed(name: str, t: float, error: BaseException) -> AnalysisError:
     text = f"the user function {name} failed at t = {t:.9g}: {one_line(error)}"
     return AnalysisError(text, "user-function.failed")
 
@@ -295,7 +295,7 @@ class Answering:
         """Write the answer at a time where zeros are. Returns the sentences of `UserForces.lost`."""
         try:
             _, sig, f = self.function(t, *self.told)
-        except Exception as error:  # a user's function may fail in any way
+        except BY_USERS as error:  # a user's function may fail in any way
             raise self.failed(t, error) from error
         if self.forms:
             (of_sig, of_f), (sigma, force) = self.forms, self.values
@@ -310,11 +310,11 @@ class Answering:
         """The same with what the function gave. Some values may have been written."""
         try:
             _, sig, f = given
-        except Exception as error:
+        except BY_USERS as error:
             raise self.failed(t, error) from error
         return self._read(t, sig, f)
 
-    def failed(self, t: float, error: Exception) -> AnalysisError:
+    def failed(self, t: float, error: BaseException) -> AnalysisError:
         """What is raised when the function raises something."""
         return _failed(self.law.name, t, error)
 

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from spacar.errors import UsageError
+from spacar.errors import UsageError, shown
 from spacar.expressions import Variables, evaluate, evaluate_cases, parse
 from spacar.expressions.grammar import NOTHING_MORE, Expression, More
 from spacar.result import Result
@@ -63,5 +63,8 @@ def quantity(text: str, more: More = NOTHING_MORE) -> Quantity:
     name, expression = (head.strip(), tail.strip()) if colon else (text.strip(), text.strip())
     if not name:
         raise UsageError(f"the quantity '{text}' has no name before the colon", "study.quantity")
+    if not name.isprintable() or name[0] in "=@":
+        raise UsageError(f"the name {shown(name)!r} of a quantity begins with = or @ or has a control character",
+                         "study.quantity")  # fmt: skip
     parse(expression, more)
     return Quantity(name, expression)

@@ -181,12 +181,13 @@ def _plain(value: Any) -> Any:
 
 
 def _cell(value: Any) -> str:
-    """Numbers with all their digits; a complex one as Python and NumPy read it."""
+    """Numbers with all their digits; a complex one as Python and NumPy read it. No text is a spreadsheet's formula."""
     if value is None:
         return ""
     if isinstance(value, complex):
         return repr(value).strip("()")
-    return repr(value) if isinstance(value, float) else str(value)
+    text = repr(value) if isinstance(value, float) else str(value)
+    return f"'{text}" if text[:1] in ("=", "@") else text
 
 
 def _csv_line(cells: Sequence[str]) -> str:

@@ -36,11 +36,12 @@ class ModelFile:
             data = self.path.read_bytes() if self.data is None else self.data
             self.sha256 = hashlib.sha256(data).hexdigest()
             tables: dict[str, Any] = toml.loads(data.decode("utf-8").replace("\r\n", "\n"))
+            text = control_character(tables)
         except ValueError as error:
             self.fail(f"cannot read the file: {error}", "syntax")
         except RecursionError:
             self.fail("cannot read the file: its lists or tables are nested too deep", "syntax")
-        if (text := control_character(tables)) is not None:
+        if text is not None:
             self.fail(f"{text!r} holds a control character", "syntax")
         for name in tables:
             if (name not in TABLES and name not in SINGLE) or name == "coordinate":

@@ -14,7 +14,7 @@ from typing import Any
 
 import sympy as sp
 
-from spacar.errors import InputError, Message, SpacarError
+from spacar.errors import BY_USERS, InputError, Message, SpacarError
 from spacar.symbolic.system import MultibodySystem
 
 
@@ -46,7 +46,7 @@ def read_script(path: Path) -> SymbolicModel:
         names = runpy.run_path(str(path), run_name="spacar_model")
     except SpacarError as error:
         raise InputError([Message("error", path.name, None, "", str(error))]) from None
-    except Exception as error:
+    except BY_USERS as error:
         lines = _lines_of(error, path)
         line = lines[-1] if lines else None
         raise InputError([Message("error", path.name, line, "", f"{type(error).__name__}: {error}")]) from None

@@ -22,6 +22,7 @@ def main() -> int:
     p.add_argument("--decks", type=int, default=20_000)
     p.add_argument("--files", type=int, default=5_000)
     p.add_argument("--words", type=int, default=5_000)
+    p.add_argument("--forged", type=int, default=5_000)
     p.add_argument("--kills", type=int, default=200)
     p.add_argument("--first", type=int, default=0, help="First number of the cases: other numbers are other cases.")
     p.add_argument("--scale", type=float, default=1.0, help="Size of what is measured; 0: nothing.")
@@ -35,7 +36,7 @@ def main() -> int:
         with tempfile.TemporaryDirectory() as made:
             for file, data in sound_results(Path(made)).items():
                 (folder / "sound" / file).write_bytes(data)
-        for kind, count in (("deck", a.decks), ("file", a.files), ("words", a.words)):
+        for kind, count in (("deck", a.decks), ("file", a.files), ("words", a.words), ("forged", a.forged)):
             for first in range(a.first, a.first + count, CHUNK):
                 found += chunk(kind, first, min(CHUNK, a.first + count - first), folder)
                 print(f"{kind} {first + CHUNK - a.first}/{count}: {len(found)} findings", file=sys.stderr, flush=True)
@@ -47,7 +48,8 @@ def main() -> int:
             measured = [figure(folder / "figures", a.scale) for figure in figures.FIGURES]
             found += [{"kind": "figure", "seed": 0, "words": f.what, "text": f"status {f.status}"}
                       for f in measured if f.status]  # fmt: skip
-    counts = f"{a.decks} decks, {a.files} result files, {a.words} command lines, {a.kills} kills"
+    counts = f"{a.decks} decks, {a.files} result files, {a.words} command lines, {a.forged} forged files"
+    counts += f", {a.kills} kills"
     seconds = time.monotonic() - begun
     lines = ["# Fuzzing", "", f"{counts}, first number {a.first}; {seconds:.0f} s. **{len(found)} findings.**", ""]
     lines += [f"- {f['kind']} {f['seed']}: `{' '.join(f['words'])[:200]}`: {f['text'][:300]}" for f in found]

@@ -1,7 +1,7 @@
 """Hostile input from a seed: the same number gives the same case on every machine.
 
-Three kinds: `deck` (a changed example model, run in a mode), `file` (a damaged or forged result, given to a reader),
-`words` (a command line of odd words for every subcommand).
+Four kinds: `deck` (a changed example model, run in a mode), `file` (a damaged or forged result, given to a reader),
+`words` (a command line of odd words for every subcommand), `forged` (`forged.py`).
 """
 
 # ruff: noqa: E501  (tables of odd words)
@@ -10,9 +10,12 @@ from __future__ import annotations
 
 import random
 import struct
+import tempfile
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
+
+from .forged import forged
 
 DATA = Path(__file__).resolve().parents[2] / "data"
 MODES = ("0", "1", "2", "4", "7", "8", "9", "10", "check")
@@ -77,7 +80,13 @@ class Case:
 def case(kind: str, seed: int, results: dict[str, bytes]) -> Case:
     """The case of a number; `results` are sound result files by name."""
     rng = random.Random(f"{kind} {seed}")
-    return {"deck": _deck, "file": _file, "words": _words}[kind](rng, seed, results)
+    return {"deck": _deck, "file": _file, "words": _words, "forged": _forged}[kind](rng, seed, results)
+
+
+def _forged(rng: random.Random, seed: int, results: dict[str, bytes]) -> Case:
+    with tempfile.TemporaryDirectory() as folder:
+        files, words = forged(rng, (DATA / "crank.dat").read_bytes(), Path(folder))
+    return Case("forged", seed, files, words)
 
 
 def _deck(rng: random.Random, seed: int, results: dict[str, bytes]) -> Case:

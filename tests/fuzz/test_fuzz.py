@@ -7,7 +7,7 @@ import pytest
 from .cases import COMMANDS, case
 from .harness import finding, sound_results
 
-COUNTS = {"deck": 160, "file": 80, "words": 2 * len(COMMANDS)}
+COUNTS = {"deck": 160, "file": 80, "words": 2 * len(COMMANDS), "forged": 40}
 
 
 @pytest.fixture(scope="module")

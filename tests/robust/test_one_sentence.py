@@ -211,3 +211,52 @@ def test_forged_indices(results, tmp_path, monkeypatch, ident, words):
         status, _, err = run(*words)
         assert status in (0, 1, 2)
         assert "internal" not in err, (ident, value, err)
+
+
+def test_no_cell_of_a_csv_is_a_formula(tmp_path):
+    """Names of quantities are refused; titles and reasons, which somebody else may write, are marked as text."""
+    from spacar_formats.exports import to_csv
+
+    from spacar.studies.rows import Rows
+
+    model(tmp_path)
+    for name in ("=cmd", "@a", "a\x1b[2J"):
+        status, _, err = run("sweep", tmp_path / "crank", "--set", "XM.6=1", "--result", f"{name}:x[6,1]@end")
+        assert status == 2
+        assert "begins with = or @ or has a control character" in err
+    with Rows(tmp_path / "r.csv", ("case", "status", "reason")) as rows:
+        rows.add({"case": "a", "status": "failed", "reason": "=1+1"})
+    assert (tmp_path / "r.csv").read_text().endswith("a,failed,'=1+1\n")
+    to_csv({"=name": np.array(["=1", "@2", "-3"])}, tmp_path / "t.csv")
+    assert (tmp_path / "t.csv").read_text().split() == ["'=name", "'=1", "'@2", "-3"]
+
+
+def test_long_file_names(tmp_path):
+    """The files beside a result have longer names: 240 characters leave room for .sbd.part."""
+    name = "a" * 240
+    model(tmp_path)
+    (tmp_path / "crank.dat").rename(tmp_path / f"{name}.dat")
+    for _ in range(2):
+        assert run(1, tmp_path / name, "--steps", 2)[0] == 0
+    assert run("draw", tmp_path / name, "-o", tmp_path / f"{name}.png")[0] == 0
+
+
+@pytest.mark.parametrize(
+    "forged",
+    [{"columns": [3]}, {"columns": [True]}, {"columns": [1, 2]}, {"columns": "1"}, {"labels": 3}, {"title": None}, {}],
+)
+def test_forged_scopes(tmp_path, forged):
+    """The text is under a checksum, so only one who wrote the file can have put it there."""
+    import json
+
+    from spacar_formats.sbf import SbfError, SbfWriter
+    from spacar_formats.signal_tables import read_table, table_of_arrays
+
+    table = table_of_arrays({"plant": (("a", "b"), np.ones((1, 2)))})
+    scope = {"title": "t", "unit": "m", "labels": ["a"], "columns": [1]} | forged if forged else forged
+    path = tmp_path / "f.sbd"
+    header = {"TITLE": "f", "KIND": "signals"} | table.header() | {"SCOPES": [json.dumps(scope)]}
+    with SbfWriter(path, "sbd", header, {"T": (1, 1), "SIGNAL": (2, 1)}) as writer:
+        writer.append({"T": 0.0, "SIGNAL": np.ones(2)})
+    with pytest.raises(SbfError, match="line 1 of SCOPES"):
+        read_table(SbfFile(path))

@@ -66,6 +66,37 @@ def test_check_tells_what_is_missing_without_running_anything(tmp_path, monkeypa
     assert "does not seem to define a function push" in err
 
 
+@pytest.mark.parametrize("raised", ["raise SystemExit(3)", "import sys; sys.exit()", "raise GeneratorExit"])
+@pytest.mark.parametrize("engine", ["--compiled", "--general"])
+def test_a_function_that_ends_the_program_ends_its_run(tmp_path, raised, engine):
+    """A sentence and status 1, later as at the start; a failed row in a study, whose other cases run."""
+    (tmp_path / "a.dat").write_text(DECK)
+    (tmp_path / "push.py").write_text(f"def push(t, *rest):\n    if t > 0.06: {raised}\n    return t, [], []\n")
+    status, _, err = run(1, tmp_path / "a.dat", engine)
+    assert status == 1
+    [sentence] = [line for line in err.splitlines() if line.startswith("error: ")]
+    assert "the user function push failed at t = " in sentence
+    assert ("GeneratorExit" if "Gen" in raised else "SystemExit") in sentence
+    rows = tmp_path / "a.csv"
+    words = ["--set", "TIMESTEP=0.05,0.1", "--result", "tip:x[3,1]@end", "-o", rows, engine]
+    status, out, _ = run("sweep", tmp_path / "a.dat", *words)
+    assert (status, "2 cases: 2 run" in out, "1 of them failed" in out) == (1, True, True)
+    assert [line.split(",")[3] for line in rows.read_text().splitlines()] == ["status", "done", "failed"]
+
+
+def test_a_file_of_functions_that_ends_the_program_is_refused(tmp_path):
+    (tmp_path / "a.dat").write_text(DECK)
+    (tmp_path / "push.py").write_text("raise SystemExit(3)\n")
+    status, _, err = run(1, tmp_path / "a.dat")
+    assert status == 2
+    assert "a.dat:10: USERSIG: " in err
+    assert "push.py cannot be loaded: SystemExit: 3" in err
+    (tmp_path / "a.py").write_text("import sys\nsys.exit(3)\n")
+    status, _, err = run("symbolic", "check", tmp_path / "a.py")
+    assert status == 2
+    assert "a.py:2: SystemExit: 3" in err
+
+
 @pytest.mark.parametrize("name", ["../push", "a/push", "push.x", "..", "os;x"])
 def test_names_with_separators_are_refused(tmp_path, name):
     (tmp_path / "a.dat").write_text(DECK.replace("push", name))
