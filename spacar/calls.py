@@ -4,24 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from numbers import Integral
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spacar.deck import Deck, read_deck
 from spacar.deck.rewrite.refine import refine_divisible
 from spacar.errors import UsageError
 from spacar.mechanism import build
 from spacar.modes import Mode, find_mode
 from spacar.options import check_modes, checked_options
+from spacar.sources import Source, deck_of
 from spacar.stream import AccuracyRequest, Run
 
 if TYPE_CHECKING:
-    from spacar.deck.model import Model
     from spacar.result import Result
 
 
 def frames(
-    mode: int, source: str | Path | Deck | Model, *, nominal: Any = None, accuracy: float | bool | None = None,
+    mode: int, source: Source, *, nominal: Any = None, accuracy: float | bool | None = None,
     variables: Sequence[str] = (), mesh: bool = True, elements: int = 1, **options: Any,
 ) -> Run:  # fmt: skip
     """Prepare an analysis: read, check and number the model; the frames come when the returned Run is iterated over.
@@ -69,15 +67,6 @@ def _pieces(elements: object) -> int:
     return int(elements)
 
 
-def deck_of(source: str | Path | Deck | Model, mode: int) -> Deck:
-    """The checked deck of a path, a Model or a Deck, for a mode. Raises UsageError, InputError."""
-    if isinstance(source, str | Path):
-        return read_deck(source, mode)
-    deck = source if isinstance(source, Deck) else source.deck(mode)
-    # its checks and its third block are those of the mode it was read for
-    return deck if deck.mode == mode else deck.for_mode(mode)
-
-
 def _accuracy(
     mode: Mode, accuracy: float | bool | None, variables: Sequence[str], mesh: bool
 ) -> AccuracyRequest | None:
@@ -99,7 +88,7 @@ def _accuracy(
     return AccuracyRequest(float(accuracy), tuple(variables), mesh)
 
 
-def run(mode: int, source: str | Path | Deck | Model, *, nominal: Any = None, **options: Any) -> Result:
+def run(mode: int, source: Source, *, nominal: Any = None, **options: Any) -> Result:
     """Run an analysis to its end and keep all frames in memory. Errors as `frames`.
 
     mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, a Deck, or a Model

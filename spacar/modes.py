@@ -73,9 +73,9 @@ MODES = {
 
 def find_mode(number: int) -> Mode:
     """The mode of this number; a minus sign (no drawing) does not matter. Raises UsageError."""
-    if abs(number) not in MODES:
+    if not isinstance(number, int | float) or abs(number) not in MODES:
         known = ", ".join(str(m) for m in MODES)
-        old = abs(number) in (5, 6)
+        old = number in (5, 6, -5, -6)
         hint = "; modes 5 and 6 were experimental in the original and are not provided" if old else ""
         raise UsageError(f"mode {number} does not exist; the modes are {known}{hint}", "usage.mode")
     return MODES[abs(number)]

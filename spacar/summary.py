@@ -60,6 +60,10 @@ def result_summary(result: Result) -> str:
         lines.append(f"  frequencies {_numbers(result.frequencies[-1])} Hz (last step)")
     if n and "lmult" in result.frames[-1].matrices:
         lines.append(f"  multipliers {_numbers(np.ravel(result['lmult'][-1]))} (last step)")
+    if "accuracy" in result.header:
+        found, target = result.header["accuracy"], result.header["accuracy"].target
+        estimate = f"{found.estimate:.2e} of the amplitudes" if np.isfinite(found.estimate) else "not known"
+        lines.append(f"  accuracy    {estimate}" + (f", asked for {target:g}" if target is not None else ""))
     warnings = [line for line in result.report if line.startswith("warning")]
     room = LINES - 1 - len(lines)
     lines += [f"  {line}" for line in warnings[:room]]

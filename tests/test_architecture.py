@@ -39,7 +39,7 @@ RANKS = {
     "errors": 0, "arrays": 0,
     "modes": 1, "frame": 1, "elements": 1, "linear_systems": 1, "integrators": 1, "native": 1,
     "deck": 2, "symbolic": 2,
-    "expressions": 3, "mechanism": 3,
+    "expressions": 3, "mechanism": 3, "sources": 3,
     "stream": 4, "options": 4,
     "kinematics": 5, "result": 5,
     "calls": 6, "dynamics": 6, "summary": 6,

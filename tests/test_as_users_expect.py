@@ -58,7 +58,7 @@ def test_a_notebook_shows_a_model():
     deck = spacar.read_deck(DATA / "trike2.dat")
     for model in (deck, spacar.Model.from_deck(deck)):
         assert model._repr_html_().count("<img alt=") == 1
-    text = "Model &lt;model&gt;: no elements; 0 statements\n  .deck(), str(), spacar.run(1, model)"
+    text = "Model &lt;model&gt;: no elements; 0 statements\n  .run(1), .deck(), str()"
     assert spacar.Model()._repr_html_() == f'<pre style="font-family: monospace">{text}</pre>'
 
 

@@ -30,7 +30,7 @@ LATE = {
     "spacar.result", "spacar.deck.section_block", "spacar.kinematics.failure", "spacar.linearization.state_jacobian",
     "spacar_drawing.report_page", "spacar_drawing.curves", "spacar_drawing.history", "spacar_drawing.stress_numbers",
     "spacar_drawing.stroke_page", "spacar_drawing.stroke_figures", "spacar_drawing.viewer_page",
-    "spacar_drawing.raster",
+    "spacar_drawing.raster", "spacar_drawing.shown_figure",
 }  # fmt: skip
 
 

@@ -1,8 +1,8 @@
 """Pictures of mechanisms: pure functions from result arrays to drawable geometry, then matplotlib.
 
 source -> Scene and coordinates -> shapes (lines, faces, marks) -> paint on a matplotlib figure. The public functions
-are `draw`, `animate`, `plot`, `report`, `stress`, `view`, `flexure_page` and `flexure_plot`; methods of `Result` and
-`Flexure` call them. No window opens unless a function of `window` is called; matplotlib is imported where it draws.
+are `draw`, `animate`, `plot`, `report`, `stress`, `view`, `flexure_page` and `flexure_plot`; methods of results and of
+answers call them. No window opens unless a function of `window` is called; matplotlib is imported where it draws.
 
 >>> import spacar
 >>> from spacar_drawing import draw
@@ -23,6 +23,7 @@ from spacar_drawing.drawing_calls import (
     stress,
     view,
 )
+from spacar_drawing.study_figures import response_plot, sensitivity_plot, sweep_plot, trade_plot
 
 __all__ = [
     "animate",
@@ -33,6 +34,10 @@ __all__ = [
     "inline_picture",
     "plot",
     "report",
+    "response_plot",
+    "sensitivity_plot",
     "stress",
+    "sweep_plot",
+    "trade_plot",
     "view",
 ]

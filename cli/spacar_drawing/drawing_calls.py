@@ -6,6 +6,7 @@ from base64 import b64encode
 from collections.abc import Sequence
 from dataclasses import dataclass
 from io import BytesIO
+from os import PathLike
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -13,9 +14,10 @@ from typing import TYPE_CHECKING, Any
 from spacar_formats.safety import write_text
 
 from spacar.calls import run
-from spacar.deck import Deck
 from spacar.errors import UsageError
+from spacar.mechanism.user_files import without_functions
 from spacar.result import Result
+from spacar.sources import Source, deck_of, has_interval
 from spacar_drawing.files import FILM_DPI, film, save
 from spacar_drawing.mechanism_picture import Extras
 from spacar_drawing.picture_source import PictureSource, open_source, source_of_result
@@ -24,7 +26,6 @@ from spacar_drawing.step_pictures import chosen_steps, picture, series
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from spacar.deck.model import Model
     from spacar.stroke import Flexure
     from spacar_drawing.stress_numbers import StressResults
 
@@ -46,18 +47,27 @@ class InlineAnimation:
         return f'<img alt="animation" src="data:image/gif;base64,{b64encode(self.data).decode()}">'
 
 
-def source_of(result: Result | str | Path) -> PictureSource:
-    """A result in memory, or the `.sbd` of a name. Raises UsageError when there is none."""
-    return source_of_result(result) if isinstance(result, Result) else open_source(result)
+def source_of(given: Result | Source, at_rest: bool = False) -> PictureSource:
+    """A result in memory, the `.sbd` of a name, or what a Deck or a Model gives: mode 1 with a time interval, else mode
+    7; `at_rest`: its start position. Raises UsageError when there is none."""
+    if isinstance(given, str | PathLike):
+        return open_source(Path(given))
+    if isinstance(given, Result):
+        return source_of_result(given)
+    if at_rest:
+        return source_of_result(run(0, without_functions(deck_of(given, 0))))
+    deck = deck_of(given, None)
+    return source_of_result(run(1 if has_interval(deck) else 7, deck))
 
 
 def draw(
-    result: Result | str | Path, path: str | Path | None = None, *, steps: str | None = None, strobe: int | None = None,
+    result: Result | Source, path: str | Path | None = None, *, steps: str | int | None = None,
+    strobe: int | None = None,
     traces: Sequence[int] = (), initial: bool = False, dpi: float = DPI, **extras: Any,
 ) -> Figure:  # fmt: skip
     """A matplotlib figure of one or more steps; written to `path` (png, svg, pdf) when that is given.
 
-    steps    as `spacar draw --at`: "3", "end", "2:5", "1,4,9", "all"; default the first, or the last load step
+    steps    as `spacar draw --at`: 3, "end", "2:5", "1,4,9", "all"; default the first, or the last load step
     strobe   so many evenly spread steps instead
     traces   numbers of the nodes whose paths are drawn;  initial: outline of the first step
     dpi      dots per inch of the file
@@ -66,7 +76,7 @@ def draw(
 
     Raises UsageError for steps or variables that the result has not, and for a file that cannot be written.
     """
-    source = source_of(result)
+    source = source_of(result, at_rest=True)
     figure = picture(source, Extras(**extras), chosen_steps(source, steps, strobe, False), traces, initial)
     if path is not None:
         save(figure, Path(path), dpi)
@@ -74,7 +84,7 @@ def draw(
 
 
 def animate(
-    result: Result | str | Path, path: str | Path | None = None, *, steps: str | None = None,
+    result: Result | Source, path: str | Path | None = None, *, steps: str | int | None = None,
     traces: Sequence[int] = (), initial: bool = False, frames: int = MOST_FRAMES, fps: float = 25.0,
     dpi: float = FILM_DPI, **extras: Any,
 ) -> Path | InlineAnimation:  # fmt: skip
@@ -96,7 +106,7 @@ def animate(
 
 
 def report(
-    result: Result | str | Path, expressions: Sequence[str] = (), *, log_lines: int = 120, view: str = "iso",
+    result: Result | Source, expressions: Sequence[str] = (), *, log_lines: int = 120, view: str = "iso",
     viewer: bool = False, symbols: Sequence[str] = (),
 ) -> str:  # fmt: skip
     """One self-contained HTML page about a run, as text; `expressions` are plotted instead of the degrees of freedom.
@@ -113,7 +123,7 @@ def report(
 
 
 def view(
-    result: Result | str | Path, path: str | Path | None = None, *, frames: int = MOST_FRAMES, view: str = "iso",
+    result: Result | Source, path: str | Path | None = None, *, frames: int = MOST_FRAMES, view: str = "iso",
     fps: float = 25.0, stress: str | None = None,
 ) -> str:  # fmt: skip
     """One self-contained HTML page that turns, zooms and plays the mechanism in a browser, as text.
@@ -134,7 +144,7 @@ def view(
 
 
 def plot(
-    result: Result | str | Path, *expressions: str, path: str | Path | None = None, against: str = "t",
+    result: Result | Source, *expressions: str, path: str | Path | None = None, against: str = "t",
     title: str | None = None, dpi: float = DPI,
 ) -> Figure:  # fmt: skip
     """A matplotlib figure of expressions such as 'x[6,1]' (docs/expressions.md), a panel for each variable or unit; in
@@ -161,7 +171,7 @@ def plot(
 
 
 def stress(
-    result: Result | str | Path, *, steps: Sequence[int] | None = None, elements: Sequence[int] | None = None,
+    result: Result | Source, *, steps: Sequence[int] | None = None, elements: Sequence[int] | None = None,
     points: int = 9,
 ) -> StressResults:  # fmt: skip
     """Stress resultants along the beams and trusses of a result, and stresses where a cross-section is known.
@@ -209,12 +219,9 @@ def flexure_plot(
     return figure
 
 
-def inline_model(model: Deck | Model) -> str:
+def inline_model(model: Source) -> str:
     """The start position of a model as an HTML image; functions of its users are not called."""
-    from spacar.mechanism.user_files import without_functions
-
-    deck = model if isinstance(model, Deck) else model.deck(0)
-    return inline_picture(run(0, without_functions(deck)))
+    return inline_picture(run(0, without_functions(deck_of(model, 0))))
 
 
 def inline_picture(result: Result) -> str:

@@ -27,9 +27,10 @@ STYLES = ("-", "--", ":", "-.")
 def root_figure(steps: Sequence[Vibration], across: np.ndarray, text: str, title: str) -> Figure:
     """Frequencies over `across` (a Campbell diagram when that is a speed), and the root locus, darker with the step."""
     from matplotlib import colormaps
-    from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(9.0, 4.2), dpi=110)
+    from spacar_drawing.shown_figure import ShownFigure
+
+    figure = ShownFigure(figsize=(9.0, 4.2), dpi=110)
     left, right = figure.subplots(1, 2)
     shades = colormaps["viridis"](np.linspace(0.85, 0.0, max(len(steps), 2)))
     for k, step in enumerate(steps):
@@ -56,14 +57,14 @@ def bode_figure(
     Up to MOST_NAMED curves share one pair of panels; of more every input has a column of its own, and a colour and line
     style stand for the same output in all of them.
     """
-    from matplotlib.figure import Figure
+    from spacar_drawing.shown_figure import ShownFigure
 
     together = len(pairs) <= MOST_NAMED
     inputs = [None] if together else list(dict.fromkeys(j for _, j in pairs))
     outputs = list(dict.fromkeys(i for i, _ in pairs))
     width = 7.2 if together else max(7.2, 3.4 * len(inputs))
     rows = 0 if together else -(-len(outputs) // NAMES_A_ROW)
-    figure = Figure(figsize=(width, 5.4 + 0.2 * rows), dpi=110)
+    figure = ShownFigure(figsize=(width, 5.4 + 0.2 * rows), dpi=110)
     panels = figure.subplots(2, len(inputs), sharex=True, sharey="row", squeeze=False)
     for column, own in enumerate(inputs):
         upper, lower = panels[:, column]

@@ -48,13 +48,13 @@ def panel_text(group: Sequence[Curve]) -> str:
 
 def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", stationary: bool = False) -> Figure:
     """Panels above each other with a common horizontal axis."""
-    from matplotlib.figure import Figure
+    from spacar_drawing.shown_figure import ShownFigure
 
     groups = panels(curves)
     n = len(groups)
     rows = [-(-len(g) // _columns(g)) - 1 for g in groups]  # of the legends, beyond the first
     height = (n * PANEL + 0.85 if n > 1 else 3.6) + 0.17 * rows[0] + 0.17 * (n - 1) * max(rows)
-    figure = Figure(figsize=(7.2, height), dpi=110)
+    figure = ShownFigure(figsize=(7.2, height), dpi=110)
     all_axes = figure.subplots(n, 1, sharex=True, squeeze=False)[:, 0]
     across = np.asarray(against.values)
     few = len(across) < 3

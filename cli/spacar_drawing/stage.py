@@ -24,13 +24,13 @@ def new_figure(
     bounds: tuple[Array, Array], camera: Camera, title: str = "", width: float = WIDTH
 ) -> tuple[Figure, Axes]:
     """A figure whose axes show the box `bounds` (lower, upper corner) [m] completely, with equal scales."""
-    from matplotlib.figure import Figure
+    from spacar_drawing.shown_figure import ShownFigure
 
     left, right, bottom, top = _margins(camera, title)
     a, b, _, _ = _window(bounds, camera)
     w = width - left - right
     h = float(np.clip(w * (b - a)[1] / (b - a)[0], LEAST, MOST))
-    figure = Figure(figsize=(width, h + bottom + top), dpi=110)
+    figure = ShownFigure(figsize=(width, h + bottom + top), dpi=110)
     return figure, furnish(figure, bounds, camera, title)
 
 

@@ -36,7 +36,7 @@ REST = "#9aa4ac"  # of the position without deflection
 SAMPLES = 60  # configurations that decide the range of an animation
 
 
-def chosen_steps(source: PictureSource, steps: str | None, strobe: int | None, moving: bool) -> list[int]:
+def chosen_steps(source: PictureSource, steps: str | int | None, strobe: int | None, moving: bool) -> list[int]:
     """Step numbers from 1. Raises UsageError for steps that do not exist."""
     if strobe:
         return evenly(1, source.steps, strobe)
@@ -44,6 +44,7 @@ def chosen_steps(source: PictureSource, steps: str | None, strobe: int | None, m
         if moving:
             return list(range(1, source.steps + 1))
         return [source.steps if source.scene.analysis.stationary else 1]
+    steps = str(steps)
     if steps.strip().lower() == "all":
         return list(range(1, source.steps + 1))
     found = step_numbers(steps, source.steps)

@@ -47,7 +47,7 @@ class LargestStress:
     z: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class StressResults:
     """Resultants and stresses along all beams and trusses of a result.
 
@@ -63,6 +63,11 @@ class StressResults:
     xi: Array
     values: dict[str, Array]
     places: dict[str, Array]
+
+    def __repr__(self) -> str:
+        size = f"{len(self.steps)} steps, {len(self.elements)} elements, {len(self.xi)} places"
+        known = ", ".join(name for name, value in self.values.items() if np.nan_to_num(value).any())
+        return f"Stresses at {size}: {known or 'all zero'}\n  ['mises'], .largest('mises'), .table()"
 
     def __getitem__(self, name: str) -> Array:
         """One of `values`. Raises UsageError for another name."""

@@ -78,7 +78,7 @@ def section_stress(source: PictureSource, step: int, element: int, xi: float) ->
 
 def section_figure(found: SectionStress, quantity: str, metre: float, title: str) -> Figure:
     """The section coloured by a stress, and its course over the height (z' at y' = 0) and the width (y' at z' = 0)."""
-    from matplotlib.figure import Figure
+    from spacar_drawing.shown_figure import ShownFigure
 
     factor, unit = shown_in(STRESSES[quantity][1], metre)
     length = shown_in("m", metre)[1]
@@ -89,7 +89,7 @@ def section_figure(found: SectionStress, quantity: str, metre: float, title: str
     field = factor * found.at(quantity, grid[0].ravel(), grid[1].ravel()).reshape(grid[0].shape)
     top = float(np.nanmax(np.abs(field))) or 1.0
     signed = quantity == "normal"
-    figure = Figure(figsize=(8.4, 4.4), dpi=110, layout="constrained")
+    figure = ShownFigure(figsize=(8.4, 4.4), dpi=110, layout="constrained")
     left, right = figure.subplots(1, 2)
     mesh = left.pcolormesh(
         y / metre, z / metre, field, cmap="coolwarm" if signed else "viridis", vmin=-top if signed else 0.0, vmax=top,

@@ -5,7 +5,7 @@ Columns are called as in expressions: `x[6,1]`, `sig[2,3]`; units are in `attrs`
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,10 +16,13 @@ from spacar.expressions import Dimensions, evaluate, parse, unit_text
 from spacar.mechanism.element_rows import element_list
 from spacar.modes import find_mode
 from spacar.result import E_VARIABLES, X_VARIABLES, Result
+from spacar_formats.signal_tables import table_of
 
 if TYPE_CHECKING:
     import pandas
     import xarray
+
+    from spacar.simulation.response import Response
 
 MATRICES = ("m0", "c0", "d0", "k0", "n0", "g0")
 
@@ -31,10 +34,7 @@ def to_pandas(result: Result, expressions: Sequence[str] = ()) -> pandas.DataFra
 
     Raises UsageError without pandas and for an expression that cannot be evaluated.
     """
-    try:
-        import pandas
-    except ImportError:
-        raise UsageError(missing("to_pandas", "pandas"), "result.pandas-missing") from None
+    pandas = _pandas()
     units = dimensions(result)
     if expressions:
         found = {text: evaluate(parse(text), result, units) for text in expressions}
@@ -50,6 +50,26 @@ def to_pandas(result: Result, expressions: Sequence[str] = ()) -> pandas.DataFra
     table = pandas.DataFrame(columns, index=pandas.Index(result.t, name="t" if timed else "load step"))
     table.attrs["units"] = {**names, "t": "s" if timed else ""}
     return table
+
+
+def frame_of_rows(rows: Sequence[Mapping[str, Any]]) -> pandas.DataFrame:
+    """A table of rows that have the same names. Raises UsageError without pandas."""
+    return _pandas().DataFrame(list(rows))
+
+
+def frame_of_response(response: Response) -> pandas.DataFrame:
+    """The signals of a simulation over t, columns (block, signal). Raises UsageError without pandas."""
+    pandas, table = _pandas(), table_of(response)
+    names = pandas.MultiIndex.from_arrays([table.blocks, table.names], names=["block", "signal"])
+    return pandas.DataFrame(table.values, index=pandas.Index(response.t, name="t"), columns=names)
+
+
+def _pandas() -> Any:
+    try:
+        import pandas
+    except ImportError:
+        raise UsageError(missing("to_pandas", "pandas"), "result.pandas-missing") from None
+    return pandas
 
 
 def to_xarray(result: Result) -> xarray.Dataset:

@@ -14,6 +14,7 @@ from spacar.deck.deck_writer import splice, write, write_rows
 from spacar.deck.expansion import BeamSection
 from spacar.deck.lexer import visualization_of
 from spacar.deck.mode_blocks import Purpose
+from spacar.deck.model_calls import ModelCalls
 from spacar.deck.statement import Statement, Value
 from spacar.deck.statement_group import grouped
 from spacar.deck.statement_index import StatementIndex
@@ -23,7 +24,7 @@ from spacar.errors import Message, UsageError
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Deck:
+class Deck(ModelCalls):
     """A read and checked input file.
 
     `statements` in file order; `source` names the file in messages; `path` is the file that was read (None for a deck

@@ -31,6 +31,7 @@ from spacar.deck.keyword_table import ELEMENT_TYPES, KEYWORDS, blocks_of
 from spacar.deck.lexer import Word, integer_of, scan, split_lines
 from spacar.deck.mode_blocks import Purpose
 from spacar.deck.model_arguments import argument_name, in_common
+from spacar.deck.model_calls import ModelCalls
 from spacar.deck.model_statements import ModelStatements, Vector
 from spacar.deck.outline import Outline
 from spacar.deck.raw_statements import Raw
@@ -45,7 +46,7 @@ LATER = ("input.unknown-element", "input.unknown-node")  # may be given by a sta
 FILES_DOOR = "spacar_formats.safety"  # lies above this room
 
 
-class Model(ModelStatements):
+class Model(ModelStatements, ModelCalls):
     """A deck that is written down by calls: a method for every keyword, named like it in small letters.
 
     Arguments stand in the order of the deck; the nodes at one end of an element, and the components of a vector, are
@@ -54,7 +55,7 @@ class Model(ModelStatements):
     INPUTE of the dynamics block are `inputx_motion` and `inpute_motion`. Elements return their number, `node` its own.
 
     A statement that is wrong in itself is refused at once, others by `deck`; both with the line of the Python file.
-    `spacar.run(1, m)` runs it, `str(m)` is the input file.
+    `m.run(1)` runs it, `str(m)` is the input file.
 
     source   its name in messages and results
     """
@@ -144,7 +145,7 @@ class Model(ModelStatements):
     def __repr__(self) -> str:
         elements = Counter(name for name, *_ in self._rows if name in ELEMENT_TYPES)
         counted = ", ".join(f"{n} {name}" for name, n in elements.items()) or "no elements"
-        return f"Model {self.source}: {counted}; {len(self._rows)} statements\n  .deck(), str(), spacar.run(1, model)"
+        return f"Model {self.source}: {counted}; {len(self._rows)} statements\n  .run(1), .deck(), str()"
 
     def _repr_html_(self) -> str:
         """For notebooks: the model with a picture of the start position, once it is complete enough to be drawn."""

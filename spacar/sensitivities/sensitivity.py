@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.calls import frames
-from spacar.deck import ELEMENT_TYPES, Deck, read_deck
+from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.dynamics.motion_equations import Accelerations
@@ -40,17 +41,21 @@ from spacar.sensitivities.step_quantities import (
     check_variable,
     stress_derivatives,
 )
+from spacar.sources import Source, deck_of
 from spacar.stationary import StationarySolver, load_program
 from spacar.stationary.loading import stored_levels
 from spacar.stream import Run
 from spacar.studies.assignments import change
 from spacar.studies.quantities import Quantity, quantity
 
+COLUMNS = ("quantity", "value", "unit", "parameter", "at", "unit of parameter", "derivative", "relative")
+SHOWN, MOST_LINES = 4, 8  # parameters in a line of a summary, lines
+DRAWING, TABLES = "spacar_drawing", "spacar_formats.tables"  # named, not imported: they lie above the core
 MODE = 10  # vibration and buckling about the stationary states
 WITH_WHEELS = 7
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Sensitivity:
     """values (quantities,) and derivatives (quantities, parameters) of quantities by parameters.
 
@@ -76,6 +81,38 @@ class Sensitivity:
             found = self.derivatives * self.parameter_values / self.values[:, None]
         return np.where(self.values[:, None] != 0.0, found, np.nan)
 
+    def __repr__(self) -> str:
+        lines = [f"Sensitivity of {len(self.quantities)} quantities by {len(self.parameters)} parameters"]
+        for q, value, unit, row in zip(
+            self.quantities, self.values, self.quantity_units, self.derivatives, strict=True
+        ):
+            rates = ", ".join(f"{rate:.6g} by {p}" for p, rate in zip(self.parameters[:SHOWN], row, strict=False))
+            lines.append(f"  {q} = {value:.6g} {unit}".rstrip() + f": {rates}{', ...' * (len(row) > SHOWN)}")
+        if len(lines) > MOST_LINES:
+            lines[MOST_LINES:] = [f"  ... {len(lines) - MOST_LINES} more"]
+        return "\n".join([*lines, "  .derivatives, .relative, .of(quantity, parameter), .plot(), .to_pandas()"])
+
+    def plot(self, path: str | Path | None = None) -> Any:
+        """A matplotlib figure of the relative changes, also written to `path`."""
+        return import_module(DRAWING).sensitivity_plot(self, path)
+
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame, a row for each quantity and parameter. Raises UsageError without pandas
+        (`pip install 'spacar[tables]'`)."""
+        return import_module(TABLES).frame_of_rows([dict(zip(COLUMNS, row, strict=True)) for row in self.rows()])
+
+    def rows(self) -> list[tuple[str | float, ...]]:
+        """A row for each quantity and parameter, in the order of COLUMNS."""
+        relative = self.relative
+        return [
+            (
+                q, float(self.values[i]), self.quantity_units[i], p, float(self.parameter_values[j]),
+                self.parameter_units[j], float(self.derivatives[i, j]), float(relative[i, j]),
+            )
+            for i, q in enumerate(self.quantities)
+            for j, p in enumerate(self.parameters)
+        ]  # fmt: skip
+
     def of(self, name: str, parameter: str) -> float:
         """The derivative of a quantity by a parameter, both by name. Raises UsageError for unknown names."""
         for word, known in ((name, self.quantities), (parameter, self.parameters)):
@@ -85,12 +122,12 @@ class Sensitivity:
 
 
 def sensitivity(
-    model: str | Path | Deck, parameters: Sequence[str], quantities: Sequence[str], *,
+    model: Source, parameters: Sequence[str], quantities: Sequence[str], *,
     at: Sequence[float] | None = None, **options: Any,
 ) -> Sensitivity:  # fmt: skip
     """Exact derivatives of stationary quantities with respect to numbers of the deck, from one analysis.
 
-    model        path of an input file, or a Deck
+    model        path of an input file, a Deck or a Model
     parameters   numbers of the deck as `spacar sweep --set` names them: 'ESTIFF.3[EI]', 'X.2[2] & X.5[2]',
                  'SECTION.leaf[t]'; in the unit of the file (UNITS)
     quantities   expressions (docs/expressions.md), 'NAME: EXPRESSION' too, that come to one number: 'x[5,1]@end',
@@ -104,7 +141,7 @@ def sensitivity(
     """
     names = [parameters] if isinstance(parameters, str) else list(parameters)
     wanted = [quantity(q, STRESS_INDICES) for q in ([quantities] if isinstance(quantities, str) else quantities)]
-    deck = model if isinstance(model, Deck) else _read(model)
+    deck = _read(model)
     deck, numbers = deck_numbers(deck, names)
     if at is not None:
         if len(at) != len(numbers):
@@ -119,8 +156,10 @@ def _mode(deck: Deck) -> int:
     return WITH_WHEELS if any(ELEMENT_TYPES[s.keyword].slips for s in deck.of(*ELEMENT_TYPES, block=1)) else MODE
 
 
-def _read(path: str | Path) -> Deck:
-    deck = read_deck(path, WITH_WHEELS)
+def _read(model: Source) -> Deck:
+    if isinstance(model, Deck):
+        return model
+    deck = deck_of(model, WITH_WHEELS)
     return deck if _mode(deck) == WITH_WHEELS else deck.for_mode(MODE)
 
 

@@ -8,12 +8,10 @@ inputs, the others do not.
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.deck import Deck, read_deck
 from spacar.dynamics.array_evaluator import component_name
 from spacar.errors import UsageError
 from spacar.frame import Frame
@@ -23,6 +21,7 @@ from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
 from spacar.simulation.blocks import Block
 from spacar.simulation.evaluated_plant import ArrayPlant, CompiledPlant
+from spacar.sources import Source, deck_of
 
 INPUT_KINDS = ("INPUTS", "INPUTF")
 OUTPUT_KINDS = ("OUTE", "OUTEP", "OUTEDP", "OUTX", "OUTXP", "OUTXDP")
@@ -38,18 +37,14 @@ QUANTITY = {
 
 
 class Spasim(Block):
-    """A mechanism from a file name, a Deck (read for the mode "simulation") or a Mechanism.
+    """A mechanism from a file name, a Deck, a Model or a Mechanism.
 
     Raises InputError for a wrong file, UsageError without dynamic degrees of freedom; its methods raise ValueError for
     vectors of wrong size.
     """
 
-    def __init__(self, model: str | Path | Deck | Mechanism, name: str = "plant") -> None:
-        if isinstance(model, Mechanism):
-            mechanism = model
-        else:
-            deck = model if isinstance(model, Deck) else read_deck(model, "simulation")
-            mechanism = build(deck, 1)
+    def __init__(self, model: Source | Mechanism, name: str = "plant") -> None:
+        mechanism = model if isinstance(model, Mechanism) else build(deck_of(model, "simulation"), 1)
         n = mechanism.numbering
         if not n.nddof:
             text = f"{mechanism.deck.source}: a simulation needs dynamic degrees of freedom (DYNX, DYNE)"

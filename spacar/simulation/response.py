@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.simulation.diagram import Diagram
+
+DRAWING, TABLES = "spacar_drawing", "spacar_formats.tables"  # named, not imported: they lie above the core
 
 
 class Signals(Mapping[str, Array]):
@@ -42,7 +46,7 @@ class Event:
     direction: int = 0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Response:
     """What happened: `response["robot:10-12"]` are outputs (times, signals).
 
@@ -62,6 +66,27 @@ class Response:
     events: tuple[tuple[float, str], ...]
     notes: tuple[str, ...]
     statistics: dict[str, int] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        blocks = ", ".join(f"{name} ({block.n_out})" for name, block in self.diagram.blocks.items() if block.n_out)
+        lines = [
+            f"Response: {len(self.t)} times, t = {self.t[0]:.6g} to {self.t[-1]:.6g} s",
+            f"  outputs     {blocks or 'none'}",
+            "  work        " + ", ".join(f"{count} {what}" for what, count in self.statistics.items()),
+        ]
+        if self.events:
+            t, name = self.events[-1]
+            lines.append(f"  events      {len(self.events)}, the last one {name} at {t:.6g} s")
+        return "\n".join([*lines, "  response['block:1-3'], .plot(), .to_pandas()"])
+
+    def plot(self, *blocks: str, path: str | Path | None = None) -> Any:
+        """A matplotlib figure of the scopes, or of the outputs of `blocks`, also written to `path`."""
+        return import_module(DRAWING).response_plot(self, blocks, path)
+
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame over t, columns (block, signal). Raises UsageError without pandas
+        (`pip install 'spacar[tables]'`)."""
+        return import_module(TABLES).frame_of_response(self)
 
     def __getitem__(self, name: str) -> Array:
         """(times, signals) outputs by signal name. Raises UsageError for an unknown one."""

@@ -8,20 +8,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
+from numbers import Integral
 from typing import Any
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.calls import frames
-from spacar.deck import Deck, read_deck
+from spacar.deck import Deck
 from spacar.errors import AnalysisError, Report, UsageError
 from spacar.linear.linear_modes import LARGE, stationary
 from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
 from spacar.options import checked_options
 from spacar.result import Result
+from spacar.sources import Source, deck_of
 from spacar.stroke.driven_deck import Row, driven, load_row, own_move
 from spacar.stroke.error_motions import error_motions
 from spacar.stroke.extra_load import ExtraLoad
@@ -37,13 +38,13 @@ WITH_INITIAL = 2  # ITERSTEP type: the initial loading first, then the additiona
 
 
 def flexure(
-    source: str | Path | Deck, *, move: str | None = None, force: str | None = None, node: int | None = None,
+    source: Source, *, move: str | None = None, force: str | None = None, node: int | None = None,
     orientation: int = 0, steps: int = 10, loads: Sequence[str] = (), extra: Sequence[str] = (),
     pivot: Sequence[float] | None = None, modes: int = 6, **options: Any,
 ) -> Flexure:  # fmt: skip
     """What a designer of a flexure asks over its range of motion.
 
-    source       path of the input file, or a Deck; lengths below are in its unit of length (UNITS)
+    source       path of the input file, a Deck or a Model; lengths below are in its unit of length (UNITS)
     move         coordinate and range, "7x=0.02", "8rz=-0.3:0.3", "e[3,1]=+-0.1"; default: what the file moves (DELINPX)
     force        the same with a force or moment instead, "7x=27"; the drive is then free and loaded
     node         whose stiffness and motion are asked for, default that of the drive;  orientation: its other node
@@ -59,9 +60,10 @@ def flexure(
     options = checked_options(options)[0]
     if taken := OURS & options.keys():
         raise UsageError(f"{', '.join(sorted(taken))}: the steps of the stroke are set by `steps`", "flexure.steps")
-    if steps < 1 or modes < 1:
-        raise UsageError(f"steps = {steps} and modes = {modes} must be at least 1", "flexure.steps")
-    deck = (source if isinstance(source, Deck) else read_deck(source, 10)).for_mode(10)
+    if not (isinstance(steps, Integral) and isinstance(modes, Integral) and steps >= 1 and modes >= 1):
+        text = f"steps = {steps!r} and modes = {modes!r} must be whole numbers from 1"
+        raise UsageError(text, "flexure.steps")
+    deck = deck_of(source, 10)
     mechanism = build(deck, 10, **options)
     if not mechanism.numbering.holonomic or mechanism.numbering.nk:
         raise UsageError(f"{deck.source} has wheels: there is no stroke of a flexure", "flexure.wheels")

@@ -3,38 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from spacar.arrays import Array
-from spacar.calls import deck_of
 from spacar.deck import Deck
 from spacar.deck.rewrite.refine import flexible_beams
 from spacar.errors import UsageError
 from spacar.modes import MODES, Mode, find_mode
 from spacar.options import checked_options
+from spacar.sources import Source, deck_of, has_interval
 from spacar.studies.assignments import Axis, combine, setting
 from spacar.studies.assignments import values as listed_values
 from spacar.studies.batched_cases import in_batches, is_motion, reason
 from spacar.studies.budgeted import command_line, run_options, search
-from spacar.studies.judged import Entry, Reference, recommend
+from spacar.studies.judged import recommend
 from spacar.studies.quantities import quantity
 from spacar.studies.rows import Row, Rows
+from spacar.studies.study_answers import SweepRows, TradeAnswer
 from spacar.studies.sweep import Batch, Study
 from spacar.studies.sweep import sweep as swept
 from spacar.studies.trade import Trade, default_variables
 from spacar.studies.workers import Engine, run
 
-if TYPE_CHECKING:
-    from spacar.deck.model import Model
-
 INTERVAL = ("duration", "n_steps")  # options of trade, which chooses the others
 
 
 def sweep(
-    source: str | Path | Deck | Model,
+    source: Source,
     change: Mapping[str, Sequence[float] | Array | str],
     results: str | Sequence[str],
     *,
@@ -45,9 +42,9 @@ def sweep(
     retry: bool = False,
     batch: bool | None = None,
     **options: Any,
-) -> list[Row]:
+) -> SweepRows:
     """Run a model for many values of its numbers. One row (a dict) a case: the values, the results, `status`
-    ("done", "failed", "lost"), `seconds` and `reason`. `pandas.DataFrame(rows)` is a table of them.
+    ("done", "failed", "lost"), `seconds` and `reason`; `.plot()`, `.to_pandas()`.
 
     source    path of the input file, a Deck or a Model;  mode  that is run
     change    {"ESTIFF.*[EI]": [5.0, 10.0], "XM.8": "1:100:7:log"}: targets and values of docs/studies.md; all
@@ -61,7 +58,7 @@ def sweep(
 
     A case that fails is a row. Raises UsageError for a target, a value or an expression that cannot be, and InputError.
     """
-    if not change:
+    if not change or not isinstance(change, Mapping):
         raise UsageError("nothing to vary: give targets and their values, such as {'XM.8': [1, 2]}", "usage.sweep")
     texts = (results,) if isinstance(results, str) else tuple(results)
     if not texts:
@@ -83,39 +80,12 @@ def sweep(
     batches, _ = batches_of(study, cases, engine, jobs, batch, "batch")
     keys = [study.key(case) for case in cases]
     found.update((row["case"], row) for row in swept(study, cases, path, engine, retry, batches, keys))
-    return [found[key] for key in keys]
-
-
-@dataclass(frozen=True)
-class TradeAnswer:
-    """What `spacar.trade` found.
-
-    best       the cheapest setting within `target`: `error`, `seconds`, `label`; None without one
-    options    of `spacar.run` for it;  command  the same on the command line, "" without one
-    entries    all settings that were tried;  reference  what they were compared with, and its own `error`
-    skipped    settings that the budget left no time for
-    """
-
-    target: float
-    best: Entry | None
-    options: dict[str, Any]
-    command: str
-    entries: tuple[Entry, ...] = field(repr=False)
-    reference: Reference = field(repr=False)
-    skipped: int = 0
-
-    def __repr__(self) -> str:
-        lines = [f"Trade for an error of {self.target:.3g} (that of the reference: {self.reference.error:.2e})"]
-        shown = sorted((e for e in self.entries if not e.reason), key=lambda e: e.seconds)
-        for entry in shown[:6]:
-            mark = "->" if entry is self.best else "  "
-            how = " ".join(filter(None, entry.label))
-            lines.append(f"{mark} {how:<40} error {entry.error:.2e} {entry.seconds:.4g} s")
-        return "\n".join([*lines, self.command or "none of the settings is accurate enough"])
+    kept = [found[key] for key in keys]
+    return SweepRows(kept, study.deck.source, tuple(s.name for s in settings), tuple(q.name for q in study.quantities))
 
 
 def trade(
-    source: str | Path | Deck | Model, target: float = 1e-4, *, budget: float = 60.0, mode: int | None = None,
+    source: Source, target: float = 1e-4, *, budget: float = 60.0, mode: int | None = None,
     variables: str | Sequence[str] = (), repeats: int = 3, **options: Any,
 ) -> TradeAnswer:  # fmt: skip
     """The cheapest setting of the integration, or of the mesh in the stationary modes, whose error is within `target`.
@@ -133,7 +103,7 @@ def trade(
     refused = sorted(set(options) - {*INTERVAL, "compiled"})
     if refused:
         raise UsageError(f"trade chooses {', '.join(refused)} itself", "usage.trade")
-    if not 0.0 < target < 1.0 or not budget > 0.0:
+    if any(isinstance(v, str) for v in (target, budget)) or not 0.0 < target < 1.0 or not budget > 0.0:
         raise UsageError("the target is between 0 and 1, the budget positive", "usage.trade")
     number, deck = compared_deck(source, mode, options)
     require_beams(deck, number)
@@ -149,20 +119,23 @@ def trade(
     if best is not None and best.setup is not None:
         command = command_line(asked, best.setup, deck.source)
         given = run_options(asked, best.setup)
-    return TradeAnswer(target, best, given, command, tuple(entries), found.reference, found.skipped)
+    return TradeAnswer(
+        target, best, given, command, tuple(entries), found.reference, found.skipped,
+        f"{deck.source}, mode {number}", asked.stationary,
+    )  # fmt: skip
 
 
-def compared_deck(source: str | Path | Deck | Model, mode: int | None, options: Mapping[str, Any]) -> tuple[int, Deck]:
+def compared_deck(source: Source, mode: int | None, options: Mapping[str, Any]) -> tuple[int, Deck]:
     """Mode and deck of a trade; without a given mode, 1 where there is a time interval, else 7. Raises UsageError."""
     if mode is None:
-        plain = deck_of(source, 1) if isinstance(source, Deck) else deck_of(source, 7)
-        mode = 1 if plain.of("TIMESTEP", block=2) or "duration" in options else 7
+        plain = deck_of(source, 1 if isinstance(source, Deck) else 7)
+        mode = 1 if has_interval(plain) or "duration" in options else 7
     analysis = find_mode(mode)
     if not _compared(analysis):
         able = ", ".join(str(m.number) for m in MODES.values() if _compared(m))
         raise UsageError(f"trade runs modes {able}, not {mode}", "usage.trade")
     deck = deck_of(source, analysis.number)
-    if analysis.integrated and not deck.of("TIMESTEP", block=2) and len([k for k in INTERVAL if k in options]) < 2:
+    if analysis.integrated and not has_interval(deck) and len([k for k in INTERVAL if k in options]) < 2:
         raise UsageError(f"{deck.source} has no TIMESTEP; give --time and --steps", "usage.timestep")
     return analysis.number, deck
 

@@ -18,8 +18,6 @@ from spacar_cli.status import tell
 if TYPE_CHECKING:
     from spacar.sensitivities.sensitivity import Sensitivity
 
-COLUMNS = ("quantity", "value", "unit", "parameter", "at", "unit of parameter", "derivative", "relative")
-
 
 @words.command("sensitivity", epilog="Parameters and quantities are explained in docs/sensitivity.md.")
 @click.argument("file", type=click.Path(path_type=Path))
@@ -50,7 +48,7 @@ def command(
     They come from one analysis, to rounding: nothing is run again with changed numbers. Quantities are in SI,
     parameters in the unit of the file; `relative` is the change in per cent that one per cent of the parameter makes.
     """
-    from spacar.sensitivities.sensitivity import sensitivity
+    from spacar.sensitivities.sensitivity import COLUMNS, sensitivity
 
     source = input_file(file)
     if not parameters or not of:
@@ -68,7 +66,7 @@ def command(
         severity, _, text = note.partition(": ") if note.startswith("warning: ") else ("information", "", note)
         tell(environment, severity, text)
     if csv_file is not None:
-        put_rows(environment, csv_file, COLUMNS, _rows(found))
+        put_rows(environment, csv_file, COLUMNS, found.rows())
     if as_json:
         environment.say(_json(found))
     elif csv_file is None:
@@ -88,19 +86,6 @@ def _given(parameters: tuple[str, ...]) -> tuple[list[str], list[float | None]]:
             raise UsageError(f"'{number.strip()}' in '{text}' is not a number", "usage.sensitivity") from None
         names.append(name.strip())
     return names, values
-
-
-def _rows(found: Sensitivity) -> list[list[str | float]]:
-    """: a row for every quantity and parameter, in the order of COLUMNS."""
-    relative = found.relative
-    return [
-        [
-            q, float(found.values[i]), found.quantity_units[i], p, float(found.parameter_values[j]),
-            found.parameter_units[j], float(found.derivatives[i, j]), float(relative[i, j]),
-        ]
-        for i, q in enumerate(found.quantities)
-        for j, p in enumerate(found.parameters)
-    ]  # fmt: skip
 
 
 def _json(found: Sensitivity) -> str:
@@ -127,7 +112,7 @@ def _lines(found: Sensitivity) -> list[str]:
 
     heads = ["quantity", "value", "unit", "parameter", "at", "unit", "derivative", "relative"]
     rows = []
-    for q, value, unit, p, at, of, rate, relative in _rows(found):
+    for q, value, unit, p, at, of, rate, relative in found.rows():
         numbers = f"{rate:.9g}", "" if relative != relative else f"{relative:+.5f}"
         rows.append([q, f"{value:.9g}", unit, p, f"{at:.9g}", of, *numbers])
     return table(heads, rows)

@@ -263,9 +263,11 @@ def _write_all(
         if path.suffix.lower() in TABLES:
             _write(path, entries, ref, target, best)
         else:
-            from spacar_cli.work_precision import draw
+            from spacar_drawing.files import save
+            from spacar_drawing.work_precision import work_precision_figure
 
-            draw(entries, ref.error, target, trade.stationary, f"{name}, mode {trade.mode}", path)
+            title = f"{name}, mode {trade.mode}"
+            save(work_precision_figure(entries, ref.error, target, trade.stationary, title), path, dpi=120.0)
 
 
 def _write(path: Path, entries: Any, ref: Any, target: float, best: Any) -> None:

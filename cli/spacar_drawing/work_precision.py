@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from spacar.errors import escaped
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from spacar.studies.judged import Entry
 
 
-def draw(
-    entries: Sequence[Entry], reference_error: float, target: float, stationary: bool, title: str, path: Path
-) -> None:
-    """Write the diagram; settings without error or cost are left out."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+def work_precision_figure(
+    entries: Sequence[Entry], reference_error: float, target: float, stationary: bool, title: str
+) -> Figure:
+    """The diagram; settings without error or cost are left out."""
     from matplotlib.ticker import LogFormatterSciNotation, LogLocator
-    from spacar_drawing.files import save
 
-    figure = Figure(figsize=(10, 4.5), layout="constrained")
-    FigureCanvasAgg(figure)
+    from spacar_drawing.shown_figure import ShownFigure
+
+    figure = ShownFigure(figsize=(10, 4.5), dpi=120, layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
     for name, group in _curves(entries).items():
         errors = [max(e.error, 1e-16) for e in group]
@@ -45,7 +44,7 @@ def draw(
     right.set_xlabel("elements a beam" if stationary else "right-hand sides")
     left.legend(fontsize="small")
     figure.suptitle(escaped(title), parse_math=False)
-    save(figure, path, dpi=120.0)
+    return figure
 
 
 def _curves(entries: Sequence[Entry]) -> dict[str, list[Entry]]:
