@@ -14,7 +14,7 @@ import numpy as np
 
 from spacar.errors import UsageError
 from spacar.mechanism.user_files import import_file
-from spacar.simulation import blocks, control_blocks, sampled_blocks, sources, switching_blocks
+from spacar.simulation import blocks, control_blocks, sampled_blocks, signal_sources, switching_blocks
 from spacar.simulation.blocks import Block
 from spacar.simulation.transport_delay import TransportDelay
 from spacar_formats.sim_sections import Section
@@ -161,7 +161,7 @@ def transport_delay(s: Section) -> Block:
 
 
 def pulses(s: Section) -> Block:
-    return sources.Pulses(
+    return signal_sources.Pulses(
         s.name, s.number("every"), s.number("duty"), spread(s, "high"), spread(s, "low"), s.number("time")
     )
 
@@ -175,7 +175,7 @@ def table(s: Section) -> Block:
         raise s.error(f"file = {s.text('file')} cannot be read: {str(cause).splitlines()[0]}", "file") from None
     if rows.shape[1] < 2 or not np.isfinite(rows).all():
         raise s.wrong("file", "is no table: expected a heading line, then lines of a time and numbers, with commas")
-    return sources.TimeSeries(s.name, rows[:, 0], rows[:, 1:], s.text("interpolation"), s.flag("hold"))
+    return signal_sources.TimeSeries(s.name, rows[:, 0], rows[:, 1:], s.text("interpolation"), s.flag("hold"))
 
 
 def python(s: Section) -> Block:

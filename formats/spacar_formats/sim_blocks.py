@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from spacar.simulation import blocks, sources, switching_blocks
+from spacar.simulation import blocks, signal_sources, switching_blocks
 from spacar.simulation.blocks import Block
 from spacar_formats import block_makers as make
 from spacar_formats.block_makers import spread
@@ -70,24 +70,24 @@ BLOCKS: tuple[BlockType, ...] = (
         (FILE, *STORED, SimKey("size", "integer", "its leading block only", "")), make.times_m0,
     ),
     BlockType("constant", "a constant", "y = value", (_values("value", "value"),),
-              lambda s: sources.Constant(s.name, s.numbers("value"))),
+              lambda s: signal_sources.Constant(s.name, s.numbers("value"))),
     BlockType(
         "step", "a step", "y = before for t < time, then after",
         (SimKey("time", "number", "of the step, met exactly", "0", "s"), _values("after", "value", "1"),
          _values("before", "value", "0")),
-        lambda s: sources.StepSignal(s.name, s.number("time"), spread(s, "after"), spread(s, "before")),
+        lambda s: signal_sources.StepSignal(s.name, s.number("time"), spread(s, "after"), spread(s, "before")),
     ),
     BlockType(
         "ramp", "a ramp", "y = start for t < time, then start + slope (t - time)",
         (_values("slope", "slope", None, "1/s"), SimKey("time", "number", "where it begins", "0", "s"),
          _values("start", "value", "0")),
-        lambda s: sources.Ramp(s.name, spread(s, "slope"), s.number("time"), spread(s, "start")),
+        lambda s: signal_sources.Ramp(s.name, spread(s, "slope"), s.number("time"), spread(s, "start")),
     ),
     BlockType(
         "sine", "a sine", "y = bias + amplitude sin(2 pi frequency t + phase)",
         (_values("amplitude", "amplitude"), _values("frequency", "frequency", None, "Hz"),
          _values("phase", "phase", "0", "rad"), _values("bias", "mean value", "0")),
-        lambda s: sources.Sine(s.name, *(spread(s, key) for key in ("amplitude", "frequency", "phase", "bias"))),
+        lambda s: signal_sources.Sine(s.name, *(spread(s, key) for key in ("amplitude", "frequency", "phase", "bias"))),
     ),
     BlockType(
         "pulses", "pulses", "y = high for a part duty of every period, else low; edges are met exactly",
