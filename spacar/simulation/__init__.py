@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 _HOME = {
-    "Block": "blocks", "Constant": "sources", "Continuous": "blocks", "DeadZone": "switching_blocks",
+    "Block": "blocks", "Constant": "signal_sources", "Continuous": "blocks", "DeadZone": "switching_blocks",
     "Diagram": "diagram", "Event": "response", "Function": "blocks", "Gain": "blocks", "Integrator": "control_blocks",
     "Linear": "blocks", "LookupTable": "switching_blocks", "Ltv": "setpoint_blocks", "PID": "control_blocks",
-    "Product": "blocks", "Pulses": "sources", "Quantizer": "switching_blocks", "Ramp": "sources",
+    "Product": "blocks", "Pulses": "signal_sources", "Quantizer": "switching_blocks", "Ramp": "signal_sources",
     "RateLimiter": "control_blocks", "ReferenceY0": "setpoint_blocks", "Relay": "switching_blocks",
     "Response": "response", "Sampled": "blocks", "Saturation": "switching_blocks", "Scope": "blocks",
-    "SetpointSigma0": "setpoint_blocks", "SetpointU0": "setpoint_blocks", "Sine": "sources",
-    "Spasim": "plant", "StepSignal": "sources", "Table": "time_tables", "TimeSeries": "sources",
+    "SetpointSigma0": "setpoint_blocks", "SetpointU0": "setpoint_blocks", "Sine": "signal_sources",
+    "Spasim": "plant", "StepSignal": "signal_sources", "Table": "time_tables", "TimeSeries": "signal_sources",
     "TimeVarying": "time_varying", "TimesM0": "setpoint_blocks", "TransportDelay": "transport_delay",
     "as_control": "control_systems", "closed_loop": "loop", "computed_torque": "feedback",
     "proportional_derivative": "blocks", "reduce_modes": "reduction",
