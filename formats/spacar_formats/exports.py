@@ -6,7 +6,7 @@ import csv
 import itertools
 import os
 import zipfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from spacar_formats.safety import replacing
 from spacar_formats.sbf import Record, SbfFile, matlab_name
 
 Arrays = Mapping[str, np.ndarray]
+NUMBERS_AT_ONCE = 100_000  # of steps that are written to a csv file
 
 
 def to_mat(arrays: Arrays, target: Path) -> None:
@@ -47,10 +48,14 @@ def to_csv(table: Arrays, target: Path) -> None:
     """A table with a named column for each entry (1-D arrays of one length), with all digits of numbers. Text that a
     spreadsheet would evaluate has an apostrophe in front."""
     columns = [column.tolist() for column in table.values()]
+    _write_rows(target, list(table), zip(*columns, strict=True))
+
+
+def _write_rows(target: Path, titles: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     with replacing(target) as side, open(side, "w", newline="", encoding="utf-8") as out:
         writer = csv.writer(out)
-        writer.writerow(map(no_formula, table))
-        writer.writerows(map(no_formula, row) for row in zip(*columns, strict=True))
+        writer.writerow(map(no_formula, titles))
+        writer.writerows(map(no_formula, row) for row in rows)
 
 
 def no_formula(cell: Any) -> Any:
@@ -58,16 +63,26 @@ def no_formula(cell: Any) -> Any:
     return f"'{cell}" if isinstance(cell, str) and cell[:1] in ("=", "@") else cell
 
 
-def step_table(file: SbfFile, ids: tuple[str, ...]) -> dict[str, np.ndarray]:
-    """Columns `step`, `time`, `x_1` ..., `m0_1_1`, `m0_2_1` ... (row, column; column after column), a row a step."""
+def steps_to_csv(file: SbfFile, ids: tuple[str, ...], target: Path) -> None:
+    """Columns `step`, `time`, `x_1` ..., `m0_1_1`, `m0_2_1` ... (row, column; column after column), a row a step.
+
+    A few steps are read at a time, so that memory does not grow with the file.
+    """
     records = [file.variable(ident) for ident in ids]
-    chosen = [r for r in records if r.is_step and r.type != 3]
-    table = {"step": np.arange(1, file.steps + 1)}
-    for record in sorted(chosen, key=lambda r: r.id != "T"):
-        values = np.asarray(file.get(record.id))
-        values = values.reshape(1, -1, order="F") if file.steps == 1 else values
-        table |= dict(zip(_column_names(record, file.kind), values.T, strict=True))
-    return table
+    chosen = sorted((r for r in records if r.is_step and r.type != 3), key=lambda r: r.id != "T")
+    titles = ["step", *(name for record in chosen for name in _column_names(record, file.kind))]
+    many = max(1, NUMBERS_AT_ONCE // len(titles))
+
+    def rows() -> Iterator[tuple[object, ...]]:
+        for first in range(1, file.steps + 1, many):
+            steps = range(first, min(first + many, file.steps + 1))
+            parts = [np.asarray(file.get(r.id, steps)) for r in chosen]
+            if len(steps) == 1:
+                parts = [part.reshape(1, -1, order="F") for part in parts]
+            columns = [column for part in parts for column in part.T.tolist()]
+            yield from zip(steps, *columns, strict=True)
+
+    _write_rows(target, titles, rows())
 
 
 def header_table(file: SbfFile, ids: tuple[str, ...]) -> dict[str, np.ndarray]:
@@ -118,10 +133,10 @@ def _export(file: SbfFile, target: Path, ids: tuple[str, ...]) -> list[Path]:
     """Write the variables `ids` of an open file; a `.csv` holds the steps, `NAME.header.csv` the header."""
     suffix = target.suffix.lower()
     if suffix == ".csv":
-        tables = {target: step_table(file, ids), target.with_suffix(".header.csv"): header_table(file, ids)}
-        for path, table in tables.items():
-            to_csv(table, path)
-        return list(tables)
+        header = target.with_suffix(".header.csv")
+        steps_to_csv(file, ids, target)
+        to_csv(header_table(file, ids), header)
+        return [target, header]
     writers: dict[str, Callable[[Arrays, Path], None]] = {".mat": to_mat, ".npz": to_npz}
     if suffix not in writers:
         raise UsageError(

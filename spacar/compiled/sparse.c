@@ -8,10 +8,12 @@
 
    Row k of the factors, in the order of the pivots, begins at row_at[k] with its multipliers, whose columns are ascending, then come
    the pivot and from upper_at[k] on the rest of the row. `updates` are the places that are changed, in the order in
-   which elimination reaches them, so that nothing is looked up and nothing is copied. */
+   which elimination reaches them, so that nothing is looked up and nothing is copied, as long as they are at most STORED times
+   the numbers of the factors; where elimination fills more, the place of every column in its row is looked up in `place`. */
 
 enum { OK = 0, NO_CONVERGENCE = -1, SINGULAR = -2, NOT_FINITE = -3, JUMP = -4, NO_MEMORY = -5, NOT_ANSWERED = -6 };
 static const double THRESHOLD = 0.1, GROWTH = 100.0;
+enum { STORED = 8, SEARCHED = 256 }; /* SEARCHED: entries of columns among which a pivot is chosen */
 
 typedef struct {
     int n, n_entries, planned, kept, even; /* kept: the order stays, another one is made beside it; even: sign of the permutations */
@@ -22,7 +24,8 @@ typedef struct {
     double *entry_weight;
     Memory order;                       /* what has the order, and the factors in it */
     int *row_at, *upper_at;             /* (n + 1), (n) */
-    int *factor_column, *updates;       /* columns of the factors, as pivots; places in them */
+    int *factor_column, *updates;       /* columns of the factors, as pivots; places in them, NULL: too many */
+    int *place;                         /* (n) of the columns of one row */
     real *factors, *inverse, *work;     /* `inverse` of the pivots */
 } Sparse;
 
@@ -177,10 +180,10 @@ static int column_from(const Counts *counts, int j, int limit)
 static int choose(const List *rows, const List *columns, const Counts *counts, int n, int *p, int *q)
 {
     const int fewest = counts->fewest[1];
-    for (int limit = fewest + 1, searched = 0; ; limit = n + 1) {
+    for (int limit = fewest + 1, searched = 0, entries = 0; ; limit = n + 1) {
         long best = -1;
         double strongest = 0.0;
-        for (int j = column_from(counts, 0, limit); j >= 0 && (limit > n || searched < 8);
+        for (int j = column_from(counts, 0, limit); j >= 0 && (limit > n || (searched < 8 && entries < SEARCHED));
              j = column_from(counts, j + 1, limit)) {
             double size[columns[j].n], largest = 0.0;
             for (int k = 0; k < columns[j].n; k++) {
@@ -189,7 +192,7 @@ static int choose(const List *rows, const List *columns, const Counts *counts, i
                 if (size[k] > largest) largest = size[k];
             }
             if (!(largest > 0.0)) continue;
-            if (limit <= n) searched++;
+            if (limit <= n) { searched++; entries += columns[j].n; }
             for (int k = 0; k < columns[j].n; k++) {
                 if (!(size[k] >= THRESHOLD * largest)) continue;
                 const int i = columns[j].index[k];
@@ -216,12 +219,12 @@ static int parity(Memory *work, const int *order, int n)
     return sign;
 }
 
-/* The places of all numbers of the factors, and which of them are changed when. `step` (n): the pivot of a column; `place` (n) and
-   `work` are for work. OK or NO_MEMORY. */
-static int lay_out(Memory *work, Sparse *s, const List *lower, const List *upper, const int *step, int *place)
+/* The places of all numbers of the factors, and which of them are changed when. `step` (n): the pivot of a column; `work` is for
+   work. OK or NO_MEMORY. */
+static int lay_out(Memory *work, Sparse *s, const List *lower, const List *upper, const int *step)
 {
     const int n = s->n;
-    int at = 0;
+    int at = 0, *place = s->place = cleared(&s->order, n, sizeof(int));
     size_t changes = 0;
     for (int k = 0; k < n; k++) {
         const List *low = &lower[s->row_order[k]]; /* steps in the order of elimination, so ascending */
@@ -233,9 +236,10 @@ static int lay_out(Memory *work, Sparse *s, const List *lower, const List *upper
     s->row_at[n] = at;
     s->factor_column = cleared(&s->order, at, sizeof(int));
     s->factors = cleared(&s->order, at, sizeof(real));
-    s->updates = cleared(&s->order, changes, sizeof(int));
+    const int stored = changes <= (size_t)STORED * at;
+    s->updates = stored ? cleared(&s->order, changes, sizeof(int)) : NULL;
     int *first = cleared(work, n + s->n_entries, sizeof(int)), *next = first + n; /* entries of a row, and one behind another */
-    if (!s->factor_column || !s->factors || !s->updates || !first) return NO_MEMORY;
+    if (!place || !s->factor_column || !s->factors || (stored && !s->updates) || !first) return NO_MEMORY;
     for (int i = 0; i < n; i++) first[i] = -1;
     for (int k = s->n_entries - 1; k >= 0; k--) { next[k] = first[s->row[k]]; first[s->row[k]] = k; }
     int *update = s->updates, entry = 0;
@@ -247,7 +251,7 @@ static int lay_out(Memory *work, Sparse *s, const List *lower, const List *upper
         *column++ = k;
         for (int j = 0; j < upper[k].n; j++) *column++ = step[upper[k].index[j]];
         for (int f = s->row_at[k]; f < s->row_at[k + 1]; f++) place[s->factor_column[f]] = f;
-        for (int j = 0; j < low->n; j++) {
+        for (int j = 0; stored && j < low->n; j++) {
             const int above = low->index[j];
             for (int f = s->upper_at[above]; f < s->row_at[above + 1]; f++) *update++ = place[s->factor_column[f]];
         }
@@ -270,7 +274,7 @@ static int plan(Sparse *s, const real *values, int lane)
     Memory work = {0};
     List *rows = cleared(&work, 4 * (size_t)n, sizeof(List)), *columns = rows + n, *lower = columns + n, *upper = lower + n;
     Counts counts = {0, NULL};
-    int *step = cleared(&work, 2 * (size_t)n, sizeof(int)), *place = step + n;
+    int *step = cleared(&work, 2 * (size_t)n, sizeof(int)), *place = step + n; /* place: of a column in a row, plus 1; 0: none */
     int status = rows && step ? equilibrate(&work, s, values, lane) : NO_MEMORY;
     for (int k = 0; k < s->n_entries && !status; k++) {
         const int i = s->row[k], j = s->column[k], at = place_of(&rows[i], j);
@@ -302,20 +306,23 @@ static int plan(Sparse *s, const real *values, int lane)
             const double l = below->value[at] / pivot;
             drop(below, at);
             status = append(&work, &lower[i], k, 0.0);
+            const int before = below->n;
+            for (int j = 0; j < before; j++) place[below->index[j]] = j + 1;
             for (int j = 0; j < row->n && !status; j++) {
-                const int c = row->index[j], there = place_of(below, c);
+                const int c = row->index[j], there = place[c] - 1;
                 if (there >= 0) below->value[there] -= l * row->value[j];
                 else {
                     status = append(&work, below, c, -l * row->value[j]);
                     if (!status) status = append(&work, &columns[c], i, 0.0);
                 }
             }
+            for (int j = 0; j < before; j++) place[below->index[j]] = 0;
         }
         for (int j = 0; j < row->n; j++) set_count(&counts, row->index[j], columns[row->index[j]].n);
     }
     if (!status) {
         for (int k = 0; k < n; k++) step[s->column_order[k]] = k;
-        status = lay_out(&work, s, lower, upper, step, place);
+        status = lay_out(&work, s, lower, upper, step);
     }
     give_back(&work);
     return status;
@@ -330,12 +337,14 @@ static real factor_in_order(Sparse *s, const real *values)
     for (int m = 0; m < s->n_entries; m++) f[s->entry_place[m]] += values[s->entry_source[m]] * s->entry_weight[m];
     for (int k = 0; k < s->n; k++) {
         const int pivot = s->upper_at[k] - 1;
+        if (!to) for (int m = s->row_at[k]; m < s->row_at[k + 1]; m++) s->place[s->factor_column[m]] = m;
         for (int m = s->row_at[k]; m < pivot; m++) {
             const int j = s->factor_column[m], end = s->row_at[j + 1];
             const real l = f[m] * s->inverse[j];
             f[m] = l;
             growth = lanes_larger(growth, l);
-            for (int u = s->upper_at[j]; u < end; u++) f[*to++] -= l * f[u];
+            if (to) for (int u = s->upper_at[j]; u < end; u++) f[*to++] -= l * f[u];
+            else for (int u = s->upper_at[j]; u < end; u++) f[s->place[s->factor_column[u]]] -= l * f[u];
         }
         s->inverse[k] = 1.0 / f[pivot];
         zero += s->inverse[k] * 0.0;

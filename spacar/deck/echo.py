@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from spacar.deck.deck import Deck
-from spacar.deck.lexer import scan, split_lines
+from spacar.deck.lexer import scan, split_lines, words_of
 
 
 def echo(deck: Deck, block: int) -> list[str]:
@@ -11,10 +11,11 @@ def echo(deck: Deck, block: int) -> list[str]:
     if block not in deck.spans:
         return []
     start, end = deck.spans[block]
-    extent: dict[int, tuple[int, int]] = {}
-    for word in scan(deck.text).words:
-        if start <= (word.line, word.column) < end:
-            first = extent.get(word.line, (word.column, 0))[0]
-            extent[word.line] = (first, word.column + len(word.text))
-    lines = split_lines(deck.text.removeprefix("\ufeff"))
-    return [lines[line - 1][first - 1 : last - 1].upper() for line, (first, last) in extent.items()]
+    bare, lines = scan(deck.text).lines, split_lines(deck.text.removeprefix("\ufeff"))
+    echoed = []
+    for number in range(start[0], min(end[0], len(bare)) + 1):
+        words = [w for w in words_of(bare[number - 1], number) if start <= (number, w.column) < end]
+        if words:
+            last = words[-1].column + len(words[-1].text)
+            echoed.append(lines[number - 1][words[0].column - 1 : last - 1].upper())
+    return echoed

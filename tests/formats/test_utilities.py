@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 from scipy.io import loadmat
-from spacar_formats import safety
+from spacar_formats import exports, safety
 from spacar_formats.checksbf import checksbf, listing
 from spacar_formats.claim import Claim
 from spacar_formats.combsbd import combsbd
@@ -116,6 +116,16 @@ def test_npz_and_csv_keep_every_digit(tmp_path):
     assert header[0] == "name,row,column,value"
     assert "lnp,2,1,3" in header
     assert "etype,2,1,PLTRUSS" in header
+
+
+@pytest.mark.parametrize("at_once", [1, 20, 40, 10**6])
+def test_csv_is_written_a_few_steps_at_a_time(tmp_path, monkeypatch, at_once):
+    """The same file whatever is read at once: one of the three steps, two, all."""
+    sbd(tmp_path / "a.sbd")
+    whole = export_file(tmp_path / "a", "sbd", formats=["csv"])[0][0].read_bytes()
+    monkeypatch.setattr(exports, "NUMBERS_AT_ONCE", at_once)
+    assert export_file(tmp_path / "a", "sbd", formats=["csv"])[0][0].read_bytes() == whole
+    assert len(whole.splitlines()) == 4
 
 
 def test_csv_of_one_step_and_export_of_chosen_variables(tmp_path):

@@ -22,12 +22,14 @@ def cell(value: object) -> str:
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
     """Lines of a table, indented by two blanks; numbers stand to the right, words to the left."""
-    body = [tuple(row) for row in rows]
-    cells = [[cell(v) for v in row] for row in body]
-    widths = [max([len(h), *(len(r[k]) for r in cells)]) for k, h in enumerate(headings)]
-    left = [any(isinstance(row[k], str) for row in body) for k in range(len(headings))]
-    form = "  " + "  ".join(f"%{'-' if words else ''}{width}s" for words, width in zip(left, widths, strict=True))
-    return [(form % tuple(line)).rstrip() for line in (headings, *cells)]
+    body = list(zip(*rows, strict=True)) or [()] * len(headings)
+    columns = []
+    for head, values in zip(headings, body, strict=True):  # column by column: tables of large models have 1e5 cells
+        cells = [head, *map(cell, values)]
+        width = max(map(len, cells))
+        words = any(isinstance(v, str) for v in values)
+        columns.append([c.ljust(width) for c in cells] if words else [c.rjust(width) for c in cells])
+    return [("  " + "  ".join(line)).rstrip() for line in zip(*columns, strict=True)]
 
 
 def heading(title: str) -> list[str]:
@@ -50,8 +52,9 @@ def matrix(
         block = range(first, min(first + width, count))
         heads = [columns[k] if k < len(columns) else str(k + 1) for k in block]
         lines.append(" " * room + "".join(f"  {h:>17}" for h in heads))
+        form = f"%-{room}s" + "  % 17.9e" * len(block)
         lines += [
-            f"{label:<{room}}" + "".join(f"  {v: 17.9e}" for v in row)
+            form % (label, *row)
             for label, row in zip(labels, values[:, first : first + width].tolist(), strict=True)
         ]
         lines.append("")
