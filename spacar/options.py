@@ -72,7 +72,7 @@ def integrator(code: int, subject: str = "integrator type") -> tuple[int, str | 
     if code in INTEGRATOR_ALIASES:
         return INTEGRATOR_ALIASES[code], alias_note(code)
     if code not in INTEGRATORS:
-        known = ", ".join(map(str, INTEGRATORS))
+        known = ", ".join(map(str, sorted((*INTEGRATORS, *INTEGRATOR_ALIASES))))
         raise UsageError(f"{subject} {code} does not exist; the methods are {known}", "usage.integrator")
     return code, None
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -146,6 +146,23 @@ class Result:
         if name in self.tables:  # made when somebody asks for one of them
             return self.tables[name]
         raise UsageError(f"the variable {name} was not computed in this run of mode {self.mode}", "result.missing")
+
+    def keys(self) -> list[str]:
+        """Names of the variables of the steps, then those of `tables`: what `result[name]` gives."""
+        first = self.frames[0] if len(self.frames) else None
+        stored = [] if first is None else [*(f.name for f in fields(first)), *first.matrices, *first.state_space]
+        inner = ("matrices", "state_space", "log", "statistics", "lost")
+        return list(dict.fromkeys([*(n for n in stored if n not in inner and n in self), *self.tables]))
+
+    def __contains__(self, name: object) -> bool:
+        return isinstance(name, str) and (self._column(name) is not None or name in self.tables)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.keys())
+
+    def __len__(self) -> int:
+        """The number of names, as of a dictionary; of steps: `len(result.t)`."""
+        return len(self.keys())
 
     def node(self, number: int, coordinate: int | None = None, variable: str = "x") -> Array:
         """(steps,) one coordinate (from 1) of the node of this number, or (steps, n) all of them; variable: x, xd, xdd,

@@ -53,6 +53,7 @@ VOCABULARY: Mapping[str, OptionRow] = {
     "build": OptionRow("--build", "Make a folder with the MEX file", "[FOLDER]", FILE),
     "release": OptionRow("--release", "Solve over-constraints by releases", "[OUTPUT]"),
     "releases": OptionRow("--release", "Solve over-constraints by releases"),
+    "regardless": OptionRow("--force", "Run even if the disk cannot hold the results"),
     "wait": OptionRow("--wait", "Wait when another run is writing the same results"),
     "stale_ok": OptionRow("--stale-ok", "Take a result although its input file has changed since"),
     # which, how many, what

@@ -99,9 +99,9 @@ def state_space_of(result: Result, step: int = 1) -> StateSpaceStep:
         text = f"a result of mode {result.mode} has no state space; modes 3, 4 and 9 compute it"
         raise UsageError(text, "files.no-state-space")
     a = np.asarray(found["A"], float)
-    b = np.asarray(found.get("B", np.zeros((len(a), 0))), float).reshape(len(a), -1)
-    c = np.asarray(found.get("C", np.zeros((0, len(a)))), float).reshape(-1, len(a))
-    d = np.asarray(found["D"], float).reshape(len(c), b.shape[1]) if "D" in found else None
+    b = np.asarray(found.get("B", np.zeros((len(a), 0))), float)
+    c = np.asarray(found.get("C", np.zeros((0, len(a)))), float)
+    d = np.asarray(found["D"], float) if "D" in found else None
     states = result.header.get("states") or state_names(result.mechanism.numbering)
     given = (("x", states, len(a)), ("u", result.header.get("inputs", ()), b.shape[1]),
              ("y", result.header.get("outputs", ()), len(c)))  # fmt: skip

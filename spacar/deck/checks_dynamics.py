@@ -87,7 +87,7 @@ def _check_settings(scene: CheckMaterial, s: Statement) -> None:
         if s.integer(0) in INTEGRATOR_ALIASES:
             findings.warning(s, 0, alias_note(s.integer(0)), "choice")
         else:
-            one_of(findings, s, 0, INTEGRATORS, "integrator type")
+            one_of(findings, s, 0, tuple(sorted((*INTEGRATORS, *INTEGRATOR_ALIASES))), "integrator type")
         if s.real(1) < 0.0:
             findings.error(s, 1, f"step size {s.real(1):g} must not be negative", "range")
     elif s.keyword == "ERROR":

@@ -183,10 +183,12 @@ class _Splitter:
         return not current.words and 0 in NAME_PLACES.get(current.keyword, ())
 
     def _wants_name(self, current: Raw, word: Word) -> bool:
-        """Whether the word is a name; behind other arguments a name stands on their line, else it was left out."""
+        """Whether the word is a name; on the next line a keyword is one only as the first argument."""
         if len(current.words) not in NAME_PLACES.get(current.keyword, ()):
             return False
-        return not (current.words and word.first)
+        name = word.text.upper()
+        is_keyword = name in ("END", "HALT") or ALIASES.get(name, name) in NAMES[self.block]
+        return not (current.words and word.first and is_keyword)
 
     def _argument(self, word: Word) -> None:
         self._detach()

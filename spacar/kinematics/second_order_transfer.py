@@ -15,11 +15,11 @@ def second_order_transfer(k: Kinematics, G: Array) -> tuple[Array, Array]:
     """d2x (nx, nkdof, nkdof) and d2e (ne, nkdof, nkdof) at the present configuration."""
     size = G.shape[1]
     H = gradient_tensor(k)
-    curvature = np.einsum("eij,ia,jb->eab", H, G, G, optimize=True).reshape(len(H), -1)
+    curvature = np.einsum("eij,ia,jb->eab", H, G, G, optimize=True).reshape(len(H), size * size)
     d2x = np.zeros((k.numbering.nx, size * size))
     d2x[k.c] = k.position_system.solve(-curvature[k.h])
     d2e = curvature + k.sweep_rates(d2x)
-    return d2x.reshape(-1, size, size), d2e.reshape(-1, size, size)
+    return d2x.reshape(len(d2x), size, size), d2e.reshape(len(d2e), size, size)
 
 
 def gradient_tensor(k: Kinematics) -> Array:

@@ -28,7 +28,7 @@ def third_order_transfer(k: Kinematics, G: Array, d2x: Array) -> tuple[Array, Ar
             bracket[:, a, b] += third
             if b != a:
                 bracket[:, b, a] += third
-    flat = bracket.reshape(ne, -1)
+    flat = bracket.reshape(ne, n**3)
     d3x = np.zeros((nx, flat.shape[1]))
     d3x[k.c] = k.position_system.solve(-flat[k.h])
     d3e = flat + k.sweep_rates(d3x)

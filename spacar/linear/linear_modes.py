@@ -29,7 +29,6 @@ from spacar.linear_systems import SingularMatrixError
 from spacar.linearization.matrices import Linearization, linearize
 from spacar.linearization.state_matrix import selected
 from spacar.stationary import LoadLevel, StationarySolver, load_program
-from spacar.stationary.loading import stored_levels
 from spacar.stationary.tangent import SparseTangent
 from spacar.stream import Run
 
@@ -138,7 +137,7 @@ def stationary(
 
     mechanism, settings = mechanism_of(run), run.mechanism.settings
     n = mechanism.numbering
-    run.n_frames = stored_levels(settings)
+    run.n_frames = settings.stored_levels
     solver = StationarySolver(mechanism, run.report)
     descriptor = store is not None and store.sparse
     reducible = reducible and store is None

@@ -132,6 +132,9 @@ Rows = list[tuple[int, Sequence[float]]]  # place in e or x, and a row of 3 or 5
 UserSignal = Callable[[float, Array, Array, Array, Array], UserForces]  # t, e, ed, x, xd
 
 
+WITH_ADDITIONAL = (2, 3)  # ITERSTEP types: the initial loading, then the additional one
+
+
 @dataclass(frozen=True)
 class SolverSettings:
     """Numbers of TIMESTEP, INTEGRAT, ERROR, ITERSTEP, OUTLEVEL and MODES with their defaults."""
@@ -154,6 +157,13 @@ class SolverSettings:
     modes: int | None = None  # lowest modes of vibration and buckling that are wanted; 0: all; None: by the size
     compiled: bool = True  # equations in C where that is possible (spacar.compiled); of the run, not of the deck
     beams: str = ""  # "angle" or "sine": measure of all beams and tubes instead of ADEFORM; an option of the run
+
+    @property
+    def stored_levels(self) -> int:
+        """How many load levels of a stationary solution become frames."""
+        if self.stationary_type not in WITH_ADDITIONAL:
+            return 1
+        return 1 + -(-max(self.load_steps, 1) // max(self.store_every, 1))
 
     def with_options(self, **options: Any) -> SolverSettings:
         return replace(self, **{k: v for k, v in options.items() if v is not None})

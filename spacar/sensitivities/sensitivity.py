@@ -43,7 +43,6 @@ from spacar.sensitivities.step_quantities import (
 )
 from spacar.sources import Source, deck_of
 from spacar.stationary import StationarySolver, load_program
-from spacar.stationary.loading import stored_levels
 from spacar.stream import Run
 from spacar.studies.assignments import change
 from spacar.studies.quantities import Quantity, quantity
@@ -181,7 +180,7 @@ class _Analysis:
 
     def __init__(self, run: Run, numbers: list[DeckNumber], wanted: list[Quantity]) -> None:
         self.prepared, self.numbers, self.wanted = run, numbers, wanted
-        self.steps = stored_levels(run.mechanism.settings)
+        self.steps = run.mechanism.settings.stored_levels
         self.expressions = [parse(q.text, STRESS_INDICES) for q in wanted]
         self.needed: dict[Variable, set[int]] = {}
         for expression in self.expressions:

@@ -13,10 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from spacar.mechanism.mechanism import DriveState, Loads, Mechanism, SolverSettings
+from spacar.mechanism.mechanism import WITH_ADDITIONAL, DriveState, Loads, Mechanism, SolverSettings
 
 WITHOUT_N0 = (1, 3)  # ITERSTEP types whose Newton iteration leaves N0 out
-WITH_ADDITIONAL = (2, 3)
 
 
 class LoadLevel(NamedTuple):
@@ -74,14 +73,6 @@ def _levels(settings: SolverSettings) -> Iterator[LoadLevel]:
     every = max(settings.store_every, 1)
     for k in range(1, n1 + 1):
         yield LoadLevel(1.0, k / n1, k % every == 0 or k == n1, n0 + k, n0 + n1)
-
-
-def stored_levels(settings: SolverSettings) -> int:
-    """How many of the levels become frames."""
-    if settings.stationary_type not in WITH_ADDITIONAL:
-        return 1
-    n1, every = max(settings.load_steps, 1), max(settings.store_every, 1)
-    return 1 + -(-n1 // every)
 
 
 def loads_at(mechanism: Mechanism, level: LoadLevel) -> Loads:

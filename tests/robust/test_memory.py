@@ -48,7 +48,7 @@ def test_times_that_do_not_differ_are_refused(wrong):
 def test_a_billion_steps_begin_at_once_and_can_be_interrupted(tmp_path, name):
     """A billion times are 8 GB: under a limit of 1.5 GB only times that are computed one by one can be run."""
     model(tmp_path, name)
-    process = start(tmp_path, 1, name, "--time", "1e6", "--steps", 10**9, preexec_fn=poor)
+    process = start(tmp_path, 1, name, "--time", "1e6", "--steps", 10**9, "--force", preexec_fn=poor)
     part = tmp_path / f"{name}.sbd.part"
     until(lambda: part.exists() and part.stat().st_size > 20_000, process)
     begun = time.monotonic()
@@ -66,7 +66,7 @@ def test_trajectories_are_not_stored_either(tmp_path):
     changed = text.replace("TRTIME 1.0 100", "TRTIME 1.0 1000000000")
     assert changed != text
     (tmp_path / "robotinv.dat").write_text(changed)
-    process = start(tmp_path, 2, "robotinv", preexec_fn=poor)
+    process = start(tmp_path, 2, "robotinv", "--force", preexec_fn=poor)
     part = tmp_path / "robotinv.sbd.part"
     until(lambda: part.exists() and part.stat().st_size > 20_000, process)
     process.send_signal(signal.SIGINT)
@@ -96,7 +96,7 @@ def test_a_sweep_over_a_billion_of_cases_stores_its_axes_only():
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_such_a_sweep_begins_at_once_and_can_be_interrupted(tmp_path, jobs):
     model(tmp_path)
-    words = ("sweep", "crank", "--set", "EM.2=0.1:0.2:100000", "--set", "XM.6=0.03:0.04:100000",
+    words = ("sweep", "crank", "--force", "--set", "EM.2=0.1:0.2:100000", "--set", "XM.6=0.03:0.04:100000",
              "--result", "x[6,1]@end", "--steps", 2, "--time", 0.001, "--no-batch", "--jobs", jobs)  # fmt: skip
     process = start(tmp_path, *words, **{"preexec_fn": poor} if jobs == 1 else {})
     rows = tmp_path / "crank.sweep.csv"
@@ -111,10 +111,10 @@ def test_such_a_sweep_begins_at_once_and_can_be_interrupted(tmp_path, jobs):
 @pytest.mark.parametrize(("initial", "additional", "every"), [(0, 1, 1), (3, 7, 2), (1, 10, 20), (4, 0, 0), (2, 6, 3)])
 def test_stored_load_levels_are_counted_without_being_made(kind, initial, additional, every):
     from spacar.mechanism import SolverSettings
-    from spacar.stationary.loading import load_program, stored_levels
+    from spacar.stationary.loading import load_program
 
     settings = SolverSettings(stationary_type=kind, initial_steps=initial, load_steps=additional, store_every=every)
-    assert stored_levels(settings) == sum(level.store for level in load_program(settings))
+    assert settings.stored_levels == sum(level.store for level in load_program(settings))
 
 
 @pytest.mark.slow

@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from spacar_formats.disk_room import require_room
 from spacar_formats.log import LogSink
 from spacar_formats.sinks import ResultSink, begin, give_up, result_sinks
 
 from spacar.calls import frames
-from spacar.errors import SpacarError, UsageError
+from spacar.errors import InputError, SpacarError, UsageError
 from spacar.modes import Mode, find_mode
 from spacar.options import BEAMS, check_modes, integrator
 from spacar.stream import Outcome, Run, Sink
@@ -74,7 +75,7 @@ def command_of_mode(word: str) -> click.Command:
         params.append(words.parameter("release", text, is_flag=False, flag_value="", type=str))
     if not word.startswith("-"):
         params.append(words.parameter("show", ": the mechanism while it runs"))
-    params += [words.parameter("wait"), words.parameter("as_json", ": a summary")]
+    params += [words.parameter("regardless"), words.parameter("wait"), words.parameter("as_json", ": a summary")]
     short = f"Mode {mode.number}: {mode.title}. Writes FILE.log and " + ", ".join(f"FILE.{k}" for k in mode.files) + "."
     short += " FILE - is standard input, its results are stdin.* in the current folder."
     return words.Command(word, params=params, callback=click.pass_obj(partial(run_mode, mode)), help=short)
@@ -88,6 +89,7 @@ def run_mode(
     output_dir: Path | None,
     as_json: bool,
     wait: bool = False,
+    regardless: bool = False,
     setpoints: str | None = None,
     show: bool = False,
     release: str | None = None,
@@ -128,11 +130,17 @@ def run_mode(
     run: Run | None = None
     window: LivePlot | None = None
     try:
-        begin(results)
-        run = frames(mode.number, model, **overrides, **asked)
+        try:
+            run = frames(mode.number, model, **overrides, **asked)
+        except InputError:
+            begin(results)  # an earlier result is none of this input
+            raise
         if mode.takes_setpoints:
             _set_nominal(run, source, setpoints)
         _check_timestep(run)
+        if not regardless:
+            require_room(run, stem.parent)
+        begin(results)  # not before: an earlier result may be the one to linearize along
         severities = ("warning", "information")[: 1 + environment.verbose]
         tell_messages(environment, run.mechanism.deck.messages, severities)
         watching: list[Sink] = [] if environment.quiet else [Progress(environment)]

@@ -31,6 +31,7 @@ from spacar_cli.studying import ROWS, common, counted
 @words.option("results", ": 'x[6,1]@end', 'max(sig[1,1])', 'abs(eigval[1])'. May be repeated.", multiple=True)
 @words.option("output", ": rows, .csv or .jsonl. Default: FILE.sweep.csv.", type=ROWS)
 @words.option("scheduler")
+@words.option("regardless")
 @words.option("retry_failed")
 @words.option("batch", "; default where that is possible.", default=None)
 @words.option("atol", ", instead of ERROR")
@@ -50,6 +51,7 @@ def command(
     results: tuple[str, ...],
     output: Path | None,
     scheduler: str | None,
+    regardless: bool,
     retry_failed: bool,
     batch: bool | None,
     jobs: int | None,
@@ -61,6 +63,8 @@ def command(
     Every case is one row of the output, written when it has finished. Started again, the command runs what is not
     there yet.
     """
+    from spacar_formats.disk_room import require_room_for_rows
+
     from spacar.deck import read_deck
     from spacar.studies import assignments as parameters
     from spacar.studies.quantities import quantity
@@ -79,6 +83,8 @@ def command(
     path = output or source.with_name(f"{source.stem}.sweep.csv")
     if path.suffix.lower() not in (".csv", ".jsonl"):
         raise UsageError(f"--output {path}: the rows are written as .csv or .jsonl", "usage.sweep")
+    if not regardless:
+        require_room_for_rows(len(cases), 3 + len(settings) + len(results), path.parent)
     engine: Any = partial(run, jobs=jobs)
     if scheduler is not None:
         from spacar_cli.cluster import run_on_cluster

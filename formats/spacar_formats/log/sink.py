@@ -173,10 +173,15 @@ def _settings(run: Run) -> list[str]:
     if mode.stationary:
         lines += step_sections.iteration(mechanism)
     if run.nominal is not None:
-        lines += [f"Nominal motion: the mode {run.nominal.mode} result {run.nominal.name}", ""]
+        lines += [f"Nominal motion: the mode {run.nominal.mode} result {_name_of(run.nominal)}", ""]
     return lines
 
 
 def _statistics(frame: Frame) -> list[str]:
     rows = [[step_sections.COUNTERS.get(k, k.replace("_", " ")), float(v)] for k, v in frame.statistics.items()]
     return [*table(["of the solution", "value"], rows), ""] if rows else []
+
+
+def _name_of(nominal: Any) -> str:
+    """A nominal motion is called after its file, a result in memory after its input."""
+    return str(getattr(nominal, "name", None) or nominal.mechanism.deck.source)

@@ -1,0 +1,86 @@
+"""The size of results is known before the first step, and what does not fit on the disk is refused."""
+
+from __future__ import annotations
+
+import io
+import shutil
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from spacar_cli.environment import Environment
+from spacar_cli.main import main
+from spacar_formats import disk_room
+from spacar_formats.disk_room import bytes_of_a_step, steps_of
+from spacar_formats.sbf import SbfFile
+
+import spacar
+
+DATA = Path(__file__).parents[2] / "data"
+
+
+@pytest.fixture
+def call(tmp_path, monkeypatch):
+    shutil.copy(DATA / "crank.dat", tmp_path)
+    monkeypatch.chdir(tmp_path)
+
+    def run(*words):
+        env = Environment(io.StringIO(), io.StringIO(), io.StringIO(), {})
+        return main([*words], env), env.stderr.getvalue()
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("name", "mode"), [("crank", 1), ("crank", 4), ("lever", 9), ("lever", 7), ("robotinv", 2), ("screw", 1)]
+)
+def test_the_size_is_known_before_the_first_step(name: str, mode: int, tmp_path: Path) -> None:
+    """That of the .sbd to the byte, but for its header; matrices within the ones that a mode may leave out."""
+    run = spacar.frames(mode, DATA / f"{name}.dat")
+    steps, sizes = steps_of(run), bytes_of_a_step(run)
+    spacar.run(mode, DATA / f"{name}.dat").save(tmp_path / "a")
+    for kind in run.mode.files:
+        with SbfFile(tmp_path / f"a.{kind}") as file:
+            assert file.steps == steps
+            left = (tmp_path / f"a.{kind}").stat().st_size - steps * sizes[kind]
+            assert 0 < left < 9000 or (kind != "sbd" and left > -0.6 * steps * sizes[kind])
+    log = (tmp_path / "a.log").read_text()
+    if mode in (1, 4):
+        assert len(log) < 1.5 * steps * sizes["log"] + 20_000
+
+
+def test_a_run_that_does_not_fit_is_refused_at_once(call, tmp_path: Path) -> None:
+    """With the numbers; the earlier result stays where it was."""
+    assert call("1", "crank", "-q")[0] == 0
+    before = (tmp_path / "crank.sbd").read_bytes()
+    for mode in ("1", "4"):
+        status, told = call(mode, "crank", "--steps", "1000000000000", "--time", "1")
+        assert status == 2
+        assert "the results of 1000000000001 steps take" in told
+        assert "are free in" in told
+        assert "--force" in told
+    assert (tmp_path / "crank.sbd").read_bytes() == before
+    assert not (tmp_path / "crank.sbd.part").exists()
+
+
+def test_force_goes_on(call, monkeypatch) -> None:
+    """On a disk of 100 kB: 101 steps of 688 bytes and 81 fit, 201 do not."""
+    monkeypatch.setattr(disk_room.shutil, "disk_usage", lambda folder: SimpleNamespace(free=100_000))
+    assert call("1", "crank", "-q") == (0, "")
+    status, told = call("1", "crank", "-q", "--steps", "200")
+    assert (status, "155 kB (log 16.3 kB, sbd 138 kB), but 100 kB are free" in told) == (2, True)
+    assert call("1", "crank", "-q", "--steps", "200", "--force") == (0, "")
+
+
+def test_a_sweep_that_does_not_fit_is_refused(call) -> None:
+    words = ["sweep", "crank", "--set", "EM.2=1:2:1000000", "--set", "XM.6=1:2:1000000"]
+    status, told = call(*words, "-r", "x[6,1]@end")
+    assert (status, "1000000000000 rows take" in told) == (2, True)
+
+
+def test_mode_3_on_the_file_of_the_setpoints_leaves_their_result(call, tmp_path: Path) -> None:
+    shutil.copy(DATA / "robotinv.dat", tmp_path)
+    assert call("2", "robotinv", "-q")[0] == 0
+    assert call("3", "robotinv", "-q")[0] == 2
+    assert (tmp_path / "robotinv.sbd").exists()
+    assert not (tmp_path / "robotinv.sbd.bak").exists()
