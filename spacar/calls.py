@@ -7,6 +7,7 @@ from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
 from spacar.deck.rewrite.refine import refine_divisible
+from spacar.deck.rewrite.simpler import rigid
 from spacar.errors import UsageError
 from spacar.mechanism import build
 from spacar.modes import Mode, find_mode
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 def frames(
     mode: int, source: Source, *, nominal: Any = None, accuracy: float | bool | None = None,
-    variables: Sequence[str] = (), mesh: bool = True, elements: int = 1, **options: Any,
+    variables: Sequence[str] = (), mesh: bool = True, elements: int = 1, rigid_beams: bool = False, **options: Any,
 ) -> Run:  # fmt: skip
     """Prepare an analysis: read, check and number the model; the frames come when the returned Run is iterated over.
 
@@ -34,6 +35,7 @@ def frames(
     mesh      False: the accuracy is that of the integration alone, the beams are not divided for it
     elements  equal beams in the place of each flexible beam that can be divided; results are those of the divided
               model, in which nodes of the file keep their numbers
+    rigid_beams  the model with all dynamic deformations of its beams fixed
     options   override the deck for this run: atol, rtol, integrator, step, duration, n_steps, compiled (see Settings)
 
     Raises UsageError (unknown mode or option, wrong value of one), InputError (bad input) now; AnalysisError while
@@ -45,6 +47,8 @@ def frames(
     deck = deck_of(source, found.number)
     request = _accuracy(found, accuracy, variables, mesh)
     kept: dict[int, str] = {}
+    if rigid_beams:
+        deck = rigid(deck)
     if elements != 1:
         deck, kept = refine_divisible(deck, _pieces(elements))
     prepared = Run(found, build(deck, found.number, **options), nominal=nominal, accuracy=request)
@@ -93,7 +97,7 @@ def run(mode: int, source: Source, *, nominal: Any = None, **options: Any) -> Re
 
     mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, a Deck, or a Model
     nominal   mode 3 only: result of mode 2, or of modes 7 to 10
-    options   accuracy, variables, elements, and what overrides the deck, see `frames`
+    options   accuracy, variables, elements, rigid_beams, and what overrides the deck, see `frames`
     """
     from spacar.result import Result  # the command line needs no results in memory
 

@@ -87,6 +87,7 @@ VOCABULARY: Mapping[str, OptionRow] = {
     "compiled": OptionRow("--compiled/--general", "Equations in C (default where that is possible), or in NumPy"),
     "beams": OptionRow("--beams", "Measure of the deformations of all beams, instead of ADEFORM", "KIND"),
     "elements": OptionRow("--elements", "Beams in the place of each flexible beam", "N", Whole(min=1)),
+    "rigid_beams": OptionRow("--rigid", "Rigid beams: without their dynamic deformations"),
     "accuracy": OptionRow("--accuracy", "Error of the result over the amplitude of each variable", "[TARGET]"),
     "fixed_mesh": OptionRow("--fixed-mesh", "The accuracy is that of the integration: beams are not divided for it"),
     "setpoints": OptionRow("--setpoints", "Result of mode 2 to linearize along, instead of the search by name", "FILE"),

@@ -16,6 +16,8 @@ from spacar.frame import Frame, StoredFrames
 from spacar.integrators import METHODS
 from spacar.mechanism import Mechanism
 
+LENGTHS, ROTATIONS = "lengths", "rotations"
+UNITS = {LENGTHS: "m", ROTATIONS: "rad"}
 LARGEST = 0.01  # ERROR over the largest motion of its kind, above which the run is warned of
 ROUNDED = 1e4 * float(np.finfo(float).eps)  # of the size of the model, or of a radian
 
@@ -43,25 +45,36 @@ class Extent:
             np.minimum(lowest, low, out=lowest)
             np.maximum(highest, high, out=highest)
 
-    def tell(self, report: Report) -> None:
-        """Warn of an absolute ERROR that is large beside the motion."""
+    def sizes(self) -> dict[str, float]:
+        """The largest motion of each kind that the state contains and that does not rest."""
         mechanism = self.mechanism
-        settings, n = mechanism.settings, mechanism.numbering
-        if not self.low or not METHODS[settings.integrator].variable_step:
-            return
+        n = mechanism.numbering
+        if not self.low:
+            return {}
         x, e = (high - low for low, high in zip(self.low, self.high, strict=True))
         is_position = np.zeros(n.nx, bool)
         is_position[n.positions.ravel()] = True
         in_x, in_e = np.zeros(n.nx, bool), np.zeros(n.ne, bool)
         for name in ("dynamic", "kinematic"):
             in_x[n.x_class[name]], in_e[n.e_class[name]] = True, True
-        kinds = (("lengths", "m", mechanism.length, is_position, mechanism.is_length),
-                 ("rotations", "rad", 1.0, ~is_position, ~mechanism.is_length))  # fmt: skip
-        for kind, unit, size, own_x, own_e in kinds:
-            if not (in_x & own_x).any() and not (in_e & own_e).any():
-                continue
-            most = max(float(x[own_x].max(initial=0.0)), float(e[own_e & in_e].max(initial=0.0)))
-            if ROUNDED * size < most < settings.atol / LARGEST:
+        kinds = ((LENGTHS, mechanism.length, is_position, mechanism.is_length),
+                 (ROTATIONS, 1.0, ~is_position, ~mechanism.is_length))  # fmt: skip
+        found = {}
+        for kind, size, own_x, own_e in kinds:
+            if (in_x & own_x).any() or (in_e & own_e).any():
+                most = max(float(x[own_x].max(initial=0.0)), float(e[own_e & in_e].max(initial=0.0)))
+                if most > ROUNDED * size:
+                    found[kind] = most
+        return found
+
+    def tell(self, report: Report) -> None:
+        """Warn of an absolute ERROR that is large beside the motion."""
+        settings = self.mechanism.settings
+        if not METHODS[settings.integrator].variable_step:
+            return
+        for kind, most in self.sizes().items():
+            if most < settings.atol / LARGEST:
+                unit = UNITS[kind]
                 report.add(
                     f"warning: ERROR allows {settings.atol:.3g} {unit} (its absolute part), and no motion of {kind} is"
                     f" larger than {most:.3g} {unit}: the result may be wrong by as much; take {1e-4 * most:.1g} or"

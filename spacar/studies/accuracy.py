@@ -12,7 +12,11 @@ d_k = |u_k - u_(k-1)| and g_k = tau_k / tau_(k-1):
 
 The next tolerance is the largest for which this will be MARGIN of the target if d_(k+1) is d_k g_k.
 
-Explicit methods, 853 in turn with 155 (Adams, 0, at tight tolerances), are taken while the highest frequency of the
+The absolute error of a run is its tolerance times the largest motion of lengths or of rotations, the smaller one, or
+times the ratio of ERROR, whatever is less. The first run tells how large these are; when its absolute error turns out
+to be more than SMALLEST of them it is made again.
+
+Explicit methods, 0 in turn with 853, are taken while the highest frequency of the
 model allows it: rho T / STABLE steps, rho the largest eigenvalue of the start state. Beyond EXPENSIVE steps it is 553
 and then 595 (Radau of orders 5 and 9). Both damp vibrations that they do not resolve, so they could err alike: three
 runs at least are demanded of them, over which the differences must fall.
@@ -31,6 +35,7 @@ from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError
 from spacar.forward.driver import has_forces
+from spacar.forward.extent import Extent
 from spacar.frame import Frame
 from spacar.integrators.methods import AUTOMATIC, METHODS
 from spacar.linearization.state_jacobian import state_jacobian
@@ -41,16 +46,14 @@ from spacar.studies.error_norm import amplitudes, distance
 from spacar.studies.quantities import Quantity, quantity
 from spacar.studies.result_quantities import assessed, free_coordinates
 
-EXPLICIT, STIFF = (155, 853), (553, 595)
-# Below the tolerance TIGHT the method MULTISTEP replaces 155: it is up to a third cheaper. At looser tolerances its
-# errors are like those of 853 (measured for a pendulum at 1e-3: the error was 2.2 times the estimate).
-MULTISTEP, TIGHT = 0, 1e-5
+EXPLICIT, STIFF = (0, 853), (553, 595)
 STABLE = 5.0  # h rho at which method 853 leaves its region of stability on the imaginary axis, about
 EXPENSIVE = 10_000  # steps of stability beyond which implicit methods are taken
 LARGEST_JACOBIAN = 600  # states; above, its eigenvalues take longer than a short run, and implicit methods are taken
 LOOSEST, TIGHTEST = 1e-3, 2e-13  # tolerances that are tried; with looser ones two errors may be alike by chance
-FIRST = 1.0  # tolerance of the first run over the target: with looser ones a third run is needed more often
-GAIN = 10.0  # of the second tolerance over the first
+FIRST = 10.0  # tolerance of the first run over the target (a step of mechanisms errs by a hundredth of ERROR)
+GAIN = 4.0  # of the second tolerance over the first
+SMALLEST = 0.1  # absolute error of the first run over tolerance times motion, above which it says nothing
 MARGIN = 0.5  # of the target that the next run aims at
 FURTHEST = 1e-4  # tolerance of the next run over the last one, at least
 TRUSTED = 0.01  # least estimate over the last difference, however fast the differences fall
@@ -145,6 +148,8 @@ class Search:
     view: Callable[[Frame, int], Frame] | None = None
     shown: Mechanism | None = None
     hold: bool = False
+    ratio: float | None = None  # of the absolute error over the tolerance, that the motion asks for
+    coarse: bool = False  # the last run had one that was much larger
 
     def compute(self, integrator: int, tolerance: float | None) -> Computed:
         """One run in mode 1; `tolerance` None: with the settings of the file. Raises AnalysisError."""
@@ -152,6 +157,7 @@ class Search:
         settings = mechanism.settings
         if tolerance is not None:
             ratio = settings.atol / settings.rtol if settings.rtol > 0.0 else 1.0
+            ratio = ratio if self.ratio is None else min(ratio, self.ratio)
             atol = tolerance * ratio
             settings = replace(settings, integrator=integrator, rtol=tolerance, atol=atol, step=None)
         run = Run(find_mode(1), replace(mechanism, settings=settings))
@@ -172,6 +178,11 @@ class Search:
         attempt = Attempt(integrator, tolerance, rhs, time.process_time() - begun)
         self.attempts.append(attempt)
         coordinates, shown = np.array(x), self.shown or run.mechanism
+        if tolerance is not None and held:
+            extent = Extent(shown)
+            extent.take(frames)
+            least = min(extent.sizes().values(), default=np.inf)
+            self.coarse, self.ratio = SMALLEST * ratio > least, min(least, ratio)
         if self.variables:
             values = assessed(shown, 1, frames, self.variables, stationary=False).values
         else:
@@ -254,7 +265,6 @@ def tightened(search: Search, methods: tuple[int, int], target: float) -> tuple[
     last, gained_before, wanted = np.inf, 1.0, 2 if methods == EXPLICIT else 3
     while True:
         code = methods[turn % 2] if methods == EXPLICIT else methods[min(turn, 1)]
-        code = MULTISTEP if code == EXPLICIT[0] and tolerance < TIGHT else code
         turn += 1
         try:
             now = search.compute(code, tolerance)
@@ -263,6 +273,10 @@ def tightened(search: Search, methods: tuple[int, int], target: float) -> tuple[
             if tolerance <= TIGHTEST or sum(bool(a.reason) for a in search.attempts) > 1:
                 raise
             tolerance = max(tolerance / GAIN**2, TIGHTEST)
+            continue
+        if before is None and search.coarse:
+            search.coarse = False
+            turn -= 1
             continue
         if before is None:
             before, tolerance = now, max(tolerance / GAIN, TIGHTEST)

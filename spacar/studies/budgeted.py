@@ -6,6 +6,7 @@
                 until that is a judge
     models      of each measure the coarsest mesh whose error, with that reference integration, leaves room for the
                 error of a cheaper integration
+                that of rigid beams is one of them
     settings    every method of each of these models from its loosest tolerance on, until one is accurate enough:
                 tighter ones are slower; in the stationary modes every mesh; then the cheapest with equations in NumPy
     stopped     a run that takes longer than the cheapest setting that is accurate enough (it cannot be recommended any
@@ -23,7 +24,7 @@ import numpy as np
 
 from spacar.calls import frames
 from spacar.deck.rewrite.refine import flexible_beams
-from spacar.errors import AnalysisError
+from spacar.errors import AnalysisError, SpacarError
 from spacar.mechanism.element_batches import by_angles
 from spacar.stream import Run
 from spacar.studies.accuracy import stiff
@@ -53,6 +54,7 @@ FOR_REFERENCE = 0.6  # part of the budget
 JUDGE = 0.1  # error of the reference over the target, to be a judge of it
 ROOM = 0.7  # of the target that the error of a mesh may take
 LONGEST_PRICE = 10.0  # times the recommended setting: what is dearer saves nothing
+SAME_ERROR = 0.8  # of that of the tolerance before: the error is that of the model, no smaller tolerance helps
 ENOUGH = 3.0  # times the cheapest accurate mesh: one of the other measure that takes longer is not looked at
 
 Tick = Callable[[str, float], None]
@@ -116,13 +118,23 @@ def search(trade: Trade, target: float, budget: float, tick: Tick = lambda _what
     hard = not trade.stationary and stiff(run)
     if beams:
         models = _mesh_reference(found, target, hard)
-        ladders = _ladders(trade, models, target)
     else:
-        ladders = _ladders(trade, [(Setup(), hard)], target)
+        models = [(Setup(), hard)]
         _reference(found, target, STIFF_METHODS if hard else (853, 155))
+    ladders = _ladders(trade, [*_rigid(trade), *models], target)
     best = _climb(found, ladders, target)
     _without_compiler(found, target, best)
     return found
+
+
+def _rigid(trade: Trade) -> list[tuple[Setup, bool]]:
+    """The model with rigid beams, where it has flexible ones and can do without."""
+    setup = Setup(beams="rigid")
+    try:
+        moves = _run_of(trade, setup).mechanism.numbering.nkddof
+    except SpacarError:
+        return []
+    return [] if trade.stationary and not moves else [(setup, False)]
 
 
 def _reference(found: TradeSearch, target: float, methods: Sequence[int]) -> None:
@@ -249,6 +261,7 @@ def _run_of(trade: Trade, setup: Setup) -> Run:
 def _climb(found: TradeSearch, ladders: list[list[Setup]], target: float) -> float:
     """Run the settings of all ladders in turn, each from its loosest on; the time of the best that is good enough."""
     trade, best = found.trade, np.inf
+    known: dict[int | None, float] = {}  # last errors of the rigid model, by method
     while ladders and found.left() > 0.1:
         setup = ladders[0].pop(0)
         row = found.run(setup, min(found.left(), best * trade.repeats), trade.repeats)
@@ -257,7 +270,9 @@ def _climb(found: TradeSearch, ladders: list[list[Setup]], target: float) -> flo
             error = found.error(row)
             if error <= target:
                 best = min(best, row["seconds"])
-            if error <= target or row["seconds"] > best:
+            of_model = setup.beams == "rigid" and not error < SAME_ERROR * known.get(setup.integrator, np.inf)
+            known[setup.integrator] = error
+            if error <= target or row["seconds"] > best or of_model:
                 ladders[0].clear()
         elif "stopped after" in str(row["reason"]):
             ladders[0].clear()
@@ -312,6 +327,8 @@ def run_options(trade: Trade, setup: Setup) -> dict[str, str | int | float]:
     options: dict[str, str | int | float] = {}
     if setup.elements != 1:
         options["elements"] = setup.elements
+    if setup.beams == "rigid":
+        options["rigid_beams"] = True
     if setup.measure:
         options["beams"] = setup.measure
     if setup.integrator is not None:
@@ -332,6 +349,8 @@ def command_line(trade: Trade, setup: Setup, name: str) -> str:
     for option, value in run_options(trade, setup).items():
         if option == "compiled":
             words.append("--general")
+        elif option == "rigid_beams":
+            words.append("--rigid")
         else:
             words += [flags.get(option, f"--{option}"), f"{value:.3g}" if option in ("rtol", "atol") else str(value)]
     return " ".join(words)

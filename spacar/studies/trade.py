@@ -19,6 +19,7 @@ from spacar.arrays import Array
 from spacar.calls import frames
 from spacar.deck import Deck
 from spacar.deck.rewrite.refine import refine, refine_divisible
+from spacar.deck.rewrite.simpler import linear_strain, rigid
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators.methods import METHODS
 from spacar.mechanism import build
@@ -26,7 +27,6 @@ from spacar.modes import find_mode
 from spacar.options import integrator
 from spacar.result import Result
 from spacar.studies.compared import aligned, compared, real_series
-from spacar.studies.models import linear_strain, rigid
 from spacar.studies.perturbation import perturbation, require_perturbation
 from spacar.studies.quantities import Quantity, quantity
 from spacar.studies.rows import Row, key

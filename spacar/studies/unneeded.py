@@ -18,12 +18,12 @@ import numpy as np
 
 from spacar.deck import Deck
 from spacar.deck.rewrite.refine import divisible_beams, flexible_beams
+from spacar.deck.rewrite.simpler import linear_strain, rigid
 from spacar.errors import SpacarError
 from spacar.studies.coarser import merged
 from spacar.studies.compared import GENERAL
 from spacar.studies.error_norm import distance
 from spacar.studies.judged import Reference
-from spacar.studies.models import linear_strain, rigid
 from spacar.studies.trade import Setup, Trade, setup_options, timed_values, variant
 
 MOST_BEAMS = 6  # of a model whose beams are looked at one by one

@@ -205,3 +205,17 @@ def test_on_the_command_line(tmp_path, monkeypatch, capsys):
     assert main(["1", "osc", "--accuracy", "much", "-q"]) == 2
     assert "'much' is not a valid float" in capsys.readouterr().err
     assert main(["1", "osc", "--variable", "x[2,1]", "-q"]) == 2
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-7, 1e-3])
+def test_motions_of_any_size_keep_the_target(size: float) -> None:
+    """A resonator of 1 Hz on a spring of 1 mm: e = size cos 2 pi t, whatever ERROR of the file is beside its size."""
+    rows = [("PLTRUSS", 1, 1, 2), ("X", 2, 1e-2), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1, 1)]
+    more = [("XM", 2, 1.0), ("ESTIFF", 1, 4e-2 * np.pi**2), ("STARTDE", 1, 1, size, 0.0), ("TIMESTEP", 2.3, 23)]
+    for target in (1e-3, 1e-5):
+        result = spacar.run(1, spacar.Deck.build(rows, more), accuracy=target)
+        exact = size * np.cos(2.0 * np.pi * np.linspace(0.0, 2.3, 24))
+        error = np.abs(result.element(1, 1, "e") - exact).max() / np.ptp(exact)
+        found = result.header["accuracy"]
+        assert found.met
+        assert error <= target

@@ -138,3 +138,34 @@ def test_a_lost_frequency_is_no_saving():
     assert answer.best is not None
     assert any("eigenvalue" in name for name in answer.reference.names)
     assert any(name.startswith("reaction at") for name in answer.reference.names)
+
+
+# A pendulum whose rod is stiff: hardly bent.
+STIFF_PENDULUM = """
+PLBEAM 1 1 2 3 4
+X 3 1. 0.
+FIX 1
+DYNX 2 1
+DYNE 1 2 3
+END HALT
+EM 1 1.
+ESTIFF 1 0. 2000.
+GRAVITY 0. -9.81
+TIMESTEP 0.3 3
+END END
+"""
+
+
+def test_rigid_beams_are_recommended_where_they_are_enough(call):
+    """The line runs as it stands; a rigid rod turns by phi'' = -1.5 g cos(phi), and the target is kept against it."""
+    from scipy.integrate import solve_ivp
+
+    Path("rod.dat").write_text(STIFF_PENDULUM)
+    answer = spacar.trade("rod.dat", target=1e-3, budget=15.0, repeats=1, variables=["x[3,1]", "x[3,2]"])
+    assert answer.options["rigid_beams"]
+    words = shlex.split(answer.command)
+    assert "--rigid" in words
+    assert call(*words[1:], "-q").status == 0
+    result = spacar.run(1, "rod.dat", **answer.options)
+    exact = solve_ivp(lambda _, y: (y[1], -1.5 * 9.81 * np.cos(y[0])), (0.0, 0.3), (0.0, 0.0), rtol=1e-10, atol=1e-12)
+    assert result.node(3, 2)[-1] == pytest.approx(np.sin(exact.y[0, -1]), abs=1e-3)

@@ -9,9 +9,9 @@ import spacar
 from spacar.deck import Deck
 from spacar.deck.rewrite import divide
 from spacar.deck.rewrite.refine import flexible_beams, refine
+from spacar.deck.rewrite.simpler import linear_strain, rigid
 from spacar.errors import UsageError
 from spacar.mechanism import build
-from spacar.studies.models import linear_strain, rigid
 
 BEAM2 = np.array([[4.0, -2.0], [-2.0, 4.0]])  # stiffness of a bending pair, times EI/l^3
 

@@ -11,10 +11,10 @@ import pytest
 import spacar
 from spacar.deck import parse_deck
 from spacar.deck.rewrite.refine import refine
+from spacar.deck.rewrite.simpler import rigid
 from spacar.errors import UsageError
 from spacar.studies.coarser import merged
 from spacar.studies.judged import Reference
-from spacar.studies.models import rigid
 from spacar.studies.quantities import quantity
 from spacar.studies.trade import Setup, Trade
 from spacar.studies.unneeded import prices

@@ -35,7 +35,7 @@ OVERRIDES = {
     "atol": "ERROR", "rtol": "ERROR", "integrator": "INTEGRAT", "n_steps": "TIMESTEP", "compiled": "",
     "duration": "TIMESTEP",
 }  # fmt: skip
-FLAGS = ("beams", "elements", "modes")
+FLAGS = ("beams", "elements", "rigid_beams", "modes")
 
 
 def command_of_mode(word: str) -> click.Command:
@@ -50,6 +50,7 @@ def command_of_mode(word: str) -> click.Command:
             "beams", ": angle is of fourth order in the element length, sine of second.", type=click.Choice(BEAMS)
         ),
         words.parameter("elements", " that can be divided; results are those of the divided model."),
+        words.parameter("rigid_beams", " (DYNE)."),
     ]
     for name in OVERRIDES if mode.integrated else ("compiled",) if mode.forces else ():
         if name == "compiled":
