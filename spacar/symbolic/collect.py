@@ -14,7 +14,7 @@ from sympy.utilities.iterables import sift
 
 from spacar.symbolic.derivatives import Recurrence
 from spacar.symbolic.splitting import LinearSplit, common_factors
-from spacar.symbolic.unit_vectors import HeldScalar, Unit
+from spacar.symbolic.unit_vectors import UnevaluatedDot, Unit
 from spacar.symbolic.vectors import Dyad, Vector
 
 Value = TypeVar("Value", sp.Expr, Vector, Dyad)
@@ -128,11 +128,11 @@ def gather_dots(value: Value) -> Value:
     """
 
     def collect(c: sp.Expr) -> sp.Expr:
-        if not c.has(HeldScalar):
+        if not c.has(UnevaluatedDot):
             return c
         parts: dict[sp.Expr, list[sp.Expr]] = {}
         for term in sp.Add.make_args(sp.expand(c)):
-            held, scalars = sift(sp.Mul.make_args(term), lambda f: f.has(HeldScalar), binary=True)
+            held, scalars = sift(sp.Mul.make_args(term), lambda f: f.has(UnevaluatedDot), binary=True)
             parts.setdefault(sp.Mul(*held), []).append(sp.Mul(*scalars))
         return sp.Add(*(dots * common_factors(sp.Add(*coefficients)) for dots, coefficients in parts.items()))
 

@@ -12,7 +12,7 @@ from spacar.symbolic.collect import ZTable
 from spacar.symbolic.constraints import ConstraintRows
 from spacar.symbolic.description import Description
 from spacar.symbolic.transform import DirectionCosines, transform
-from spacar.symbolic.unit_vectors import HeldScalar
+from spacar.symbolic.unit_vectors import UnevaluatedDot
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class DerivedEquations:
         system = self.system
         value = system.expression(value, outputs=True)
         known = len(self.table.definitions)
-        value = transform(value, cosines or self.cosines) if value.has(HeldScalar) else value
+        value = transform(value, cosines or self.cosines) if value.has(UnevaluatedDot) else value
         for z in list(self.table.definitions)[known:]:  # cosines that the equations did not need
             self.table.definitions[z] = self.table.definitions[z].xreplace(system.pseudo_values())
         speeds, a = system.field_speeds, system.accelerations

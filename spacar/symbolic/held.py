@@ -34,7 +34,7 @@ from spacar.symbolic.reference_frames import omega
 from spacar.symbolic.splitting import LinearSplit
 from spacar.symbolic.system_parts import Beam, DistributedLoad, RigidBody
 from spacar.symbolic.transform import DirectionCosines
-from spacar.symbolic.unit_vectors import TIME, HeldScalar, Key
+from spacar.symbolic.unit_vectors import TIME, Key, UnevaluatedDot
 from spacar.symbolic.vectors import ZERO, Vector, cross, dot
 
 
@@ -265,7 +265,7 @@ def damping_force(beam: Beam, f: Field, psi: sp.Expr) -> sp.Expr:
     return integral(2 * beam.damping * u_t * weight, X, beam.length)
 
 
-def derive_held(system: Description, recurrence: bool = True) -> Derivation:
+def derive_unevaluated(system: Description, recurrence: bool = True) -> Derivation:
     """Mass matrix and right-hand side for all speeds of the system, and the held equations."""
     steps = HeldDerivation(system, recurrence)
     wrenches = steps.wrenches()
@@ -311,7 +311,7 @@ def _finisher(system: Description, steps: HeldDerivation, cosines: DirectionCosi
     steps.values = values
 
     def finish(expression: sp.Expr) -> sp.Expr:
-        dots = sorted(expression.atoms(HeldScalar), key=str)
+        dots = sorted(expression.atoms(UnevaluatedDot), key=str)
         rule = {atom: cosines.value(atom).xreplace(values) for atom in dots}
         expression = gather_scalars(expression.xreplace(rule).xreplace(values))
         return steps.table.read(expression) if steps.recurrence else expression

@@ -15,7 +15,7 @@ from sympy.core.function import AppliedUndef
 from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
 
-from spacar.symbolic.unit_vectors import TIME, HeldCross, HeldScalar, Key, Unit, unit_latex
+from spacar.symbolic.unit_vectors import TIME, Key, UnevaluatedCross, UnevaluatedDot, Unit, unit_latex
 
 _CROSS = {"text": " >< ", "unicode": " × ", "latex": r" \times "}
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
@@ -53,10 +53,10 @@ class _Unicode(_Text):
         name = expr.name
         return name[0] + "\u0307" + name[1:-4] if name.endswith("_dot") else name
 
-    def _print_UnitDot(self, expr: HeldScalar) -> str:
+    def _print_UnitDot(self, expr: UnevaluatedDot) -> str:
         return "·".join(unit_unicode(u) for u in expr.units)
 
-    def _print_UnitTriple(self, expr: HeldScalar) -> str:
+    def _print_UnitTriple(self, expr: UnevaluatedDot) -> str:
         a, b, c = (unit_unicode(u) for u in expr.units)
         return f"[{a} {b} {c}]"
 
@@ -102,7 +102,7 @@ def unit_unicode(u: Unit) -> str:
 def _key(key: Key, style: str) -> str:
     units: dict[str, Callable[[Unit], str]] = {"text": str, "unicode": unit_unicode, "latex": unit_latex}
     unit = units[style]
-    if isinstance(key, HeldCross):
+    if isinstance(key, UnevaluatedCross):
         return f"{unit(key.a)}{_CROSS[style]}{unit(key.b)}"
     return unit(key)
 
@@ -110,7 +110,7 @@ def _key(key: Key, style: str) -> str:
 def _keys(key: Any, style: str) -> str:
     if not isinstance(key, tuple):
         return _key(key, style)
-    return " ".join(f"({_key(k, style)})" if isinstance(k, HeldCross) else _key(k, style) for k in key)
+    return " ".join(f"({_key(k, style)})" if isinstance(k, UnevaluatedCross) else _key(k, style) for k in key)
 
 
 def _combination(value: Any, style: str) -> str:

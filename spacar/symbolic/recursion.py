@@ -20,7 +20,7 @@ from spacar.symbolic.description import Description
 from spacar.symbolic.reference_frames import ReferenceFrame, omega
 from spacar.symbolic.system_parts import GeometricPoint, Load, RigidBody
 from spacar.symbolic.transform import DirectionCosines, merged_rotation
-from spacar.symbolic.unit_vectors import HeldScalar, Unit
+from spacar.symbolic.unit_vectors import UnevaluatedDot, Unit
 from spacar.symbolic.vectors import Vector
 
 Column: TypeAlias = Any  # sympy Matrix of three measure numbers
@@ -99,7 +99,7 @@ class Recursion:
 
     def read(self, expression: sp.Expr) -> sp.Expr:
         """A memory read of a scalar: dots become cosines, pseudo-coordinates field values."""
-        held = expression.atoms(HeldScalar)
+        held = expression.atoms(UnevaluatedDot)
         if held:
             expression = expression.xreplace({atom: self.cosines.value(atom) for atom in sorted(held, key=str)})
         return self.table.read(expression.xreplace(self.values))

@@ -10,13 +10,15 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import count
 from typing import Any
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from spacar.errors import UsageError
-from spacar.symbolic.unit_vectors import TIME, HeldScalar, Unit, UnitDot
+from spacar.symbolic.unit_vectors import TIME, UnevaluatedDot, Unit, UnitDot
 from spacar.symbolic.vectors import ZERO, Vector, cross, dot
 
 _serials: Iterator[int] = count()
@@ -86,7 +88,20 @@ class ReferenceFrame:
         self.relative[frame] = speed
         return frame
 
-    def held_rate(self, atom: HeldScalar) -> sp.Expr:
+    @cached_property
+    def chain(self) -> tuple[ReferenceFrame, ...]:
+        """This frame and those that it was turned from."""
+        turn = self.rotation or self.attitude
+        return (self, *turn.parent.chain) if turn else (self,)
+
+    @cached_property
+    def turned_by(self) -> frozenset[sp.Expr]:
+        """Coordinates and parameters of its turn."""
+        turn = self.rotation.angle if self.rotation else self.attitude.matrix if self.attitude else sp.S.Zero
+        found: set[sp.Expr] = turn.atoms(AppliedUndef, sp.Symbol)
+        return frozenset(found - {TIME})
+
+    def held_rate(self, atom: UnevaluatedDot) -> sp.Expr:
         """Time derivative of a held product whose last factor is fixed here."""
         return held_rate(atom)
 
@@ -128,7 +143,7 @@ def unit_rate(frame: ReferenceFrame, u: Unit) -> Vector:
     return ZERO if u.frame is frame else cross(omega(frame, u.frame), Vector({u: 1}))
 
 
-def held_rate(atom: HeldScalar) -> sp.Expr:
+def held_rate(atom: UnevaluatedDot) -> sp.Expr:
     """Time derivative of a held dot or triple product, seen from the frame of its last factor.
 
     d(a·b)/dt = (ω × a)·b with ω the angular velocity of a's frame relative to b's; every observer agrees.

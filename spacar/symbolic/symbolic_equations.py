@@ -15,13 +15,13 @@ from spacar.symbolic.derivation import DerivedEquations
 from spacar.symbolic.derivation_check import DerivationCheck, check
 from spacar.symbolic.description import Description
 from spacar.symbolic.energy import kinetic_energy, potential_energy
-from spacar.symbolic.held import derive_held
+from spacar.symbolic.held import derive_unevaluated
 from spacar.symbolic.linearize import Linearized, linearize
 from spacar.symbolic.program import EquationProgram, make_program
 from spacar.symbolic.recursive import derive_recursive
 from spacar.symbolic.strong import StrongForm, strong_form
 from spacar.symbolic.transform import transform
-from spacar.symbolic.unit_vectors import HeldScalar
+from spacar.symbolic.unit_vectors import UnevaluatedDot
 
 STRATEGIES = ("held", "recursive")
 
@@ -56,14 +56,14 @@ def derive(system: Description, strategy: str, recurrence: bool = True) -> Symbo
     start = time.perf_counter()
     check_constraints(system)
     if strategy == "held":
-        derivation = derive_held(system, recurrence)
+        derivation = derive_unevaluated(system, recurrence)
     elif strategy == "recursive":
         derivation = derive_recursive(system)
     else:
         raise UsageError(f"unknown strategy {strategy!r}: choose one of {', '.join(STRATEGIES)}")
     table = derivation.table
     for z in list(table.definitions):  # in three dimensions measure numbers contain dots; cosines are new definitions
-        if table.definitions[z].has(HeldScalar):
+        if table.definitions[z].has(UnevaluatedDot):
             table.definitions[z] = transform(table.definitions[z], derivation.cosines)
     for z, definition in table.definitions.items():
         table.definitions[z] = definition.xreplace(derivation.values)

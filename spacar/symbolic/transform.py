@@ -15,7 +15,7 @@ from sympy.physics import vector as sympy_vector
 from spacar.errors import UsageError
 from spacar.symbolic.collect import ZTable
 from spacar.symbolic.reference_frames import ReferenceFrame
-from spacar.symbolic.unit_vectors import TIME, HeldCross, HeldScalar, Key, Unit, UnitDot
+from spacar.symbolic.unit_vectors import TIME, Key, UnevaluatedCross, UnevaluatedDot, Unit, UnitDot
 from spacar.symbolic.vectors import ZERO, Vector
 
 
@@ -68,7 +68,7 @@ class DirectionCosines:
     def _read(self, expression: sp.Expr) -> sp.Expr:
         return self.table.read(expression) if self.table is not None else expression
 
-    def value(self, atom: HeldScalar) -> sp.Expr:
+    def value(self, atom: UnevaluatedDot) -> sp.Expr:
         """The held dot or triple product in cosines and sines."""
         if isinstance(atom, UnitDot):
             a, b = atom.units
@@ -85,7 +85,7 @@ class DirectionCosines:
         return total
 
     def _key_components(self, key: Key, frame: ReferenceFrame) -> sp.Matrix:
-        if isinstance(key, HeldCross):
+        if isinstance(key, UnevaluatedCross):
             return self._key_components(key.a, frame).cross(self._key_components(key.b, frame))
         return self.matrix(frame, key.frame)[:, key.index - 1]
 
@@ -125,7 +125,8 @@ def transform(expression: Any, cosines: DirectionCosines | None = None) -> sp.Ex
     """
     expression = sp.sympify(expression)
     cosines = cosines or DirectionCosines()
-    return expression.xreplace({atom: cosines.value(atom) for atom in sorted(expression.atoms(HeldScalar), key=str)})
+    products = sorted(expression.atoms(UnevaluatedDot), key=str)
+    return expression.xreplace({product: cosines.value(product) for product in products})
 
 
 def to_sympy(vector: Vector, frames: dict[ReferenceFrame, sympy_vector.ReferenceFrame]) -> sympy_vector.Vector:
@@ -142,7 +143,7 @@ def to_sympy(vector: Vector, frames: dict[ReferenceFrame, sympy_vector.Reference
 
     total = sympy_vector.Vector(0)
     for key, c in vector.terms.items():
-        total += c * ((unit(key.a) ^ unit(key.b)) if isinstance(key, HeldCross) else unit(key))
+        total += c * ((unit(key.a) ^ unit(key.b)) if isinstance(key, UnevaluatedCross) else unit(key))
     return total
 
 

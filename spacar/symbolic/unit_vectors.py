@@ -1,7 +1,7 @@
 """Unit vectors of frames, and the scalars that appear when two frames meet.
 
 A vector is a linear combination of *keys*. A key is a unit vector (`Unit`) or the held cross product of two
-unit vectors of different frames (`HeldCross`). Products of keys follow from identities alone; no direction
+unit vectors of different frames (`UnevaluatedCross`). Products of keys follow from identities alone; no direction
 cosine is ever needed (reference `symbolic.md`, section 2; a, b, c, d unit vectors of any frames):
 
     (a×b)·c = (c×a)·b = (b×c)·a          two factors of one frame: becomes a single dot
@@ -15,11 +15,14 @@ about a common axis share that unit vector, which is an identity and not a trans
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
 import sympy as sp
 from sympy.physics.vector import dynamicsymbols
+
+from spacar.errors import UsageError
 
 TIME = dynamicsymbols._t
 """The symbol of time, the one of `sympy.physics.vector`, so that coordinates q(t) may be shared with SymPy."""
@@ -45,7 +48,7 @@ class Unit:
 
 
 @dataclass(frozen=True)
-class HeldCross:
+class UnevaluatedCross:
     """a×b of unit vectors of two frames, the frame that was made first standing first: the second kind of key."""
 
     a: Unit
@@ -65,12 +68,18 @@ def unit_latex(u: Unit) -> str:
     return rf"\hat{{{head[1]}}}_{{{head[2]}{u.index}}}"
 
 
-Key = Unit | HeldCross
+Key = Unit | UnevaluatedCross
 Terms = list[tuple[int, Key]]  # a few keys with signs: what a cross product of two units gives
 
 
-class HeldScalar(sp.Expr):
-    """A product of unit vectors of different frames, not evaluated; it knows its time derivative."""
+class UnevaluatedDot(sp.Expr):
+    """A product of unit vectors of different frames, not evaluated; it knows its time derivative.
+
+    Its arguments are what it depends on: the time, and the coordinates and parameters of the turns between its frames.
+    SymPy may rebuild it from them. With others it would need its value, which only `transform` gives: such a
+    substitution, a partial derivative and a pickle are refused with a UsageError. A copy is the product itself, as
+    frames are compared by identity.
+    """
 
     is_Atom = True
     is_commutative = True
@@ -78,21 +87,43 @@ class HeldScalar(sp.Expr):
     is_number = False
     units: tuple[Unit, ...]
 
-    def __new__(cls, *units: Unit) -> HeldScalar:
-        atom = sp.Expr.__new__(cls)
+    def __new__(cls, *units: Unit) -> UnevaluatedDot:
+        atom = sp.Expr.__new__(cls, TIME, *_turned_by(units))
         atom.units = units
         return atom
+
+    @property
+    def func(self) -> Callable[..., UnevaluatedDot]:
+        return self._rebuilt
+
+    def _rebuilt(self, *args: sp.Basic) -> UnevaluatedDot:
+        if args == self.args:
+            return self
+        changed = ", ".join(str(old) for old, new in zip(self.args, args, strict=False) if old != new)
+        raise self._without_value(f"be evaluated or differentiated for {changed}")
+
+    def __copy__(self) -> UnevaluatedDot:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> UnevaluatedDot:
+        return self
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        raise self._without_value("be pickled, as its frames belong to this process")
+
+    def _without_value(self, what: str) -> UsageError:
+        return UsageError(f"the product {self} of unit vectors of several frames cannot {what}: transform it first")
 
     def _hashable_content(self) -> tuple[Any, ...]:
         return tuple((u.frame.symbol, u.index, u.frame.serial) for u in self.units)
 
-    @property
-    def free_symbols(self) -> set[sp.Symbol]:
-        return {TIME}
-
     def _eval_derivative(self, s: sp.Symbol) -> sp.Expr:
-        rate: sp.Expr = self.units[-1].frame.held_rate(self) if s == TIME else sp.S.Zero
-        return rate
+        if s == TIME:
+            rate: sp.Expr = self.units[-1].frame.held_rate(self)
+            return rate
+        if s in self.args:
+            raise self._without_value(f"be differentiated by {s}")
+        return sp.S.Zero
 
     def _eval_derivative_n_times(self, s: sp.Symbol, n: Any) -> sp.Expr:
         result: sp.Expr = self
@@ -107,11 +138,11 @@ class HeldScalar(sp.Expr):
         return r"(" + r" \cdot ".join(unit_latex(u) for u in self.units) + ")" + (f"^{{{exp}}}" if exp else "")
 
 
-class UnitDot(HeldScalar):
+class UnitDot(UnevaluatedDot):
     """a·b of unit vectors of two frames."""
 
 
-class UnitTriple(HeldScalar):
+class UnitTriple(UnevaluatedDot):
     """(a×b)·c of unit vectors of three frames."""
 
     def _sympystr(self, printer: Any) -> str:
@@ -121,6 +152,14 @@ class UnitTriple(HeldScalar):
     def _latex(self, printer: Any, exp: str | None = None) -> str:
         a, b, c = (unit_latex(u) for u in self.units)
         return rf"({a} \times {b} \cdot {c})" + (f"^{{{exp}}}" if exp else "")
+
+
+def _turned_by(units: tuple[Unit, ...]) -> list[sp.Expr]:
+    """Coordinates and parameters of the turns between the frames of unit vectors."""
+    chains = [u.frame.chain for u in units]
+    apart = set().union(*chains).difference(set(chains[0]).intersection(*chains[1:]))
+    found = set().union(*(frame.turned_by for frame in apart))
+    return sorted(found, key=str)
 
 
 def local_index(u: Unit, frame: Any) -> int | None:
@@ -148,7 +187,7 @@ def cross_units(a: Unit, b: Unit) -> Terms:
     j = local_index(b, a.frame)
     if j is not None:
         return _cross_in_frame(a.frame, a.index, j)
-    return [(1, HeldCross(a, b))] if a.order < b.order else [(-1, HeldCross(b, a))]
+    return [(1, UnevaluatedCross(a, b))] if a.order < b.order else [(-1, UnevaluatedCross(b, a))]
 
 
 def _cross_in_frame(frame: Any, i: int, j: int) -> Terms:
@@ -170,11 +209,11 @@ def dot_keys(p: Key, q: Key) -> sp.Expr:
     """p·q of any two keys."""
     if isinstance(p, Unit) and isinstance(q, Unit):
         return dot_units(p, q)
-    if isinstance(p, HeldCross) and isinstance(q, HeldCross):
+    if isinstance(p, UnevaluatedCross) and isinstance(q, UnevaluatedCross):
         return dot_units(p.a, q.a) * dot_units(p.b, q.b) - dot_units(p.a, q.b) * dot_units(p.b, q.a)
-    if isinstance(p, HeldCross) and isinstance(q, Unit):
+    if isinstance(p, UnevaluatedCross) and isinstance(q, Unit):
         return triple(p.a, p.b, q)
-    assert isinstance(q, HeldCross)
+    assert isinstance(q, UnevaluatedCross)
     return dot_keys(q, p)
 
 
@@ -182,7 +221,7 @@ def cross_keys(p: Key, q: Key) -> list[tuple[sp.Expr, Key]]:
     """p×q of any two keys as coefficients and keys, never nested."""
     if isinstance(p, Unit) and isinstance(q, Unit):
         return [(sp.Integer(sign), key) for sign, key in cross_units(p, q)]
-    if isinstance(p, HeldCross):
+    if isinstance(p, UnevaluatedCross):
         return [(dot_keys(p.a, q), p.b), (-dot_keys(p.b, q), p.a)]
-    assert isinstance(q, HeldCross)
+    assert isinstance(q, UnevaluatedCross)
     return [(dot_keys(p, q.b), q.a), (-dot_keys(p, q.a), q.b)]

@@ -12,7 +12,7 @@ from sympy.core.function import AppliedUndef
 from spacar.symbolic.beam_shapes import X
 from spacar.symbolic.derivatives import dvdt
 from spacar.symbolic.held import HeldDerivation
-from spacar.symbolic.unit_vectors import TIME, HeldScalar
+from spacar.symbolic.unit_vectors import TIME, UnevaluatedDot
 
 VARIANTS = [{}, {"reaction": "root", "boundary": False}]
 
@@ -142,10 +142,10 @@ def test_accelerations_of_the_mass_points_are_equation_8(arm):
 def test_first_equation_is_held_in_six_dots(arm):
     """n2·b1i, n2·b2i and b1i·b2j; the transformed equation has none and three joint angles."""
     eq = arm().equations("held")
-    dots = {str(d) for d in eq.held[0].atoms(HeldScalar)}
+    dots = {str(d) for d in eq.held[0].atoms(UnevaluatedDot)}
     assert dots == {"n2.b11", "n2.b12", "n2.b21", "n2.b22", *(f"b1{i}.b2{j}" for i in (1, 2) for j in (1, 2))}
     after = eq.transform()[0]
-    assert not after.atoms(HeldScalar)
+    assert not after.atoms(UnevaluatedDot)
     assert len({f.args[0] for f in after.atoms(sp.sin, sp.cos)}) == 3  # q1, u_x(L) + q4 and their sum
 
 

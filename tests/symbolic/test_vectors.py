@@ -17,7 +17,7 @@ from spacar.symbolic.beam_shapes import X, field_function
 from spacar.symbolic.collect import ZTable, gather_vectors, read_measure_numbers, read_scalar
 from spacar.symbolic.printing import latex, text, unicode
 from spacar.symbolic.transform import DirectionCosines, from_sympy, reference_frames, to_sympy, transform
-from spacar.symbolic.unit_vectors import TIME, HeldScalar, Unit
+from spacar.symbolic.unit_vectors import TIME, UnevaluatedDot, Unit
 
 
 @pytest.fixture
@@ -149,7 +149,7 @@ def test_products_equal_components(seed):
         return first.cross(second).dot(third[0]) if third else first.dot(second)
 
     def number(scalar):
-        return sp.sympify(scalar).xreplace({h: atom(h) for h in sp.sympify(scalar).atoms(HeldScalar)}).evalf(30)
+        return sp.sympify(scalar).xreplace({h: atom(h) for h in sp.sympify(scalar).atoms(UnevaluatedDot)}).evalf(30)
 
     A, B, C, D = map(components, (a, b, c, d))
     assert abs(number(a & b) - A.dot(B)) < 1e-25
