@@ -61,12 +61,12 @@ def _frame(f: Family) -> Array:
 
 
 def _ends(f: Family, more: int = 0) -> Array:
-    """Length, start frames at p and q, the turn between them, constants of strain and mass; `more` rows of zeros."""
+    """Length, start frames at the ends, the turn between them, constants of strain, mass, shear; more rows."""
     assert f.frame_p is not None
     assert f.frame_q is not None
     assert f.data is not None
-    second, unit = f.second, f.unit  # type: ignore[attr-defined]
-    rows = np.zeros((26 + more, f.n), np.result_type(f.length, f.frame_p, f.data, second, unit))
+    second, unit, shear = f.second, f.unit, f.shear  # type: ignore[attr-defined]
+    rows = np.zeros((28 + more, f.n), np.result_type(f.length, f.frame_p, f.data, second, unit, shear))
     rows[0] = f.length
     rows[1:10] = f.frame_p.T
     rows[10:19] = f.frame_q.T
@@ -81,6 +81,7 @@ def _ends(f: Family, more: int = 0) -> Array:
     rows[23] = f.data[:, 0]
     rows[24] = second
     rows[25] = unit
+    rows[26:28] = shear
     return rows
 
 
@@ -88,17 +89,13 @@ def _beam(f: Family) -> Array:
     rows = _ends(f, 6)
     start = getattr(f, "start", None)  # of tubes
     if start is not None:
-        rows[26:] = start
+        rows[28:] = start
     return rows
 
 
 def _beam_angle(f: Family) -> Array:
     a = f.angles  # type: ignore[attr-defined]
-    return np.vstack((_beam(f), a.shear[:2], a.ratio, a.start))
-
-
-def _beamw_angle(f: Family) -> Array:
-    return np.vstack((_ends(f), f.angles.shear[:2]))  # type: ignore[attr-defined]
+    return np.vstack((_beam(f), a.ratio, a.start))
 
 
 def _tube(f: Family) -> Array:
@@ -147,7 +144,7 @@ SUPPORTED: dict[str, tuple[str, Callable[[Family], Array]]] = {
     "TUBE": ("tube", _tube),
     "TUBE angle": ("tube_angle", _tube_angle),
     "BEAMW": ("beamw", _ends),
-    "BEAMW angle": ("beamw_angle", _beamw_angle),
+    "BEAMW angle": ("beamw_angle", _ends),
     "TRUSS": ("truss", _length),
     "HINGE": ("hinge", _frame),
     "PINBODY": ("pinbody", _pinbody),

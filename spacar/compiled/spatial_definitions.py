@@ -73,15 +73,26 @@ def from_start(e: list, p: dict) -> list:
 def beam_strain(z: list, p: dict) -> list:
     e1, e2, e3, e4, e5, e6 = beam_raw(z, p)
     k, l0 = p["second"], p["l0"]
+    (y, z_, left_y, left_z), bent, both = beam_second_order((e3, e4, e5, e6), p)
     e = [
-        e1 + k * ((2 * (e3**2 + e4**2 + e5**2 + e6**2) + e3 * e4 + e5 * e6) / (30 * l0) + p["f"] * e2**2 / (2 * l0**3)),
-        e2 + k * (e4 * e5 - e3 * e6) / l0,
-        e3 + k * e2 * (e5 + e6) / (6 * l0),
-        e4 - k * e2 * (e5 + e6) / (6 * l0),
-        e5 - k * e2 * (e3 + e4) / (6 * l0),
-        e6 + k * e2 * (e3 + e4) / (6 * l0),
+        e1 + k * (bent + p["f"] * e2**2 / (2 * l0**3)),
+        e2 + k * both,
+        e3 + k * e2 * (z_ / 6 - left_z / 4) / l0,
+        e4 - k * e2 * (z_ / 6 + left_z / 4) / l0,
+        e5 - k * e2 * (y / 6 - left_y / 4) / l0,
+        e6 + k * e2 * (y / 6 + left_y / 4) / l0,
     ]
     return from_start(e, p)
+
+
+def beam_second_order(e: tuple, p: dict) -> tuple[tuple, sp.Expr, sp.Expr]:
+    """Of the raw bending deformations: even parts about y and z, what shear takes of the odd ones; shortening; torsion
+    by bending about two axes (theory-spatial.md section 3.2)."""
+    e3, e4, e5, e6 = e
+    l0, y, z, odd_y, odd_z = p["l0"], e3 + e4, e5 + e6, e4 - e3, e6 - e5
+    a, b = p["sz"] * odd_y, p["sy"] * odd_z
+    bent = (y**2 + z**2) / (24 * l0) + (a**2 + b**2) / (40 * l0)
+    return (y, z, odd_y - a, odd_z - b), bent, (a * z - b * y) / (2 * l0)
 
 
 class turn3(sp.Function):
@@ -177,17 +188,16 @@ def beamw_strain(z: list, p: dict) -> list:
     e1, e2, e3, e4, e5, e6 = beam_raw(z[:15], p)
     k, l0 = p["second"], p["l0"]
     e7, e8 = e2 - l0**2 * z[15], l0**2 * z[16] - e2
-    bent = (2 * (e3**2 + e4**2 + e5**2 + e6**2) + e3 * e4 + e5 * e6) / (30 * l0)
+    (z_, y, left_z, left_y), bent, both = beam_second_order((e3, e4, e5, e6), p)
     twisted = e2**2 + (2 * e7**2 + e7 * e8 + 2 * e8**2) / 15
-    both = (e4 * e5 - e3 * e6) / l0
-    y, z_ = e5 + e6, e3 + e4
+    at_p, at_q = e2 / 4 + e7 / 20, e2 / 4 - e8 / 20
     return [
         e1 + k * (bent + p["f"] * twisted / (2 * l0**3)),
         e2 + k * both,
-        e3 + k * (e2 * y / 6 - e5 * e7 / 10 - e8 * y / 30) / l0,
-        e4 + k * (-e2 * y / 6 - e6 * e8 / 10 - e7 * y / 30) / l0,
-        e5 + k * (-e2 * z_ / 6 + e3 * e7 / 10 + e8 * z_ / 30) / l0,
-        e6 + k * (e2 * z_ / 6 + e4 * e8 / 10 + e7 * z_ / 30) / l0,
+        e3 + k * (e2 * y / 6 - e5 * e7 / 10 - e8 * y / 30 - left_y * at_p) / l0,
+        e4 + k * (-e2 * y / 6 - e6 * e8 / 10 - e7 * y / 30 - left_y * at_q) / l0,
+        e5 + k * (-e2 * z_ / 6 + e3 * e7 / 10 + e8 * z_ / 30 + left_z * at_p) / l0,
+        e6 + k * (e2 * z_ / 6 + e4 * e8 / 10 + e7 * z_ / 30 + left_z * at_q) / l0,
         e7 + k * both,
         e8 - k * both,
     ]

@@ -49,6 +49,7 @@ class SpatialBeam(Family):
     n_deformations = 6
     position_rows = (0, 1, 2, 7, 8, 9)
     _position_index = np.array(position_rows)
+    _correction_coefficients = staticmethod(strain_of.correction_coefficients)
 
     def __init__(self, group: ElementGroup) -> None:
         n = self._chords(group)
@@ -87,7 +88,14 @@ class SpatialBeam(Family):
     def constants(self) -> strain_of.BeamConstants:
         """Those of the deformations."""
         assert self.data is not None
-        return strain_of.beam_constants(*self._frames, self.length, self.data[:, 0], self._nonlinear)
+        alike = not np.count_nonzero(self._estiff[:, 4:6])
+        Q = self._correction_coefficients(np.ones((2, 1)) if alike else self.shear)
+        return strain_of.beam_constants(*self._frames, self.length, self.data[:, 0], self._nonlinear, Q)
+
+    @property
+    def shear(self) -> Array:
+        """(2, n) factors 1/(1 + Phi_z), 1/(1 + Phi_y) of the antisymmetric bending."""
+        return np.asarray(1.0 / (1.0 + 12.0 * self._estiff[:, 4:6].T / self.length**2))
 
     @cached_property
     def line(self) -> LineConstants:
@@ -106,7 +114,7 @@ class SpatialBeam(Family):
         return np.asarray(_UNIT * (self._mass * self.length))
 
     # -- deformations --------------------------------------------------------------------------------------
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> SpatialBeamConfiguration:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> SpatialBeamConfiguration:
         p = strain_of.BeamConstants(*expand(self.constants, x.ndim))
         c = strain_of.beam_state(p, x, self._second)
         if c.Q is None:

@@ -42,24 +42,23 @@ class SpatialAngleBeam(SpatialBeam):
 
     def _build(self, group: ElementGroup, frame_p: Array, frame_q: Array, f1: Array) -> None:
         super()._build(group, frame_p, frame_q, f1)
-        _, GIt, EIy, EIz, *shear = group.estiff[:, :6].T
+        GIt, EIy, EIz = group.estiff[:, 1:4].T
         elastic = np.ones(self.n, bool) if group.elastic is None else group.elastic[1:].all(0)
         gradient = elastic & group.nonlinear & (GIt > 0.0)
         twisted = group.nonlinear & (GIt > 0.0) & (group.elastic is None or group.elastic[1])
         self._twisting = np.where(twisted, 3.0 * GIt / self.length, np.inf)
         torsion = np.where(gradient, GIt, 1.0)
-        Phi = 12.0 * np.array(shear) / self.length**2
         self.angles = AngleConstants(
             C=strain_of.orientations(frame_p, frame_q),
             l0=self.length,
             second=group.nonlinear.astype(float),
             f=f1,
-            shear=1.0 / (1.0 + Phi),
+            shear=self.shear,
             ratio=np.stack((EIy, EIz)) * gradient / torsion,
             start=np.zeros((2, self.n)),
         )
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> Any:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> Any:
         p = AngleConstants(*expand(self.angles, x.ndim))
         c = strain_of.state(p, x)
         e[...] = deformations(p, c.inner.y, c.G[0])

@@ -34,6 +34,7 @@ class BeamConstants(NamedTuple):
     l0    (n,) undeformed length [m]
     g     (n,) factor of the second order terms: 1/l0, or 0 for LDEFORM [1/m]
     f     (n,) factor of the torsion-elongation term, f1/l0^3, or 0 for LDEFORM [1/m]
+    Q     (6, 6, 6, n) `correction_coefficients`; one for all, n = 1, of beams without shear
     """
 
     K: Array
@@ -41,6 +42,7 @@ class BeamConstants(NamedTuple):
     l0: Array
     g: Array
     f: Array
+    Q: Array
 
 
 class BeamState(NamedTuple):
@@ -60,42 +62,79 @@ class BeamState(NamedTuple):
     Q: Array | None  # (6, 6, n) Q_k eb, None for LDEFORM beams only
 
 
-def _correction_coefficients() -> Array:
-    """Q (36, 6): l0 times the constant symmetric Q_k of section 3.2, without the torsion-elongation term."""
-    Q = np.zeros((6, 6, 6))
-    modes = np.arange(2, 6)
-    Q[0, modes, modes] = 4.0 / 30.0
-    for k, i, j, value in (
-        (0, 2, 3, 1 / 30), (0, 4, 5, 1 / 30),
-        (1, 3, 4, 1.0), (1, 2, 5, -1.0),
-        (2, 1, 4, 1 / 6), (2, 1, 5, 1 / 6), (3, 1, 4, -1 / 6), (3, 1, 5, -1 / 6),
-        (4, 1, 2, -1 / 6), (4, 1, 3, -1 / 6), (5, 1, 2, 1 / 6), (5, 1, 3, 1 / 6),
-    ):  # fmt: skip
-        Q[k, i, j] = Q[k, j, i] = value
-    return Q.reshape(36, 6)
+def correction_coefficients(shear: Array) -> Array:
+    """Q (6, 6, 6, ...): l0 times the symmetric Q_k of section 3.2, without the torsion-elongation term, for the factors
+    1/(1 + Phi_z), 1/(1 + Phi_y) of the antisymmetric bending (2, ...)."""
+    u, y, a, z, b = bending_forms(6)
+    sz, sy = shear
+    Q = np.zeros((6, 6, 6, *shear.shape[1:]), shear.dtype)
+    Q[0] = stretched(y, a, z, b, shear)
+    Q[1] = times(sz, pair(a, z) / 2.0) - times(sy, pair(b, y) / 2.0)
+    along, beside = times((sy - 1.0) / 4.0, pair(u, b)), times((1.0 - sz) / 4.0, pair(u, a))
+    Q[2:4], Q[4:6] = along, beside
+    third = _spread(pair(u, z) / 6.0, sz), _spread(pair(u, y) / 6.0, sz)
+    Q[2] += third[0]
+    Q[3] -= third[0]
+    Q[4] -= third[1]
+    Q[5] += third[1]
+    return Q
 
 
-_Q = _correction_coefficients()
+def bending_forms(modes: int) -> Array:
+    """(5, modes): eb2, eb3 + eb4, eb4 - eb3, eb5 + eb6, eb6 - eb5 as linear forms of the raw deformations."""
+    forms = np.zeros((5, modes))
+    forms[0, 1] = forms[1, 2] = forms[1, 3] = forms[2, 3] = forms[3, 4] = forms[3, 5] = forms[4, 5] = 1.0
+    forms[2, 2] = forms[4, 4] = -1.0
+    return forms
+
+
+def stretched(y: Array, a: Array, z: Array, b: Array, shear: Array) -> Array:
+    """l0 times the second derivative of the shortening (y^2 + z^2)/(24 l0) + (a^2/(1 + Phi_z)^2 + ...)/(40 l0)."""
+    sz, sy = shear
+    even = _spread((pair(y, y) + pair(z, z)) / 24.0, sz)
+    return even + times(sz * sz, pair(a, a) / 40.0) + times(sy * sy, pair(b, b) / 40.0)
+
+
+def pair(a: Array, b: Array) -> Array:
+    """The second derivative of the product of two linear forms."""
+    return np.outer(a, b) + np.outer(b, a)
+
+
+def times(factor: Array, form: Array) -> Array:
+    """A form (m, m) times factors (...), (m, m, ...)."""
+    return np.multiply.outer(form, factor)
+
+
+def _spread(form: Array, like: Array) -> Array:
+    return times(np.ones_like(like), form)
 
 
 def beam_constants(
-    frame_p: Array, frame_q: Array, l0: Array, f1: Array, nonlinear: NDArray[np.bool_]
+    frame_p: Array, frame_q: Array, l0: Array, f1: Array, nonlinear: NDArray[np.bool_], Q: Array
 ) -> BeamConstants:
-    """Constants of beams with frames (3, 3, n) at p and q, lengths l0 (n,) [m], coupling f1 (n,) [m^2]."""
+    """Constants of beams with frames (3, 3, n) at p and q, lengths l0 (n,) [m], coupling f1 (n,) [m^2] and Q."""
     c = np.stack((-frame_p[:, 2], frame_q[:, 2], frame_p[:, 1], -frame_q[:, 1]), axis=1)  # (3, 4, n)
     K = l0 * director_tensor(c).transpose(3, 0, 1, 2, 4)
     K = np.ascontiguousarray(K).reshape(2, 2, 3, 4, 4, len(l0))
     F = np.zeros((2, 2, 4, 4, len(l0)), l0.dtype)
     F[0], F[1] = relative_parameters(frame_p, frame_q)[:2]
     F[1] *= 2.0 * l0
-    return BeamConstants(K, F, l0, nonlinear / l0, nonlinear * f1 / l0**3)
+    return BeamConstants(K, F, l0, nonlinear / l0, nonlinear * f1 / l0**3, Q)
 
 
 def correction(p: BeamConstants, e: Array) -> Array:
     """Q_k e (6, 6, n) of raw deformations (or their rates) e (6, n)."""
-    Q = (_Q @ (p.g * e).reshape(6, -1)).reshape(6, *e.shape)
+    Q = products(p.Q, p.g * e)
     Q[0, 1] += p.f * e[1]
     return Q
+
+
+def products(Q: Array, e: Array) -> Array:
+    """Q_k e (m, m, n) of e (m, n), for Q (m, m, m, n) of every element or (m, m, m, 1) of all."""
+    m = len(Q)
+    if Q.size == m**3:
+        return np.asarray((Q.reshape(m * m, m) @ e.reshape(m, -1)).reshape(m, *e.shape))
+    return np.asarray(_einsum("kij...,j...->ki...", Q, e))
 
 
 def second_order(Q: Array | None, e: Array) -> Array:
@@ -283,6 +322,6 @@ def hessian(c: BeamState, sigma: Array, out: Array) -> None:
 
 def _weights(p: BeamConstants, sigma: Array) -> Array:
     """sum_k sigma_k Q_k (6, 6, n)."""
-    Q = (_Q.reshape(6, 36).T @ (p.g * sigma).reshape(6, -1)).reshape(6, *sigma.shape)
+    Q = products(p.Q.swapaxes(0, 2), p.g * sigma)
     Q[1, 1] += p.f * sigma[0]
     return Q

@@ -38,13 +38,14 @@ class BeamWithWarping(SpatialBeam):
     n_deformations = 8
     position_rows = (0, 1, 2, 8, 9, 10)
     _position_index = np.array(position_rows)
+    _correction_coefficients = staticmethod(strain_of.correction_coefficients)
 
     def __init__(self, group: ElementGroup) -> None:
         super().__init__(group)
         self._warping = 0.5 * self.length * group.em[:, JW]
 
     # -- deformations --------------------------------------------------------------------------------------
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> WarpingConfiguration:  # type: ignore[override]
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> WarpingConfiguration:  # type: ignore[override]
         c = strain_of.warping_state(BeamConstants(*expand(self.constants, x.ndim)), x, self._second)
         W = c.W
         if c.Q is None:

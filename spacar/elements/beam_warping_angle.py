@@ -28,7 +28,7 @@ class AngleBeamWithWarping(BeamWithWarping, SpatialAngleBeam):
         super()._build(group, frame_p, frame_q, f1)
         self.angles = self.angles._replace(ratio=np.zeros((2, self.n)))
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> Any:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> Any:
         c = strain_of.state(AngleConstants(*expand(self.angles, x.ndim)), x)
         e[...] = strain_of.values(c)
         strain_of.first(c, V)

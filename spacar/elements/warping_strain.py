@@ -35,24 +35,32 @@ class WarpingState(NamedTuple):
     Q: Array | None  # (8, 8, n) Q_k eb, None for LDEFORM beams only
 
 
-def _coefficients() -> Array:
-    """Q (64, 8): l0 times the constant symmetric Q_k of section 3, without the torsion-elongation terms."""
-    Q = np.zeros((8, 8, 8))
-    Q[:6, :6, :6] = beam_strain._Q.reshape(6, 6, 6)
-    terms = [(6, 3, 4, 1.0), (6, 2, 5, -1.0), (7, 3, 4, -1.0), (7, 2, 5, 1.0)]
-    if WARPING_BENDING:
-        terms += [
-            (2, 4, 6, -1 / 10), (2, 4, 7, -1 / 30), (2, 5, 7, -1 / 30),
-            (3, 5, 7, -1 / 10), (3, 4, 6, -1 / 30), (3, 5, 6, -1 / 30),
-            (4, 2, 6, 1 / 10), (4, 2, 7, 1 / 30), (4, 3, 7, 1 / 30),
-            (5, 3, 7, 1 / 10), (5, 2, 6, 1 / 30), (5, 3, 6, 1 / 30),
-        ]  # fmt: skip
-    for k, i, j, value in terms:
-        Q[k, i, j] = Q[k, j, i] = value
-    return Q.reshape(64, 8)
+def correction_coefficients(shear: Array) -> Array:
+    """Q (8, 8, 8, ...): l0 times the symmetric Q_k of section 3, without the torsion-elongation terms, for the factors
+    1/(1 + Phi_z), 1/(1 + Phi_y) of the antisymmetric bending (2, ...)."""
+    Q = np.zeros((8, 8, 8, *shear.shape[1:]), shear.dtype)
+    Q[:6, :6, :6] = beam_strain.correction_coefficients(shear)
+    Q[6], Q[7] = Q[1], -Q[1]
+    if not WARPING_BENDING:
+        return Q
+    for k, i, j, value in (
+        (2, 4, 6, -1 / 10), (2, 4, 7, -1 / 30), (2, 5, 7, -1 / 30),
+        (3, 5, 7, -1 / 10), (3, 4, 6, -1 / 30), (3, 5, 6, -1 / 30),
+        (4, 2, 6, 1 / 10), (4, 2, 7, 1 / 30), (4, 3, 7, 1 / 30),
+        (5, 3, 7, 1 / 10), (5, 2, 6, 1 / 30), (5, 3, 6, 1 / 30),
+    ):  # fmt: skip
+        Q[k, i, j] += value
+        Q[k, j, i] += value
+    _, _, a, _, b = beam_strain.bending_forms(8)
+    less, sign = (shear[1] - 1.0, 1.0 - shear[0]), (1.0, -1.0)
+    for k, form, factor in ((2, b, less[0]), (4, a, less[1])):
+        for end in (0, 1):
+            w = np.zeros(8)
+            w[6 + end] = sign[end] / 20.0
+            Q[k + end] += beam_strain.times(factor, beam_strain.pair(form, w))
+    return Q
 
 
-_Q = _coefficients()
 # l0^3/f1 times the torsion-elongation part of Q_1: shortening 1/2 f1 (twist rate)^2 at every place of the beam
 _SHORTENING = np.zeros((8, 8))
 _SHORTENING[1, 1] = 1.0
@@ -94,7 +102,7 @@ def warping_state(p: beam_strain.BeamConstants, x: Array, second: bool) -> Warpi
 
 def correction(p: beam_strain.BeamConstants, e: Array) -> Array:
     """Q_k e (8, 8, n) of raw deformations (or their rates) e (8, n)."""
-    Q = (_Q @ (p.g * e).reshape(8, -1)).reshape(8, *e.shape)
+    Q = beam_strain.products(p.Q, p.g * e)
     Q[0] += p.f * _einsum("ij,j...->i...", _SHORTENING, e)
     return Q
 
@@ -141,7 +149,7 @@ def hessian(c: WarpingState, sigma: Array, out: Array) -> None:
     out[...] = 0.0
     out.reshape(2, 8, 2, 8, *tail)[:, :7, :, :7] = H.reshape(2, 7, 2, 7, *tail)
     if c.Q is not None:
-        weights = (_Q.reshape(8, 64).T @ (p.g * sigma).reshape(8, -1)).reshape(8, *sigma.shape)
+        weights = beam_strain.products(p.Q.swapaxes(0, 2), p.g * sigma)
         weights += p.f * sigma[0] * _SHORTENING.reshape(8, 8, *(1,) * len(tail))
         V = np.empty((8, 16, *tail), c.W.dtype)
         beam_strain.put(c.W, V)
