@@ -21,8 +21,8 @@ static inline void give(double *rows, const real *from, int count, int i, int n)
 
 #define EACH_VECTOR for (int i = 0; i < k->n; i += LANES)
 
-/* e (nee, n), V (nee, nxe, n); whole turns are those closest to `near` (nee, n). */
-static void spacar_elements_strain(const Elements *k, const double *x, const double *near, double *e, double *V)
+/* e (nee, n), V (nee, nxe, n); whole turns are those closest to `branch`, row 0 of (nee, n). */
+static void spacar_elements_strain(const Elements *k, const double *x, const double *branch, double *e, double *V)
 {
     real xe[MAX_X], p[MAX_P], turns[MAX_E], ee[MAX_E], Ve[MAX_E * MAX_X] = {EVERY(0.0)};
     const Batch unwound = {.kind = k->kind, .nee = k->nee};
@@ -30,9 +30,22 @@ static void spacar_elements_strain(const Elements *k, const double *x, const dou
         take(xe, x, k->nxe, i, k->n);
         take(p, k->p, k->np, i, k->n);
         STRAIN[k->kind](xe, p, ee, Ve);
-        if (WHOLE_TURN[k->kind]) { take(turns, near, 1, i, k->n); unwind(&unwound, turns[0], p, ee); }
+        if (WHOLE_TURN[k->kind]) { take(turns, branch, 1, i, k->n); unwind(&unwound, xe, turns[0], p, ee); }
         give(e, ee, k->nee, i, k->n);
         give(V, Ve, k->nee * k->nxe, i, k->n);
+    }
+}
+
+/* Row 0 of `branch` (nee, n), the angle that is counted, at x, e (nee, n). */
+static void spacar_elements_angle(const Elements *k, const double *x, const double *e, double *branch)
+{
+    real xe[MAX_X], ee[MAX_E], p[MAX_P], angle;
+    EACH_VECTOR {
+        take(xe, x, k->nxe, i, k->n);
+        take(ee, e, k->nee, i, k->n);
+        take(p, k->p, k->np, i, k->n);
+        ANGLE[k->kind](xe, ee, p, &angle);
+        give(branch, &angle, 1, i, k->n);
     }
 }
 

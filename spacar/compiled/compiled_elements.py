@@ -23,17 +23,17 @@ from spacar.stream import Run
 
 FACTS = (
     "n_coordinates", "n_deformations", "slips", "position_rows", "constant_gradient", "constant_mass", "has_mass",
-    "measure", "keyword", "numbers", "length", "data",
+    "has_own_branch", "measure", "keyword", "numbers", "length", "data",
 )  # fmt: skip
 DOUBLE = ctypes.c_double * 1
 
 
 @dataclass(eq=False)
 class Place:
-    """Where a batch is: x (n_coordinates, n), `near`; the configuration of the NumPy family when it was needed."""
+    """Where a batch is: x (n_coordinates, n), `branch`; the configuration of the NumPy family when it was needed."""
 
     x: Array
-    near: Array
+    branch: Array
     general: Configuration = None
 
 
@@ -111,13 +111,16 @@ class CompiledElements(Family):
         return self.general.frame_q
 
     # -- deformations -------------------------------------------------------------------------------------------
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> Configuration:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> Configuration:
         if x.shape != self._shape or x.dtype != float or e.dtype != float:
-            return self.general.strain(x, near, e, V)
-        place = Place(x.copy(), near.copy())
+            return self.general.strain(x, branch, e, V)
+        place = Place(x.copy(), branch.copy())
         if self.n_deformations:
-            self._call.strain(self._at, _at(place.x), _at(place.near), _at(e), _at(V))
+            self._call.strain(self._at, _at(place.x), _at(place.branch), _at(e), _at(V))
         return place
+
+    def branch(self, x: Array, e: Array) -> Array:
+        return self.general.branch(x, e)
 
     def convective_strain(self, c: Configuration, v: Array, out: Array) -> None:
         if self._here(c, v):
@@ -205,7 +208,7 @@ class CompiledElements(Family):
             return c
         if c.general is None:
             e = np.zeros((self.n_deformations, self.n))
-            c.general = self.general.strain(c.x, c.near, e, np.zeros((self.n_deformations, *self._shape)))
+            c.general = self.general.strain(c.x, c.branch, e, np.zeros((self.n_deformations, *self._shape)))
         return c.general
 
 

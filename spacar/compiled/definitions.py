@@ -42,14 +42,15 @@ class Definition:
     guard: Callable[[list, dict], list] | None = None  # of z; all beyond GUARD: surely in the range of the theory
     local: Callable[[list, dict], list] | None = None  # z(x), linear in x; without it, z = x
     slips: Callable[[list, list, dict], list] | None = None  # rates (x, v, p), linear in v, that are rows of V behind D
-    turn: Callable[[dict], list] | None = None  # change of D in a whole turn, which is counted in its first row
+    turn: Callable[[dict], list] | None = None  # change of D when its angle grows by a whole turn
+    angle: Callable[[list, list, dict], sp.Expr] | None = None  # in which turns are counted, of x, D; without it, D[0]
     flow: Callable[[dict], tuple[sp.Matrix, sp.Matrix]] | None = None  # D, A of the force D y' + A y in h
 
 
 PLBEAM = ("l0", "beta_p", "beta_q", "A", "B", "s0", "s1", "s2", "unit", "lumped")
 PLANGLE = (*PLBEAM[:-1], "rotary")
-BEAM = ("l0", *ENDS, "f", "second", "unit")
-ANGLE = ("sz", "sy", "alpha", "beta", "by", "bz")
+BEAM = ("l0", *ENDS, "f", "second", "unit", "sz", "sy")
+ANGLE = ("alpha", "beta", "by", "bz")
 
 DEFINITIONS = (
     Definition(
@@ -74,7 +75,7 @@ DEFINITIONS = (
     Definition("plwheel", 4, ("radius", "angle"), slips=planar.plwheel_slips),
     Definition(
         "plbelt", 6, ("l0", "r_p", "r_q", "u0", "u1", "unit", *(f"wound_{k}" for k in range(6))), planar.plbelt_strain,
-        inertia=planar.plbelt_inertia, guard=planar.plbelt_guard, turn=planar.plbelt_turn,
+        inertia=planar.plbelt_inertia, guard=planar.plbelt_guard, turn=planar.plbelt_turn, angle=planar.plbelt_angle,
     ),
     Definition(
         "beam", 14, (*BEAM, *START), spatial.beam_strain, spatial.beam_line,
@@ -97,7 +98,7 @@ DEFINITIONS = (
         guard=spatial.beamw_guard, local=spatial.beamw_local,
     ),
     Definition(
-        "beamw_angle", 16, (*BEAM, "sz", "sy"), spatial.beamw_angle_strain, spatial.beamw_line,
+        "beamw_angle", 16, BEAM, spatial.beamw_angle_strain, spatial.beamw_line,
         guard=spatial.beamw_angle_guard, local=spatial.beamw_local,
     ),
     Definition("truss", 6, ("l0",), planar.truss_strain, guard=planar.truss_guard),

@@ -1,6 +1,6 @@
 /* What Python gives, a model, and its elements: strains, convective terms, inertia, guards.
 
-   The functions of the kinds, STRAIN, CONVECTIVE, INERTIA, FLOW, WHOLE_TURN and GUARD, are the tables at the end of kernels.c. What has no
+   The functions of the kinds, STRAIN, CONVECTIVE, INERTIA, FLOW, WHOLE_TURN, ANGLE and GUARD, are the tables at the end of kernels.c. What has no
    function here is asked of Python, which shares the arrays of `Foreign` and answers for all elements of a batch at once;
    so it is with user functions and prescribed motions that are no polynomials.
    All vectors are in the order of the result files. V and M are lists of the entries of the elements. */
@@ -8,7 +8,7 @@ enum { MAX_ITERATIONS = 20 };
 
 /* A batch that Python evaluates: with the elements last, as its families have them. */
 typedef struct {
-    real *x, *v, *near;      /* (nxe, n), (nxe, n), (nee, n): where */
+    real *x, *v, *branch;      /* (nxe, n), (nxe, n), (nee, n): where */
     real *e, *V, *H, *M, *h; /* (nee, n), (nee, nxe, n), (nee, n), (nxe, nxe, n), (nxe, n): the answers */
 } Foreign;
 
@@ -83,7 +83,7 @@ typedef struct {
     Sparse position, velocity, motion;    /* `velocity` where it is not that of the position */
     real *values;                         /* V, then M of moving elements, then the constant M */
     real *factored_x;                     /* (nx) where the matrix of the position is the factored one */
-    real *h, *convected, *applied, *b, *force, *next_x, *next_xd, *next_xdd, *near, *next_e, *given_ed, *given_edd, *stage, *piece;
+    real *h, *convected, *applied, *b, *force, *next_x, *next_xd, *next_xdd, *branch, *next_e, *given_ed, *given_edd, *stage, *piece;
     real *transfer, *weighted, *small;
     int *v_place;                         /* (n_v) order of V's rows: place in `values` */
     int *m_start, *m_column, *m_place;    /* M by rows in the same way, for the reduced form */
@@ -94,17 +94,35 @@ typedef struct {
     Sparse first[3];                      /* the systems with the orders of pivots that other numbers begin with */
 } Model;
 
-/* Add as many whole turns to e of one element as bring its first row closest to `near`. */
-static inline void unwind(const Batch *k, real near, const real *p, real *e)
+/* Add as many whole turns to e of one element as bring its angle closest to `branch`. */
+static inline void unwind(const Batch *k, const real *x, real branch, const real *p, real *e)
 {
-    real turn[MAX_E], count = EVERY(0.0);
+    real turn[MAX_E], angle = e[0], count = EVERY(0.0);
     WHOLE_TURN[k->kind](p, turn);
-    EACH_LANE if (LANE(turn[0], w) != 0.0) LANE(count, w) = rint((LANE(near, w) - LANE(e[0], w)) / LANE(turn[0], w));
+    if (ANGLE[k->kind]) ANGLE[k->kind](x, e, p, &angle);
+    EACH_LANE if (LANE(turn[0], w) != 0.0) LANE(count, w) = rint((LANE(branch, w) - LANE(angle, w)) / (2.0 * M_PI));
     for (int r = 0; r < k->nee; r++) e[r] += count * turn[r];
 }
 
+/* What the branch of states after x, e is chosen by, (ne): deformations, or the angle that is counted. */
+static void follow(const Model *m, const real *x, const real *e, real *branch)
+{
+    real xe[MAX_X], ee[MAX_E];
+    memcpy(branch, e, sizeof(real) * m->s.ne);
+    for (int b = 0; b < m->s.n_batches; b++) {
+        const Batch *k = &m->s.batches[b];
+        if (k->foreign || !ANGLE[k->kind]) continue;
+        for (int i = 0; i < k->n; i++) {
+            const int *ie = k->e + i * k->nee;
+            for (int j = 0; j < k->nxe; j++) xe[j] = x[k->x[i * k->nxe + j]];
+            for (int r = 0; r < k->nee; r++) ee[r] = e[ie[r]];
+            ANGLE[k->kind](xe, ee, k->p + i * k->np, &branch[ie[0]]);
+        }
+    }
+}
+
 /* e, and V into `values`. OK or NOT_ANSWERED. */
-static int strain(const Model *m, const real *x, const real *near, real *e)
+static int strain(const Model *m, const real *x, const real *branch, real *e)
 {
     real xe[MAX_X], ee[MAX_E];
     const int *offset = m->v_offset;
@@ -114,7 +132,7 @@ static int strain(const Model *m, const real *x, const real *near, real *e)
         if (k->foreign && k->nee) {
             const Foreign *f = k->foreign;
             for (int i = 0; i < n; i++) for (int j = 0; j < k->nxe; j++) f->x[j * n + i] = x[k->x[i * k->nxe + j]];
-            for (int i = 0; i < n; i++) for (int r = 0; r < k->nee; r++) f->near[r * n + i] = near[k->e[i * k->nee + r]];
+            for (int i = 0; i < n; i++) for (int r = 0; r < k->nee; r++) f->branch[r * n + i] = branch[k->e[i * k->nee + r]];
             if (ask(m->s.asking, ASK_STRAIN, b, 0.0)) return NOT_ANSWERED;
             for (int i = 0; i < n; i++) for (int r = 0; r < k->nee; r++) e[k->e[i * k->nee + r]] = f->e[r * n + i];
             memcpy(m->values + *offset, f->V, sizeof(real) * n * k->nee * k->nxe);
@@ -125,7 +143,7 @@ static int strain(const Model *m, const real *x, const real *near, real *e)
             const int *ix = k->x + i * k->nxe, *ie = k->e + i * k->nee;
             for (int j = 0; j < k->nxe; j++) xe[j] = x[ix[j]];
             STRAIN[k->kind](xe, k->p + i * k->np, ee, m->values + *offset);
-            if (WHOLE_TURN[k->kind]) unwind(k, near[ie[0]], k->p + i * k->np, ee);
+            if (WHOLE_TURN[k->kind]) unwind(k, xe, branch[ie[0]], k->p + i * k->np, ee);
             for (int r = 0; r < k->nee; r++) e[ie[r]] = ee[r];
         }
     }

@@ -23,7 +23,7 @@ typedef struct {
     const double *x0, *scale, *e_scale, *least; /* (nx) start and size, (ne) size, (nx) least size where lengths are compared */
     const double *loads;       /* two parts, of which `parts` is taken: force (nx), gravity (nx), preload (ne), steps of what is prescribed */
     const double *held;        /* (nx) or NULL: forces of which `hold` is taken */
-    double *near, *e;          /* (ne) of the sweep */
+    double *branch, *e;          /* (ne) of the sweep */
     int64_t nx, ne, nf, n_groups, x_free, x_input, n_x_input, e_input, n_e_input, heavy, widest, dense;
     double size, parts[2], hold;
     double floor, singular, no_digits, spread, first_ratio, later_ratio, jump, symmetric, guess_forces, guess_lengths, weight, safe;
@@ -39,7 +39,7 @@ typedef struct {
 /* Of a group: room for its elements, the flexibility (nee, nee, n) times `size`; places in the band of the geometric stiffness and
    the gradient of gravity, of V and its transpose, of the flexibility, -1 for what is left out; places in the matrix of the proof. */
 typedef struct {
-    double *x, *near, *e, *H, *by_x, *sigma, *C;
+    double *x, *branch, *e, *H, *by_x, *sigma, *C;
     int *at, *v_at, *turned_at, *c_at, *definite_row, *definite_column;
     int square, v, c; /* how many entries these have */
 } Piece;
@@ -207,7 +207,7 @@ static int spacar_equilibrium_begin(Equilibrium *q)
         const Elements *t = q->groups[k].elements;
         const size_t e = (size_t)t->nee * t->n, x = (size_t)t->nxe * t->n;
         Piece *p = &w->pieces[k];
-        p->x = d; p->near = d + x; p->e = p->near + e; p->sigma = p->e + e; p->C = p->sigma + e;
+        p->x = d; p->branch = d + x; p->e = p->branch + e; p->sigma = p->e + e; p->C = p->sigma + e;
         p->H = p->C + p->c; p->by_x = p->H + p->square; d = p->by_x + 2 * p->square;
         p->definite_row = definite; p->definite_column = definite + p->square; definite += 2 * p->square;
     }

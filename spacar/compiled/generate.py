@@ -1,6 +1,6 @@
 """The text of kernels.c, made with SymPy when the package is built (`element_texts`).
 
-Up to six functions per element type:
+Up to seven functions per element type:
 
     NAME_strain(x, p, e, V)          e = D(x), V = dD/dx row by row (structural zeros are not written); slips: e = 0
     NAME_convective(x, v, p, h)      H(v,v) = d^2 D(x + s v)/ds^2 at s = 0; of slips dW(x + s v)/ds v
@@ -8,6 +8,7 @@ Up to six functions per element type:
     NAME_flow(x, v, p, h)            Y^T (D y' + A y), another part of h; types with a fluid only
     NAME_guard(x, p, g)              what shows that the element is in the range of its theory; types with a limit only
     NAME_whole_turn(p, s)            change of D in a whole turn; types that count turns only
+    NAME_angle(x, e, p, a)           the angle in which these are counted, where that is not e[0]
 
 D is first turned into a straight-line program (common subexpressions), behind the local coordinates that it is a
 function of. V comes from it in reverse, H(v,v) by carrying first and second derivatives along v forward, so the text
@@ -72,6 +73,7 @@ TABLES = {  # table -> arguments of its functions
     "flow": "const real *x, const real *v, const real *p, real *h",
     "guard": "const real *x, const real *p, real *g",
     "whole_turn": "const real *p, real *s",
+    "angle": "const real *x, const real *e, const real *p, real *a",
 }
 
 
@@ -87,6 +89,7 @@ def made_of(definition: Definition) -> dict[str, tuple[Any, ...]]:
         "flow": flow,
         "guard": (n, d.guard, d.local) if d.guard else (),
         "whole_turn": (d.turn,) if d.turn else (),
+        "angle": (n, d.angle) if d.angle else (),
     }
     return {what: part for what, part in parts.items() if part}
 
@@ -172,6 +175,11 @@ def functions(definition: Definition) -> Iterator[str]:
     if "whole_turn" in own:
         assert definition.turn is not None
         yield function(definition, "whole_turn", [], {f"s[{i}]": step for i, step in enumerate(definition.turn(p))})
+    if "angle" in own:
+        assert definition.angle is not None
+        e = list(sp.symbols(f"e:{sum(rows_of(definition))}", real=True))
+        program, angle = straight([definition.angle(x, e, p)], [])
+        yield function(definition, "angle", program, {"a[0]": angle[0]})
 
 
 def strains(
@@ -346,10 +354,10 @@ def function(definition: Definition, what: str, program: Program, outputs: dict[
     program, outputs = shared(*needed(program, {k: sp.sympify(v) for k, v in outputs.items()}))
     used = set().union(*(v.free_symbols for v in (*outputs.values(), *(v for _, v in program))))
     lines = [f"static void {definition.name}_{what}({arguments})", "{"]
-    for letter, count in (("x", definition.n_coordinates), ("v", definition.n_coordinates), ("p", 99)):
-        names = [k for k in range(count) if sp.Symbol(f"{letter}{k}", real=True) in used]
+    for letter in "xvep":
+        names = [k for k in range(99) if sp.Symbol(f"{letter}{k}", real=True) in used]
         lines += [f"    const real {letter}{k} = {letter}[{k}];" for k in names]
-        if not names and f"real *{letter}," in arguments:
+        if not names and f"const real *{letter}," in arguments:
             lines.append(f"    (void){letter};")
     lines += [f"    const real {name} = {constant(value)};" for name, value in program]
     lines += [f"    {name} = {constant(value)};" for name, value in outputs.items()]

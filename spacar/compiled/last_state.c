@@ -107,7 +107,7 @@ static int spacar_reduced_mass(Model *m, real *out)
     }
     if (s->prescribed) return 0;
     Memory work = {0};
-    real *W = cleared(&work, (size_t)nx * q, sizeof(real)), *e_rate = m->near, *force = m->force;
+    real *W = cleared(&work, (size_t)nx * q, sizeof(real)), *e_rate = m->branch, *force = m->force;
     if (!W) return 0;
     for (int c = 0; c < q; c++) {
         real *w = W + (size_t)c * nx;

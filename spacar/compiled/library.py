@@ -41,7 +41,7 @@ class CElements(ctypes.Structure):
 class CForeign(ctypes.Structure):
     """`Foreign` of elements.c."""
 
-    _fields_ = [(name, DOUBLES) for name in ("x", "v", "near", "e", "V", "H", "M", "h")]
+    _fields_ = [(name, DOUBLES) for name in ("x", "v", "branch", "e", "V", "H", "M", "h")]
 
 
 class CUser(ctypes.Structure):

@@ -52,7 +52,7 @@ static int takes_old_factors(const Model *m, const real *x, double error, double
    are those of spacar/kinematics/kinematics.py: a correction that follows one below CONVERGED or rounding is as small as
    rounding allows and passes always. A residual that stays at rounding with larger corrections is left to the general
    path, which looks at the condition. */
-static int place(Model *m, real *x, real *xd, real *e, const real *near, const real *e_given, const real *e_rate,
+static int place(Model *m, real *x, real *xd, real *e, const real *branch, const real *e_given, const real *e_rate,
                  double converged)
 {
     const int n = m->s.n_position, first = m->s.n_fixed_x, *row = m->s.position;
@@ -61,7 +61,7 @@ static int place(Model *m, real *x, real *xd, real *e, const real *near, const r
     real before_step = EVERY(INFINITY);
     int halvings = 0;
     for (int iteration = 1; iteration <= MAX_ITERATIONS; iteration++) {
-        if (strain(m, x, near, e)) return NOT_ANSWERED;
+        if (strain(m, x, branch, e)) return NOT_ANSWERED;
         real residual = EVERY(0.0), total = EVERY(0.0);
         for (int i = 0; i < n; i++) {
             const real difference = e[row[i]] - e_given[row[i]];

@@ -156,7 +156,7 @@ static int evaluate_tree(Model *m, State *at, double t, const real *y)
     real *rates = m->piece;
     const int status = tree_rates(m, at, t, y, rates);
     if (status) return status;
-    memcpy(m->near, at->given_e, sizeof(real) * s->ne);
+    memcpy(m->branch, at->given_e, sizeof(real) * s->ne);
     if (catch_up_matrices(m)) return NOT_ANSWERED;
     if (!is_placed(m, at)) return NO_CONVERGENCE;
     memcpy(at->ed, m->given_ed, sizeof(real) * s->ne);

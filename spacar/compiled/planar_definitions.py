@@ -130,9 +130,15 @@ def plbelt_strain(x: list, p: dict) -> list:
     return [l - p["l0"] + p["r_p"] * x[2] - p["r_q"] * x[5] - (p["r_p"] - p["r_q"]) * theta]
 
 
+def plbelt_angle(x: list, e: list, p: dict) -> sp.Expr:
+    """theta, on the turn of e1."""
+    l, _ = span([x[3] - x[0], x[4] - x[1]], p)
+    return (l - p["l0"] + p["r_p"] * x[2] - p["r_q"] * x[5] - e[0]) / (p["r_p"] - p["r_q"])
+
+
 def plbelt_turn(p: dict) -> list:
-    """theta is known within whole turns."""
-    return [2 * sp.pi * (p["r_p"] - p["r_q"])]
+    """Of theta."""
+    return [-2 * sp.pi * (p["r_p"] - p["r_q"])]
 
 
 def plbelt_inertia(x: list, v: list, p: dict) -> tuple[sp.Matrix, list]:

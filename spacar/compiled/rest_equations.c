@@ -21,9 +21,22 @@ static void rest_elements(const Equilibrium *q, const Own *w, const double *x)
         const int nx = g->elements->nxe * g->elements->n, ne = g->elements->nee * g->elements->n;
         for (int i = 0; i < nx; i++) p->x[i] = x[g->x[i]];
         if (!ne) continue;
-        for (int i = 0; i < ne; i++) p->near[i] = q->near[g->e[i]];
-        spacar_elements_strain(g->elements, p->x, p->near, p->e, g->V);
+        for (int i = 0; i < ne; i++) p->branch[i] = q->branch[g->e[i]];
+        spacar_elements_strain(g->elements, p->x, p->branch, p->e, g->V);
         for (int i = 0; i < ne; i++) q->e[g->e[i]] = p->e[i];
+    }
+}
+
+/* The next state is on the branch of the one where the elements were evaluated last. */
+static void rest_follow(const Equilibrium *q, const Own *w)
+{
+    memcpy(q->branch, q->e, sizeof(double) * q->ne);
+    for (int k = 0; k < q->n_groups; k++) {
+        const Group *g = &q->groups[k];
+        const Piece *p = &w->pieces[k];
+        if (!g->elements->nee || !ANGLE[g->elements->kind]) continue;
+        spacar_elements_angle(g->elements, p->x, p->e, p->branch);
+        for (int i = 0; i < g->elements->n; i++) q->branch[g->e[i]] = p->branch[i];
     }
 }
 

@@ -95,7 +95,7 @@ static int spacar_equilibrium_newton(Equilibrium *q)
     rest_loads(q, w);
     memcpy(w->x, q->x, sizeof(double) * q->nx);
     memcpy(w->sigma, q->sigma, sizeof(double) * q->ne);
-    memcpy(w->before, q->near, sizeof(double) * q->ne);
+    memcpy(w->before, q->branch, sizeof(double) * q->ne);
     memset(w->dx, 0, sizeof(double) * q->nx);
     for (int i = (int)q->x_input; i < q->x_input + q->n_x_input; i++) {
         w->dx[i] = w->given_x[i] - w->x[i];
@@ -113,7 +113,7 @@ static int spacar_equilibrium_newton(Equilibrium *q)
     for (;;) {
         double noise, size = 0.0;
         if (rest_factor(q, w, w->sigma) != OK || rest_correct(q, w, prescribed, &noise) != OK) {
-            memcpy(q->near, w->before, sizeof(double) * q->ne);
+            memcpy(q->branch, w->before, sizeof(double) * q->ne);
             return ANOTHER_WAY;
         }
         for (int i = 0; i < q->nx; i++) size = larger(size, w->dx[i] / q->scale[i]);
@@ -124,7 +124,7 @@ static int spacar_equilibrium_newton(Equilibrium *q)
             const double ratio = q->iterations == 2 ? q->first_ratio : q->later_ratio;
             if (!(size <= ratio * q->sizes[q->iterations - 2])) return GROWING;
         }
-        memcpy(q->near, q->e, sizeof(double) * q->ne);
+        rest_follow(q, w);
         for (int i = 0; i < q->nx; i++) w->x[i] += w->dx[i];
         for (int i = 0; i < q->ne; i++) w->sigma[i] += q->size * w->z[w->rank[q->nf + i]][0];
         rest_residual(q, w, w->x, w->sigma);

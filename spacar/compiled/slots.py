@@ -36,14 +36,14 @@ class ForeignBatch:
         nx, ne, n = family.n_coordinates, family.n_deformations, family.n
         self.family = family
         self.x, self.v, self.h = np.zeros((3, nx, n))
-        self.near, self.e, self.H = np.zeros((3, ne, n))
+        self.branch, self.e, self.H = np.zeros((3, ne, n))
         self.V, self.M = np.zeros((ne, nx, n)), np.zeros((nx, nx, n))
-        arrays = self.x, self.v, self.near, self.e, self.V, self.H, self.M, self.h
+        arrays = self.x, self.v, self.branch, self.e, self.V, self.H, self.M, self.h
         self.c = CForeign(*(a.ctypes.data for a in arrays))
         self.configuration: Configuration = None
 
     def strain(self) -> None:
-        self.configuration = self.family.strain(self.x, self.near, self.e, self.V)
+        self.configuration = self.family.strain(self.x, self.branch, self.e, self.V)
 
     def convective(self) -> None:
         self.H[:] = 0.0

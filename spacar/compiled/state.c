@@ -154,9 +154,8 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
         follow_tree(s, m->tree, x, xd, xdd, at->given_e, m->given_ed, m->given_edd);
         memset(xd + s->n_fixed_x, 0, sizeof(real) * n);
     }
-    memcpy(m->near, at->e, sizeof(real) * s->ne);
-    for (int i = 0; i < n; i++) m->near[s->position[i]] = at->given_e[s->position[i]];
-    const int iterations = place(m, x, xd, m->next_e, m->near, at->given_e, m->given_ed, converged);
+    follow(m, at->x, at->e, m->branch);
+    const int iterations = place(m, x, xd, m->next_e, m->branch, at->given_e, m->given_ed, converged);
     if (iterations < 0) return iterations;
     real moved = EVERY(0.0);
     for (int i = 0; i < nx; i++) moved = lanes_larger(moved, (x[i] - at->x[i]) / s->scale[i]);

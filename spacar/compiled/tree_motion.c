@@ -293,7 +293,7 @@ static int catch_up_matrices(Model *m)
 {
     if (!m->matrices_behind) return OK;
     m->matrices_behind = 0;
-    return strain(m, m->next_x, m->near, m->next_e) || inertia(m, m->next_x, m->next_xd, 0) ? NOT_ANSWERED : OK;
+    return strain(m, m->next_x, m->branch, m->next_e) || inertia(m, m->next_x, m->next_xd, 0) ? NOT_ANSWERED : OK;
 }
 
 /* The factors of the position too, which trees do without. OK or a negative reason. */

@@ -6,7 +6,7 @@ enum { REMEMBERED = 4 }; /* states that predict the next one, as in passed_level
 typedef struct {
     const double *levels;      /* (count, 5): fractions of both parts of the loading, part of the forces that are held, place on the way, stored? */
     double *states, *places;   /* (REMEMBERED, nx + ne): x, sigma of the last states, (REMEMBERED): where they are; the last is the latest */
-    double *near, *trial;      /* (ne) of the sweep: at the last state, at the one that is tried */
+    double *branch, *trial;      /* (ne) of the sweep: at the last state, at the one that is tried */
     int64_t count, known, passed, iterations;
     double wide, faster, farthest, critical, returned, elsewhere, noise; /* noise: of the last state */
     double demands[2][4];      /* of a level that is passed only, of one that is stored: forces, lengths, correction, tolerance */
@@ -56,10 +56,10 @@ static int leads_back(Equilibrium *q, const Passed *p, const double *reached, co
 {
     const Own *w = q->own;
     const double demand[4] = { INFINITY, INFINITY, p->returned * moved, INFINITY };
-    memcpy(p->trial, q->near, sizeof(double) * q->ne);
+    memcpy(p->trial, q->branch, sizeof(double) * q->ne);
     take_level(q, reached, demand);
     const int status = spacar_equilibrium_newton(q);
-    memcpy(q->near, p->trial, sizeof(double) * q->ne);
+    memcpy(q->branch, p->trial, sizeof(double) * q->ne);
     return status != ANOTHER_WAY && !(status == FOUND && way(q, w->x, last) > p->elsewhere * moved);
 }
 
@@ -73,7 +73,7 @@ static void spacar_equilibrium_walk(Equilibrium *q, Passed *p)
     p->passed = p->iterations = 0;
     for (const double *level = p->levels; p->passed < p->count; level += 5) {
         const double *demand = p->demands[level[4] != 0.0];
-        memcpy(p->near, q->near, sizeof(double) * ne);
+        memcpy(p->branch, q->branch, sizeof(double) * ne);
         take_level(q, level, demand);
         predict(p, size, level[3], q->x, nx, (int)q->x_free, q->sigma);
         if (spacar_equilibrium_newton(q) != FOUND || !q->iterations || !(q->noise <= p->critical)) break;
@@ -93,15 +93,15 @@ static void spacar_equilibrium_walk(Equilibrium *q, Passed *p)
         memcpy(last + nx, q->sigma, sizeof(double) * ne);
         *at = level[3];
         if (p->known < REMEMBERED) p->known++;
-        memcpy(q->near, q->e, sizeof(double) * ne);
-        memcpy(p->near, q->near, sizeof(double) * ne);
+        rest_follow(q, w);
+        memcpy(p->branch, q->branch, sizeof(double) * ne);
         change = moved;
         reached = level;
         p->iterations += iterations;
         p->noise = noise;
         p->passed++;
     }
-    memcpy(q->near, p->near, sizeof(double) * ne);
+    memcpy(q->branch, p->branch, sizeof(double) * ne);
     take_level(q, reached, p->demands[0]);
     if (!p->passed) return;
     memcpy(q->x, last, sizeof(double) * nx);

@@ -108,7 +108,7 @@ class Dynamics(EquationsOfMotion):
     def placement(self) -> Placement:
         """Configuration and velocity of the last evaluated state."""
         k = self.kinematics
-        return Placement(k.x, self.xd, self.sweep.near, k.e_given)
+        return Placement(k.x, self.xd, k.e, k.e_given)
 
     def moving(self) -> Moving | None:
         """The last evaluated state with its accelerations."""

@@ -16,7 +16,7 @@ Duties of a family
    is minus the inertia force of the acceleration -g at the position coordinates.
 5. Output arrays are zero on entry where a family writes nothing: it may leave structural zeros alone.
 6. Nothing here loops over elements, and everything works for complex x where the formulas are analytic
-   (complex-step tests), except branch choices (`near`). Constructors take complex numbers of the deck too (x0,
+   (complex-step tests), except branch choices (`branch`). Constructors take complex numbers of the deck too (x0,
    geometry, em, estiff, edamp with a direction, `spacar.deck.directed`): arrays of constants have their type.
 """
 
@@ -103,6 +103,7 @@ class Family:
     constant_gradient: bool = False  # V does not depend on x: H, H1, T, Hs vanish and are not called
     constant_mass: bool = False  # M does not depend on x and h = 0
     has_mass: bool = False
+    has_own_branch: bool = False  # turns are counted in something else than the deformations: `branch`
     measure: ClassVar[str] = ""  # "angle": the deformations of ADEFORM (theory-beam-order4.md)
 
     keyword: str
@@ -130,12 +131,16 @@ class Family:
         return found
 
     # -- deformations -------------------------------------------------------------------------------------------
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> Configuration:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> Configuration:
         """Write e (n_deformations, n) and V (n_deformations, n_coordinates, n) at x (n_coordinates, n).
 
-        `near` (n_deformations, n) are the last accepted deformations; families with angles beyond one turn take the
-        branch that is closest to it, the others ignore it.
+        `branch` (n_deformations, n) is that of the last accepted state; families with angles beyond one turn take the
+        turn that is closest to it, the others ignore it.
         """
+        raise NotImplementedError
+
+    def branch(self, x: Array, e: Array) -> Array:
+        """What states after (x, e) have their branch by, (n_deformations, n); where not `has_own_branch` it is e."""
         raise NotImplementedError
 
     def convective_strain(self, c: Configuration, v: Array, out: Array) -> None:

@@ -55,11 +55,11 @@ def hinge_state(F: Array, lam: Array) -> HingeState:
     return HingeState(F, lam, mu, dmu, f)
 
 
-def hinge_deformations(c: HingeState, near: Array) -> Array:
-    """e1..e3 (3, n); e1 on the branch closest to near (n,)."""
+def hinge_deformations(c: HingeState, branch: Array) -> Array:
+    """e1..e3 (3, n); e1 on the branch closest to branch (n,)."""
     e = np.empty((3, *c.mu.shape[1:]), c.mu.dtype)
     e1 = 2.0 * arc_tangent(c.mu[1], c.mu[0])
-    np.add(e1, _TURN * np.round((near - e1.real) / _TURN), out=e[0])
+    np.add(e1, _TURN * np.round((branch - e1.real) / _TURN), out=e[0])
     e[1:] = _einsum("ea...,a...->e...", c.f_i[1:], 0.5 * c.mu)  # homogeneous quadratic in mu
     return e
 
@@ -171,9 +171,9 @@ class SpatialHinge(Family):
         """Tensors of `relative_parameters`; a compiled run does not make them."""
         return relative_parameters(self._frame, self._frame)
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> HingeState:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> HingeState:
         c = hinge_state(expand((self.parameters,), x.ndim)[0], x.reshape(2, 4, *x.shape[1:]))
-        e[...] = hinge_deformations(c, near[0])
+        e[...] = hinge_deformations(c, branch[0])
         V[...] = hinge_gradient(c).reshape(V.shape)
         return c
 

@@ -27,7 +27,7 @@ class LumpedMass(Family):
         self.m = m
         self.length = np.zeros(len(m))
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> Configuration:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> Configuration:
         return None
 
     def mass(self, c: Configuration, out: Array) -> None:

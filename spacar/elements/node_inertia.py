@@ -40,7 +40,7 @@ class RigidBodyNode(Family):
         self.length = np.zeros(len(nodes))
         self.J = np.ascontiguousarray(np.moveaxis(np.asarray(J), 0, -1))
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> BodyState:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> BodyState:
         return BodyState(expand((self.J,), x.ndim)[0], body_matrix(x))
 
     def mass(self, c: BodyState, out: Array) -> None:
@@ -72,7 +72,7 @@ class GyrostatNode(Family):
         self.length = np.zeros(len(nodes))
         self.K = 4.0 * body_dual(np.ascontiguousarray(np.asarray(h).T))
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> Array:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> Array:
         return np.asarray(expand((self.K,), x.ndim)[0])
 
     def inertia_force(self, c: Array, v: Array, a: Array | None) -> Array:

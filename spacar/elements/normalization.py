@@ -20,7 +20,7 @@ class Normalization(Family):
         self.numbers = nodes
         self.length = np.zeros(len(nodes))
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> None:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> None:
         e[0] = np.einsum("i...,i...->...", x, x) - 1.0
         np.multiply(x, 2.0, out=V[0])
 

@@ -124,7 +124,7 @@ class SpatialPinbody(Family):
         self._mass = rod_mass(group.em[:, 0] * self.length)
         self._inertia = _rod_inertia(group, d) if group.em[:, 1:5].any() else None
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> PinState:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> PinState:
         K, r = expand((self.directors, self.r), x.ndim)
         c = pin_state(K, x[3:7], x[7:] - x[:3])
         np.subtract(pin_values(c), r, out=e)

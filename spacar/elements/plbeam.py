@@ -143,7 +143,7 @@ class PlanarBeam(Family):
         b, b_prime = sine * self.signed, cosine * self.signed
         return Bend(b, b_prime, -b, -b_prime)
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> PlanarBeamConfiguration:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> PlanarBeamConfiguration:
         d = x[3:5] - x[0:2]
         d0, d1 = d
         l = np.sqrt(d0 * d0 + d1 * d1)

@@ -11,8 +11,9 @@ and theta, the angle from its start direction to u (chord angle plus delta, sin 
     D = u.dd + r_p dphi_p - r_q dphi_q;  D theta = n.dd/l;  D l = (u + rho n/l).dd
     H = k^2/l,  H1 = (k/l) n,  T = -[2 l' k n + k^2 u + (rho/l) k^2 n]/l^2,  l' = u.w, k = n.w
 
-The program knows theta within whole turns only: of the values of e1 that differ by 2 pi rho, `strain` takes
-the one that is closest to the last accepted elongation.
+Coordinates give theta within whole turns only. `strain` takes the turn that is closest to theta at the last accepted
+state (x, e1), which (15) gives; e1 itself tells nothing where rho is small, as its values differ by 2 pi rho. Where rho
+is so small that rounding hides the turn in (15), that turn is below the rounding of e1.
 
 Inertia (16): mass m per length on the start length of the span, velocity linear between v_i = x_i' - r_i phi_i' u,
 i = p, q; h is Lagrange's. The wound angles w_i add the constants m |r_i| w_i at the centre and m |r_i|^3 w_i at the
@@ -45,6 +46,7 @@ class PlanarBelt(Family):
     n_coordinates = 6
     n_deformations = 1
     position_rows = (0, 1, 3, 4)
+    has_own_branch = True
 
     def __init__(self, group: ElementGroup) -> None:
         """Geometry: radii r_p, r_q. GeometryError where the pulleys are too close for a straight span."""
@@ -63,7 +65,7 @@ class PlanarBelt(Family):
         self.length, self.u0 = self._span(d)[0:2]
         self.frame_p = chord.frame(d / chord.distance(d))
         self.turn = 2.0 * np.pi * self.rho
-        self.per_turn = np.divide(1.0, self.turn, out=np.zeros_like(self.rho), where=self.rho != 0.0)
+        self.per_rho = np.divide(1.0, self.rho, out=np.zeros_like(self.rho), where=self.rho.real != 0.0)
         self.EA, self.EdA = group.estiff[:, 0], group.edamp[:, 0]
         self._set_mass(group.em[:, 0], group.em[:, 1:3].T)
 
@@ -100,19 +102,28 @@ class PlanarBelt(Family):
         return l, u, n
 
     # -- deformations --------------------------------------------------------------------------------------
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> BeltConfiguration:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> BeltConfiguration:
         l, u, n = self._span(x[3:5] - x[0:2])
         cosine, sine = self.u0 * u, self.u0 * n
         # u0 x u = -u0.n: the sine of the angle from u0 to u
         theta = arc_tangent(-(sine[0] + sine[1]), cosine[0] + cosine[1])
-        r_p, r_q = self.radii
-        e1 = l - self.length + r_p * x[2] - r_q * x[5] - self.rho * theta
-        e[0] = e1 + self.turn * np.rint((near[0] - e1.real) * self.per_turn)
+        turns = np.rint((theta.real - branch[0]) / (2.0 * np.pi))
+        e[0] = self._without_turning(x, l) - self.rho * theta + self.turn * turns
         V[0, 3:5] = u
         np.negative(u, out=V[0, 0:2])
-        V[0, 2] = r_p
-        np.negative(r_q, out=V[0, 5])
+        V[0, 2] = self.radii[0]
+        np.negative(self.radii[1], out=V[0, 5])
         return BeltConfiguration(l, u, n)
+
+    def _without_turning(self, x: Array, l: Array) -> Array:
+        """e1 + rho theta."""
+        r_p, r_q = self.radii
+        return l - self.length + r_p * x[2] - r_q * x[5]
+
+    def branch(self, x: Array, e: Array) -> Array:
+        """theta [rad]; zero where rho vanishes."""
+        l = self._span(x[3:5] - x[0:2])[0]
+        return np.asarray((self._without_turning(x, l) - e) * self.per_rho)
 
     @staticmethod
     def _rates(c: BeltConfiguration, v: Array) -> tuple[Array, Array]:

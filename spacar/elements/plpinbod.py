@@ -87,7 +87,7 @@ class PlanarPinbody(Family):
         self.M = pattern[:, :, None] * (m / 6.0)
         self.M[2, 2] = J
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> PinbodyConfiguration:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> PinbodyConfiguration:
         d = x[3:5] - x[0:2]
         c, s = np.cos(x[2]), np.sin(x[2])
         r = self.a * c + self.turned * s

@@ -22,7 +22,7 @@ class PlanarHinge(Family):
         self.length = np.zeros(group.n)
         self.S, self.Sd = group.estiff[:, 0], group.edamp[:, 0]
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> None:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> None:
         np.subtract(x[1], x[0], out=e[0])
         V[0, 0] = -1.0
         V[0, 1] = 1.0

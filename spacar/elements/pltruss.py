@@ -37,7 +37,7 @@ class PlanarTruss(Family):
         pattern = np.kron([[2.0, 1.0], [1.0, 2.0]], np.eye(2))
         self.M = pattern[:, :, None] * (group.em[:, 0] * self.length / 6.0)
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> TrussConfiguration:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> TrussConfiguration:
         d = x[2:4] - x[0:2]
         d0, d1 = d
         l = np.sqrt(d0 * d0 + d1 * d1)

@@ -81,8 +81,8 @@ class PlanarTube(PlanarBeam):
         other._set_flow()
         return other
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> PlanarBeamConfiguration:
-        c = super().strain(x, near, e, V)
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> PlanarBeamConfiguration:
+        c = super().strain(x, branch, e, V)
         e -= self.start
         return c
 

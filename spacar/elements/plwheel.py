@@ -41,7 +41,7 @@ class PlanarWheel(Family):
         self.angle = arc_tangent(-axis[0], axis[1])  # of the heading: the axis turned by -90 degrees
         self.frame_p = chord.frame(np.stack((np.cos(self.angle), np.sin(self.angle))))
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> Array:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> Array:
         theta = x[2] + self.angle
         t = np.stack((np.cos(theta), np.sin(theta)))
         V[0, 0:2] = t

@@ -54,13 +54,13 @@ class Screw(Family):
         self.constants = relative_parameters(frame, frame), sliding.directors(frame), self.r, self.pitch
         self._coefficients = group.estiff[:, :6], group.edamp[:, :6]
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> ScrewState:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> ScrewState:
         F, K, r, h = expand(self.constants, x.ndim)
         x7 = x.reshape(2, 7, *x.shape[1:])
         hinge = turning.hinge_state(F, x7[:, 3:])
         pin = sliding.pin_state(K, x7[0, 3:], x7[1, :3] - x7[0, :3])
         c = ScrewState(hinge, pin, h)
-        e[[0, 4, 5]] = turning.hinge_deformations(hinge, near[0])
+        e[[0, 4, 5]] = turning.hinge_deformations(hinge, branch[0])
         e[1:4] = sliding.pin_values(pin) - r
         e[1] -= h * e[0]
         _put(c, turning.hinge_gradient(hinge), sliding.pin_gradient(pin), V)

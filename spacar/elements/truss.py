@@ -38,7 +38,7 @@ class SpatialTruss(Family):
         self._mass = rod_mass(group.em[:, 0] * self.length)
         self._rigidity = group.estiff[:, 0], group.edamp[:, 0]
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> TrussState:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> TrussState:
         d = x[3:] - x[:3]
         l = np.sqrt(np.einsum("i...,i...->...", d, d))
         n = d / l

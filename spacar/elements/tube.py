@@ -54,8 +54,8 @@ class SpatialTube(SpatialBeam):
             super().strain(group.x0, start, start, V)
             self.start = start
 
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> SpatialBeamConfiguration:
-        c = super().strain(x, near, e, V)
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> SpatialBeamConfiguration:
+        c = super().strain(x, branch, e, V)
         if self.start is not None:
             e -= expand((self.start,), x.ndim)[0]
         return c

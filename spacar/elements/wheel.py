@@ -193,7 +193,7 @@ class _Wheel(Family):
                     raise GeometryError(k, text)
 
     # -- deformations --------------------------------------------------------------------------------------
-    def strain(self, x: Array, near: Array, e: Array, V: Array) -> WheelState:
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> WheelState:
         K, radius, rho = expand(self.constants, x.ndim)
         c = wheel_state(K, rho, x)
         m = around(c.r)

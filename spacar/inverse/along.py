@@ -165,9 +165,10 @@ class Along:
                 dynamics.use(replace(dynamics.model, own_law=self._elastic(dynamics.loads)))
         kinematics = dynamics.kinematics
         # The configuration of mode 2 is the solution: from there Newton's method stays on its branch.
-        e = np.where(self.e_columns >= 0, self.nominal.e[k, self.e_columns], 0.0)
+        given = dynamics.given(self.drive.at(float(self.nominal.t[k])), NO_STATE)
+        e = np.where(self.e_columns >= 0, self.nominal.e[k, self.e_columns], given[1])
         kinematics.start_at(self.nominal.x[k, self.x_columns], e)
-        kinematics.position(*dynamics.given(self.drive.at(float(self.nominal.t[k])), NO_STATE))
+        kinematics.position(*given)
         self.dynamics = dynamics
         return dynamics
 

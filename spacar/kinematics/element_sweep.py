@@ -18,11 +18,11 @@ from spacar.mechanism.mechanism import Mechanism
 
 
 class SweepArrays(NamedTuple):
-    """What an evaluation in C may share with a sweep: the entries of V, then of M; e and `near` (ne,)."""
+    """What an evaluation in C may share with a sweep: the entries of V, then of M; e and the branch (ne,)."""
 
     entries: Array
     e: Array
-    near: Array
+    branch: Array
 
     @classmethod
     def of(cls, mechanism: Mechanism) -> SweepArrays:
@@ -40,7 +40,7 @@ class ElementSweep:
         self.layout = layout = mechanism.layout
         self.strained, self.massive = layout.strained, layout.massive
         self.moving, self.curved = layout.moving, layout.curved
-        self.entries, self.e, self.near = arrays or SweepArrays.of(mechanism)
+        self.entries, self.e, self.branch = arrays or SweepArrays.of(mechanism)
         self._allocate(layout)
         self.configuration: dict[int, Configuration] = {}
         self.count = 0  # evaluations of D, for the log and the benchmarks
@@ -53,11 +53,11 @@ class ElementSweep:
         self.v_entries, self.m_entries = self.entries[:nv], self.entries[nv:]
         self.V, self.M = _views(self.v_entries, layout.V), _views(self.m_entries, layout.M)
         self._x, self._v, self._a = np.zeros((3, len(self.x_index)))
-        self._e, self._near, self._h = np.zeros((3, len(self.e_index)))
+        self._e, self._branch, self._h = np.zeros((3, len(self.e_index)))
         self._f = np.zeros(len(self.f_index))
 
         self.x_of, self.v_of, self.a_of = (_views(u, layout.x) for u in (self._x, self._v, self._a))
-        self.e_of, self.near_of, self.h_of = (_views(u, layout.e) for u in (self._e, self._near, self._h))
+        self.e_of, self.branch_of, self.h_of = (_views(u, layout.e) for u in (self._e, self._branch, self._h))
         self.f_of = _views(self._f, layout.f)
         self.plan = [(b.family, b.index) for b in self.strained]
         self.curved_plan = [(b.family, b.index) for b in self.curved]
@@ -67,11 +67,15 @@ class ElementSweep:
     def strain(self, x: Array) -> None:
         """D(x) into `e`, V into `entries`; keeps the configurations for the calls below."""
         np.take(x, self.x_index, out=self._x, mode="clip")
-        np.take(self.near, self.e_index, out=self._near, mode="clip")
+        np.take(self.branch, self.e_index, out=self._branch, mode="clip")
         for family, key in self.plan:
-            self.configuration[key] = family.strain(self.x_of[key], self.near_of[key], self.e_of[key], self.V[key])
+            self.configuration[key] = family.strain(self.x_of[key], self.branch_of[key], self.e_of[key], self.V[key])
         self.e[self.e_index] = self._e
         self.count += 1
+
+    def follow(self, x: Array, e: Array) -> None:
+        """States are those on the branch of x (nx,), e (ne,) from now on."""
+        self.branch[:] = self.layout.branch(x, e)
 
     def rate(self, v: Array) -> Array:
         """V v, (ne,)."""

@@ -35,6 +35,7 @@ class Position(Protocol):
     E: Index
     h_scale: Array
     x: Array
+    target: Array
 
     def rounding(self, x: Array, e: Array) -> float: ...
 
@@ -96,7 +97,7 @@ def position_failure(
         where = f", motion that is hardest to determine: {numbering.x_name(hardest)}"
     # An iterate that met the constraints to rounding r and was left had a correction r/s that bends them by more than
     # r: the root is not a single one (kinematics/fold.py).
-    given = kinematics.sweep.near[kinematics.h]
+    given = kinematics.target[kinematics.h]
     left = min(history, default=np.inf) <= kinematics.rounding(kinematics.x, given)  # iterates may be far from there
     if left or norm <= kinematics.rounding(x, given):
         text = (
@@ -149,7 +150,7 @@ def collapse(kinematics: Position) -> str:
         family = batch.family
         kind = ELEMENT_TYPES.get(family.keyword)  # None of normalizations
         if kind is not None and kind.axial:
-            wanted = sweep.near[batch.e[0]] + family.length
+            wanted = kinematics.target[batch.e[0]] + family.length
             asked = np.isin(batch.e[0], kinematics.h) & (wanted <= SHORT * family.length)
             for k in np.flatnonzero(asked):
                 return _collapsed(family.keyword, int(family.numbers[k]), wanted[k], family.length[k])

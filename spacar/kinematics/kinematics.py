@@ -92,7 +92,9 @@ class Kinematics(ConstraintMatrices):
         self.scale: Array = mechanism.scale
         self.h_scale = mechanism.deformation_scale[self.h]
         self.x = mechanism.x0.copy()
+        self.e = np.zeros(n.ne)  # there
         self.e_given = np.zeros(n.ne)
+        self.target = self.e_given  # of the last iteration
         self.iterations = 0  # Newton iterations of the last position
 
     # -- position -----------------------------------------------------------------------------------------------
@@ -114,7 +116,7 @@ class Kinematics(ConstraintMatrices):
             return
         self.sweep.strain(self.x)
         self.e_given = self.sweep.e.copy()
-        self.sweep.near[:] = self.e_given
+        self._accept()
         with suppress(SingularMatrixError):  # then without a prediction: the iteration will say what is singular
             self.refactor()
 
@@ -149,12 +151,12 @@ class Kinematics(ConstraintMatrices):
         within: float,
         depth: int = 0,
     ) -> Array | None:
-        x, c, near = x_given.copy(), self.c, self.sweep.near
-        x_old, e_old, near_old = self.x, self.e_given, near.copy()
+        x, c = x_given.copy(), self.c
+        x_old, e_old = self.x, self.e_given
         if guess is not None and largest((guess[c] - x_old[c]) / self.scale[c]) > FARTHEST_GUESS:
             guess = None
         x[c] = x_old[c] if guess is None else guess[c]
-        near[self.h] = e_given[self.h]
+        self.target = e_given
         if self.is_factored and guess is None:
             residual = self.sweep.rate(x - x_old)[self.h] - (e_given - e_old)[self.h]
             if residual.any():
@@ -162,7 +164,7 @@ class Kinematics(ConstraintMatrices):
                     x[c] -= self.position_system.solve(residual)
             ahead = largest((x - x_old) / self.scale)
             if depth == 0 and LARGEST_JUMP < ahead < MOST_PREDICTED:
-                near[:] = near_old
+                self.sweep.follow(x_old, self.e)
                 self._approach(x_given, e_given, within, int(np.ceil(ahead / LARGEST_JUMP)), 1)
                 return self._solve(x_given, e_given, v_given, e_rate, None, within, 1)
         self._factored = self._waiting = False
@@ -172,20 +174,24 @@ class Kinematics(ConstraintMatrices):
             jump = largest((x - x_old) / self.scale)
             if jump <= LARGEST_JUMP or depth == MAX_DEPTH:
                 self.e_given = e_given
-                near[:] = self.sweep.e
+                self._accept()
                 return velocity
         except Unplaced as failure:
             way = self._distance(x_given - x_old, e_given - e_old)
             if depth == MAX_DEPTH or (guess is None and way <= self.rounding(x_old, e_given[self.h])):
                 raise failure.explain() from None
         self.x, self._factored = x_old, False
-        near[:] = near_old
+        self.sweep.follow(x_old, self.e)
         if way is None:
             way = self._distance(x_given - x_old, e_given - e_old)
         jumps = 0.0 if depth else way / LARGEST_JUMP
         pieces = int(np.ceil(jumps)) if 2.0 < jumps <= MOST_PIECES else 2
         self._approach(x_given, e_given, within, pieces, depth + 1)
         return self._solve(x_given, e_given, v_given, e_rate, None, within, depth + 1)
+
+    def _accept(self) -> None:
+        self.e = self.sweep.e.copy()
+        self.sweep.follow(self.x, self.e)
 
     def _approach(self, x_given: Array, e_given: Array, within: float, pieces: int, depth: int) -> None:
         """All but the last of equal pieces of the way from the present configuration to the given values."""
@@ -289,12 +295,13 @@ class Kinematics(ConstraintMatrices):
     def start_from(self, other: Kinematics) -> None:
         """Take over the configuration of another evaluator of the same mechanism."""
         self.x, self.e_given = other.x.copy(), other.e_given.copy()
-        self.sweep.near[:] = other.sweep.near
+        self.e = other.e.copy()
+        self.sweep.branch[:] = other.sweep.branch
 
     def start_at(self, x: Array, e: Array) -> None:
         """Begin the next Newton iteration at x (nx,) with angles near those of e (ne,), without a prediction."""
-        self.x, self.e_given = x.copy(), e.copy()
-        self.sweep.near[:] = e
+        self.x, self.e, self.e_given = x.copy(), e.copy(), e.copy()
+        self.sweep.follow(x, e)
         self._factored = self._waiting = False
 
     # -- velocity and acceleration ------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from spacar.arrays import Index
+from spacar.arrays import Array, Index
 from spacar.elements.family import Family
 
 Place = tuple[int, slice, tuple[int, ...]]  # index of the batch, part of the flat array, shape
@@ -39,6 +39,7 @@ class Layout:
     massive: tuple[Batch, ...]
     moving: tuple[Batch, ...]  # mass matrix depends on the configuration
     curved: tuple[Batch, ...]  # V depends on the configuration
+    turning: tuple[Batch, ...]  # with a branch of their own
 
     @classmethod
     def of(cls, batches: Sequence[Batch]) -> Layout:
@@ -46,7 +47,15 @@ class Layout:
         massive = tuple(b for b in batches if b.family.has_mass)
         moving = tuple(b for b in massive if not b.family.constant_mass)
         curved = tuple(b for b in strained if not b.family.constant_gradient)
-        return cls(tuple(batches), strained, massive, moving, curved)
+        turning = tuple(b for b in strained if b.family.has_own_branch)
+        return cls(tuple(batches), strained, massive, moving, curved, turning)
+
+    def branch(self, x: Array, e: Array) -> Array:
+        """What the branch of states after x (nx,), e (ne,) is chosen by, (ne,): deformations, or what families say."""
+        found = e.copy()
+        for b in self.turning:
+            found[b.e] = b.family.branch(x[b.x], e[b.e])
+        return found
 
     # -- entries of V and M ---------------------------------------------------------------------------------------
     @cached_property

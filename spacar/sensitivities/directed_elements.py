@@ -53,7 +53,7 @@ class ElementMatrices:
 class DirectedElements:
     """The elements, loads and prescribed values of a directed mechanism at a load level.
 
-    `at` evaluates at coordinates x (nx,), complex, with angles near the deformations `near` (ne,).
+    `at` evaluates at coordinates x (nx,), complex, on the branch of a state with the deformations `near` (ne,).
     """
 
     def __init__(self, mechanism: Mechanism, level: LoadLevel) -> None:
@@ -72,10 +72,11 @@ class DirectedElements:
         """Evaluate all elements."""
         self.x = x
         self.evaluated = []
+        branch = self.mechanism.layout.branch(x.real, near)
         for b in self.mechanism.batches:
             e = np.zeros((len(b.e), b.family.n), complex)
             V = np.zeros((len(b.e), len(b.x), b.family.n), complex)
-            self.evaluated.append(Evaluated(b, b.family.strain(x[b.x], near[b.e], e, V), e, V))
+            self.evaluated.append(Evaluated(b, b.family.strain(x[b.x], branch[b.e], e, V), e, V))
 
     def deformations(self) -> Array:
         """e (ne,)."""

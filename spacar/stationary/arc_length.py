@@ -79,22 +79,22 @@ def follow(
     here = _arc(at, x, sigma, place, before, None, limit)
     turns, total = list[float](), 0
     for _ in range(MOST_ARCS):
-        near = q.d.sweep.near.copy()
+        branch = q.d.sweep.branch.copy()
         try:
             ahead = _along(at, here, s, limit)
         except (Astray, SingularMatrixError):
-            q.d.sweep.near[:] = near
+            q.d.sweep.branch[:] = branch
             s *= 0.5
             if s < SMALLEST_ARC:
                 break
             continue
-        q.d.sweep.near[:] = q.d.sweep.e
+        q.d.sweep.follow(ahead.point.x, q.d.sweep.e)
         total += ahead.iterations
         last = ahead
         if (here.rise > 0.0) != (ahead.rise > 0.0):
-            near = q.d.sweep.near.copy()
+            branch = q.d.sweep.branch.copy()
             last, turn = _limit_point(at, here, ahead, s, limit)
-            q.d.sweep.near[:] = near
+            q.d.sweep.branch[:] = branch
             if turn < end:
                 if not beyond:
                     raise LimitPoint(turn, last.point)
@@ -146,7 +146,7 @@ def _arc(at: At, x: Array, sigma: Array, place: float, before: Array, s: float |
         dp = -float(normal @ r) / (float(normal @ u) or 1.0)
         dx, ds = r + dp * u, size * z[q.nf :, 0] + dp * stress
         path.add(largest(dx / q.scale) if np.isfinite(ds).all() else np.inf, noise)
-        q.d.sweep.near[:] = q.d.sweep.e
+        q.d.sweep.follow(x, q.d.sweep.e)
         x, sigma, place = x + dx, sigma + ds, place + dp
 
 

@@ -79,7 +79,7 @@ class Continuation:
         while place < 1.0:
             following = min(1.0, place + part)
             level = target if following == 1.0 else origin.towards(target, following)
-            before, near = (self.point, self.stable, self.path), self.evaluator.near.copy()
+            before, branch = (self.point, self.stable, self.path), self.evaluator.branch.copy()
             reason: Exception = Astray("the determinant of the tangent stiffness changes its sign")
             try:
                 reached = origin.towards(target, place) if place else origin
@@ -100,7 +100,7 @@ class Continuation:
                     continue
             found = self.point, self.stable, self.path
             self.point, self.stable, self.path = before
-            self.evaluator.near[:] = near
+            self.evaluator.branch[:] = branch
             if isinstance(reason, FreeMotion) and len(self.path) == 1:
                 raise self._unsupported(reason, target) from None
             if part > (CRITICAL_PART if crossed else SMALLEST_PART):
@@ -116,7 +116,7 @@ class Continuation:
                 self.point, self.stable, self.path = found
                 self.evaluator.load(level)
                 self.evaluator.set_state(self.point)
-                self.evaluator.near[:] = self.evaluator.e
+                self.evaluator.follow(self.point.x)
                 self._say_passed(level, before[1])
                 self.iterations += steps
             place = following if crossed else 1.0
@@ -165,10 +165,10 @@ class Continuation:
         """Newton's iteration at the level from the prediction, then from the last state; the number of iterations."""
         e = self.evaluator
         e.load(level)
-        near = e.near.copy()
+        branch = e.branch.copy()
         reason: Exception = Astray("no start")
         for start in self._starts(level.path):
-            e.near[:] = near
+            e.branch[:] = branch
             try:
                 known = start()
                 found = e.newton(known.x, known.sigma, demand)
@@ -194,9 +194,9 @@ class Continuation:
         free = self._arbitrary or not n.holonomic or not n.nddof
         if free or moved < WIDE or self._steady(level, moved):
             return False
-        near = e.near.copy()
+        branch = e.branch.copy()
         e.load(reached)  # with other equations, where the flow in tubes changes
-        e.near[:] = near
+        e.branch[:] = branch
         try:
             demand = Demand.of_return(self.limit, RETURNED * moved)
             back = e.newton(point.x, point.sigma, demand)
@@ -205,7 +205,7 @@ class Continuation:
         except (Astray, SingularMatrixError):  # tells nothing: a step back may be as hard as one forward
             pass
         e.load(level)
-        e.near[:] = near
+        e.branch[:] = branch
         e.set_state(point)
         return False
 
@@ -246,7 +246,7 @@ class Continuation:
         self._factored = found.iterations > 0
         p = found.point
         self.path = [*self.path, Known(path, p.x, p.sigma)][-REMEMBERED:]
-        self.evaluator.near[:] = self.evaluator.e
+        self.evaluator.follow(p.x)
 
     def _predicted(self, path: float) -> Known:
         """Lagrange's polynomial through the known states; fewer of them if they are close together."""
@@ -362,15 +362,15 @@ class Continuation:
             known, place = path[k], (there - origin.path) / span
             motion = known.x - path[k - 1].x if k else np.zeros_like(known.x)
             e.load(origin.towards(target, place))
-            near = e.near.copy()
+            branch = e.branch.copy()
             try:
                 found = e.newton(known.x, known.sigma, Demand(self.limit).exactly()).point
-                e.near[:] = e.e
+                e.follow(found.x)
                 if self.stable is None or e.sign(found, False) * (-1.0) ** self.stable.negative > 0.0:
                     return found.x, found.sigma, place, motion
             except (Astray, SingularMatrixError):
                 pass
-            e.near[:] = near
+            e.branch[:] = branch
         raise Astray("no state before the turn")
 
     def _at_limit(self, reached: LoadLevel, target: LoadLevel, limit: LimitPoint) -> AnalysisError:

@@ -60,7 +60,7 @@ class CEquilibrium(ctypes.Structure):
 
     _fields_ = [
         ("groups", POINTER),
-        *((name, DOUBLES) for name in ("x0", "scale", "e_scale", "least", "loads", "held", "near", "e")),
+        *((name, DOUBLES) for name in ("x0", "scale", "e_scale", "least", "loads", "held", "branch", "e")),
         *((name, WHOLE) for name in (
             "nx", "ne", "nf", "n_groups", "x_free", "x_input", "n_x_input", "e_input", "n_e_input", "heavy", "widest",
             "dense",
@@ -106,7 +106,7 @@ class Equilibrium:
         groups, n_groups = self._groups()
         self.n_groups = len(groups)
         self.c = c = CEquilibrium(
-            ctypes.addressof(groups), *map(address_of, self._keep[:5]), None, address_of(self.arrays.near),
+            ctypes.addressof(groups), *map(address_of, self._keep[:5]), None, address_of(self.arrays.branch),
             address_of(self.arrays.e), n.nx, n.ne, self.nf, n_groups, first, xs.start, count, es.start,
             es.stop - es.start, self.heavy, BAND_LIMIT, DENSE_LIMIT,
         )  # fmt: skip

@@ -167,9 +167,13 @@ class LevelEvaluator:
         return self._dynamics.sweep.e if self._engine is None else self._engine.arrays.e
 
     @property
-    def near(self) -> Array:
-        """The deformations that those of the next state are near to, (ne,)."""
-        return self._dynamics.sweep.near if self._engine is None else self._engine.arrays.near
+    def branch(self) -> Array:
+        """What the branch of the next state is chosen by, (ne,)."""
+        return self._dynamics.sweep.branch if self._engine is None else self._engine.arrays.branch
+
+    def follow(self, x: Array) -> None:
+        """The next state is on the branch of the one at x (nx,), which was evaluated last."""
+        self.branch[:] = self.mechanism.layout.branch(x, self.e)
 
     @property
     def scale(self) -> Array:

@@ -205,7 +205,7 @@ def newton(q: StationaryEquations, tangent: Tangent, x: Array, sigma: Array, giv
         z, noise, regular = _correct(q, tangent, p, dx, not path.sizes)
         dx[q.F] = z[: q.nf]
         path.add(largest(dx / q.scale) if isfinite(np.add.reduce(z)) else np.inf, max(noise, least))
-        q.d.sweep.near[:] = q.d.sweep.e
+        q.d.sweep.follow(p.x, q.d.sweep.e)
         if q.holonomic:
             p = q.point(p.x + dx, p.sigma + q.flexibility.size * z[q.nf :], given)
         else:

@@ -44,7 +44,7 @@ class CPassed(ctypes.Structure):
     """`Passed` of walk.c."""
 
     _fields_ = [
-        *((name, DOUBLES) for name in ("levels", "states", "places", "near", "trial")),
+        *((name, DOUBLES) for name in ("levels", "states", "places", "branch", "trial")),
         *((name, WHOLE) for name in ("count", "known", "passed", "iterations")),
         *((name, NUMBER) for name in (
             "wide", "faster", "farthest", "critical", "returned", "elsewhere", "noise",
@@ -60,16 +60,16 @@ def pass_levels(
     of the loading, the part of the forces that are held, the place on the way, 1 for levels that are stored. At most
     `limit` iterations each; `tolerance` of those that are stored. None: not even the first one.
 
-    The equations and the sweep's `near` are those of the last level that was passed.
+    The equations and the sweep's `branch` are those of the last level that was passed.
     """
     from spacar.compiled.library import address_of
 
     nx, ne, known = equations.nx, equations.ne, len(path)
-    states, places, near, trial = np.zeros((REMEMBERED, nx + ne)), np.zeros(REMEMBERED), np.zeros(ne), np.zeros(ne)
+    states, places, branch, trial = np.zeros((REMEMBERED, nx + ne)), np.zeros(REMEMBERED), np.zeros(ne), np.zeros(ne)
     for k, state in enumerate(path, REMEMBERED - known):
         states[k, :nx], states[k, nx:], places[k] = state.x, state.sigma, state.path
     c = CPassed(
-        *map(address_of, (levels, states, places, near, trial)), len(levels), known, 0, 0,
+        *map(address_of, (levels, states, places, branch, trial)), len(levels), known, 0, 0,
         WIDE, FASTER, FARTHEST, CRITICAL, RETURNED, ELSEWHERE, 0.0,
         (*Demand.of(limit, tolerance, False).sizes, *Demand.of(limit, tolerance, True).sizes),
     )  # fmt: skip

@@ -183,7 +183,7 @@ class StationarySolver:
             d.kinematics.begin()
             d.place(0.0, e.y)
             sigma = d.law(d.sweep.e, np.zeros(n.ne))
-            d.sweep.near[:] = d.sweep.e
+            d.sweep.follow(d.kinematics.x, d.sweep.e)
             p = e.point(d.kinematics.x, sigma)
         if not p.quiet:
             with suppress(SingularMatrixError):  # degrees of freedom that do not determine the start leave it as it is
@@ -207,7 +207,7 @@ class StationarySolver:
         if not n.nddof:
             e.dynamics.kinematics.begin()  # it finds the positions of all levels
         p = e.point(m.x0.copy(), np.zeros(n.ne))
-        e.near[:] = e.e
+        e.follow(m.x0)
         return p if p.gap <= LENGTHS else None
 
     def _place(self, p: Iterate, level: LoadLevel) -> None:

@@ -330,7 +330,7 @@ def _between(given: Mechanism, coarse: Sequence[Frame], middle: Sequence[Frame],
                     frame.matrices[name] = value
     sweep = ElementSweep(given)
     for frame in found:
-        deform(given, sweep, frame, frame.e)
+        deform(given, sweep, frame, frame)
     return found
 
 

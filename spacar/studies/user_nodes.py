@@ -49,7 +49,7 @@ class UserNodes:
         )  # fmt: skip
         if frame.xcompl is not None:
             found.xcompl = frame.xcompl[at]
-        deform(self.given, self.sweep, found, own.e)
+        deform(self.given, self.sweep, found, own)
         self._modes(frame, found)
         return found
 
@@ -95,9 +95,9 @@ class UserNodes:
         return np.vstack((motion[n.x_class["dynamic"]], rates[n.e_class["dynamic"]]))
 
 
-def deform(given: Mechanism, sweep: ElementSweep, frame: Frame, near: Array) -> None:
-    """Set e, ed, edd of a frame from its coordinates; angles are taken on the turn of `near` (ne,)."""
-    sweep.near[:] = near
+def deform(given: Mechanism, sweep: ElementSweep, frame: Frame, near: Frame) -> None:
+    """Set e, ed, edd of a frame from its coordinates; angles are taken on the turns of `near`."""
+    sweep.follow(near.x, near.e)
     sweep.strain(frame.x)
     frame.e = np.where(given.numbering.slips, frame.e, sweep.e)
     frame.ed, frame.edd = sweep.rate(frame.xd), sweep.rate(frame.xdd) + sweep.convective(frame.xd)

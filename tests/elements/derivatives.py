@@ -66,14 +66,14 @@ def group(
     )
 
 
-def evaluate(family: Family, x: Any, near: Any = None) -> tuple[Any, Any, Any]:
+def evaluate(family: Family, x: Any, branch: Any = None) -> tuple[Any, Any, Any]:
     """Configuration, e, V at x, in the number type of x."""
     x = np.asarray(x)
     kind = complex if np.iscomplexobj(x) else float
     ne, nx, n = family.n_deformations, family.n_coordinates, x.shape[1]
     e, V = np.zeros((ne, n), kind), np.zeros((ne, nx, n), kind)
-    near = np.zeros((ne, n)) if near is None else near
-    c = family.strain(x, near, e, V)
+    branch = np.zeros((ne, n)) if branch is None else branch
+    c = family.strain(x, branch, e, V)
     return c, e, V
 
 
@@ -109,21 +109,21 @@ def along(f: Callable[[Any], Any], x: Any, v: Any) -> Any:
 
 
 def check_strain(
-    family: Family, x: Any, v: Any, sigma: Any, near: Any = None, tolerance: float = TOLERANCE
+    family: Family, x: Any, v: Any, sigma: Any, branch: Any = None, tolerance: float = TOLERANCE
 ) -> None:
     """V, H(v,v), H1, H2, T and Hs at x (nx, n) for the rates v (nx, n) and the stresses sigma (ne, n)."""
     ne, nx, n = family.n_deformations, family.n_coordinates, x.shape[1]
-    c, e, V = evaluate(family, x, near)
+    c, e, V = evaluate(family, x, branch)
     holonomic = [k for k in range(ne) if k not in family.slips]
 
     def V_of(z: Any) -> Any:
-        return evaluate(family, z, near)[2]
+        return evaluate(family, z, branch)[2]
 
     def convective(z: Any) -> Any:
-        cz = evaluate(family, z, near)[0]
+        cz = evaluate(family, z, branch)[0]
         return written(family.convective_strain, (ne, n), complex, cz, v)
 
-    truth_V = gradient(lambda z: evaluate(family, z, near)[1], x)
+    truth_V = gradient(lambda z: evaluate(family, z, branch)[1], x)
     close(V[holonomic], truth_V[holonomic], "V", tolerance)
     close(e[list(family.slips)], np.zeros((len(family.slips), n)), "slips have no e", 0.0)
     truth_H1 = gradient(lambda z: (V_of(z) * v).sum(1), x)
@@ -149,10 +149,10 @@ def check_stiffness(family: Family) -> None:
         close(S, np.swapaxes(S, 0, 1), f"{name} is symmetric", 0.0)
 
 
-def mass_of(family: Family, x: Any, near: Any = None) -> Any:
+def mass_of(family: Family, x: Any, branch: Any = None) -> Any:
     """M (nx, nx, n) at x, in the number type of x."""
     x = np.asarray(x)
-    c = evaluate(family, x, near)[0]
+    c = evaluate(family, x, branch)[0]
     return written(family.mass, (len(x), *x.shape), x.dtype, c)
 
 
@@ -161,7 +161,7 @@ def check_inertia(
     x: Any,
     v: Any,
     a: Any,
-    near: Any = None,
+    branch: Any = None,
     *,
     lagrange: bool = True,
     tolerance: float = TOLERANCE,
@@ -170,10 +170,10 @@ def check_inertia(
     assert family.has_mass
 
     def M_of(z: Any) -> Any:
-        return mass_of(family, z, near)
+        return mass_of(family, z, branch)
 
     def force(z: Any, rate: Any, acceleration: Any) -> Any:
-        return family.inertia_force(evaluate(family, z, near)[0], rate, acceleration)
+        return family.inertia_force(evaluate(family, z, branch)[0], rate, acceleration)
 
     M = M_of(x)
     close(M, np.swapaxes(M, 0, 1), "M is symmetric", tolerance)
@@ -188,19 +188,19 @@ def check_inertia(
     if family.constant_mass:
         close(dM, np.zeros_like(dM), "constant mass", 0.0)
         close(h, np.zeros_like(h), "constant mass has h = 0", 0.0)
-    dx, dv = family.inertia_gradient(evaluate(family, x, near)[0], v, a)
+    dx, dv = family.inertia_gradient(evaluate(family, x, branch)[0], v, a)
     close(dx, gradient(lambda z: force(z, v, a), x), "d(M a + h)/dx", tolerance)
     z = x.astype(complex)  # families take the number type of everything from x
     close(dv, gradient(lambda w: force(z, w, a), v), "dh/dv", tolerance)
 
 
-def check_gravity(family: Family, x: Any, g: Any, near: Any = None, tolerance: float = TOLERANCE) -> Any:
+def check_gravity(family: Family, x: Any, g: Any, branch: Any = None, tolerance: float = TOLERANCE) -> Any:
     """Weight by the contract: inertia force of the acceleration g at the positions; returns M g (nx, n)."""
-    c = evaluate(family, x, near)[0]
+    c = evaluate(family, x, branch)[0]
     a = np.zeros_like(x)
     for k, row in enumerate(family.position_rows):
         a[row] = g[k % len(g)]
     rest = np.zeros_like(x)
     weight = family.inertia_force(c, rest, a) - family.inertia_force(c, rest, None)
-    close(weight, (mass_of(family, x, near) * a).sum(1), "weight = M g", tolerance)
+    close(weight, (mass_of(family, x, branch) * a).sum(1), "weight = M g", tolerance)
     return weight

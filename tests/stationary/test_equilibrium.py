@@ -114,20 +114,20 @@ def test_the_residual_and_the_size_of_its_terms_are_those_of_the_general_path(na
 def test_iterations_are_those_of_the_general_path(name):
     e = evaluator(TEXTS[name])
     x, sigma = e.mechanism.x0.copy(), np.zeros(e.mechanism.numbering.ne)
-    near = e.near.copy()
+    branch = e.branch.copy()
     for stored in (False, True):
         e.load(LoadLevel(0.1, 0.0))
-        e.near[:] = near
+        e.branch[:] = branch
         demand = Demand.of(20, 1e-8, stored)
         found = e.newton(x, sigma, demand)
-        turns = e.near.copy()
-        e.near[:] = near
+        turns = e.branch.copy()
+        e.branch[:] = branch
         general = newton(e.equations, e.tangent, x, sigma, e.given, demand)
         assert found.iterations == general.iterations > 0
         assert found.regular == general.regular
         np.testing.assert_allclose(found.point.x, general.point.x, rtol=0.0, atol=1e-12)
         np.testing.assert_allclose(found.point.sigma, general.point.sigma, rtol=1e-9, atol=1e-9)
-        np.testing.assert_allclose(turns, e.near, rtol=0.0, atol=1e-12)
+        np.testing.assert_allclose(turns, e.branch, rtol=0.0, atol=1e-12)
         assert found.noise == pytest.approx(general.noise, rel=0.5)
 
 
@@ -139,7 +139,7 @@ def test_an_iteration_that_goes_astray_says_the_same(part, limit):
     e.load(LoadLevel(part, 0.0))
     with pytest.raises(Astray) as ours:
         e.newton(x, sigma, demand)
-    e.near[:] = 0.0
+    e.branch[:] = 0.0
     with pytest.raises(Astray) as general:
         newton(e.equations, e.tangent, x, sigma, e.given, demand)
     assert str(ours.value) == str(general.value)
