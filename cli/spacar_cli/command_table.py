@@ -14,8 +14,8 @@ COMMANDS = {
     "sweep": "parameter study: many values, one row of quantities each",
     "sensitivity": "exact derivatives of stationary quantities by numbers of the file",
     "trade": "speed against accuracy of a model, and the cheapest setting",
-    "draw": "picture or animation of the mechanism at chosen steps",
-    "visual": "vibration and buckling modes, constraints, stresses as pictures",
+    "draw": "picture or animation of the mechanism at chosen steps (also: spadraw)",
+    "visual": "vibration and buckling modes, constraints, stresses as pictures (also: spavisual)",
     "plot": "time histories of results, or one quantity against another",
     "view": "a page that turns, zooms and plays a result in a browser",
     "report": "one self-contained HTML page about a run",
@@ -31,7 +31,7 @@ COMMANDS = {
     "compliance": "compliance matrix of a node",
     "flexure": "a flexure over its range of motion: stiffness, errors, frequencies ...",
     "getss": "state space matrices of one step of a .ltv result",
-    "sim": "controlled simulation from a model file",
+    "sim": "controlled simulation from a model file (also: spasim)",
     "fmu": "the mechanism as a functional mock-up unit for other simulators",
     "ltv": "response of a time-varying linear system (.ltv)",
     "mrltv": "modal reduction of a .ltv system",
@@ -40,3 +40,4 @@ COMMANDS = {
     "symbolic": "equations of motion of a model file by computer algebra",
     "completion": "completion of the command line by the TAB key, for bash, zsh, fish",
 }
+OF_THE_MANUAL = {"spadraw": "draw", "spavisual": "visual", "spasim": "sim"}  # names in SPACAR's manual

@@ -18,7 +18,7 @@ import click
 import spacar
 from spacar.errors import UsageError
 from spacar.modes import MODES
-from spacar_cli.command_table import COMMANDS
+from spacar_cli.command_table import COMMANDS, OF_THE_MANUAL
 from spacar_cli.environment import Environment, give_up_output, open_missing_streams
 from spacar_cli.interruption import lasting
 from spacar_cli.status import ExitStatus, tell, tell_error
@@ -69,6 +69,7 @@ class CommandGroup(click.Group):
                 from spacar_cli.commands.run_mode import command_of_mode
 
             return with_file_names(command_of_mode(cmd_name))
+        cmd_name = OF_THE_MANUAL.get(cmd_name, cmd_name)
         if cmd_name not in COMMANDS:
             return None
         with without_collection():
@@ -87,10 +88,10 @@ class CommandGroup(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         word = args[0]
-        if not MODE.fullmatch(word) and word not in COMMANDS:
+        if not MODE.fullmatch(word) and word not in COMMANDS | OF_THE_MANUAL:
             from difflib import get_close_matches
 
-            near = get_close_matches(word, COMMANDS, 1)
+            near = get_close_matches(word, COMMANDS | OF_THE_MANUAL, 1)
             hint = f"did you mean '{near[0]}'?" if near else f"the modes are {', '.join(map(str, MODES))}"
             ctx.fail(f"'{word}' is neither a mode nor a command; {hint}")
         return super().resolve_command(ctx, args)

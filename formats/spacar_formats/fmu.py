@@ -1,8 +1,8 @@
 """A mechanism as a functional mock-up unit: FMI 2.0 for co-simulation, packed by pythonfmu (extra `fmu`).
 
-The unit holds the input file (and NAME.py with its user functions), a list of its signals, and the fixed script
-fmu_slave.py, which runs the mechanism by the spacar of the Python that opens it: that Python needs spacar installed
-(needsExecutionTool). Variables have the names of the signals with '_' for what FMI does not allow.
+The unit holds the input file, the files of functions that USERSIG, USERINP and USERTRAJ name, a list of its signals,
+and the fixed script fmu_slave.py, which runs the mechanism by the spacar of the Python that opens it: that Python needs
+spacar installed (needsExecutionTool). Variables have the names of the signals with '_' for what FMI does not allow.
 """
 
 from __future__ import annotations
@@ -11,14 +11,20 @@ import json
 import re
 import shutil
 import tempfile
+import zipfile
 from collections.abc import Sequence
 from pathlib import Path
+from xml.etree import ElementTree
 
 from spacar.errors import AnalysisError, UsageError
-from spacar.simulation.plant import Spasim
+from spacar.expressions import unit_text
+from spacar.mechanism.user_files import STATEMENTS, function_file
+from spacar.simulation.plant import QUANTITY, Spasim
 from spacar_formats.safety import replacing
+from spacar_formats.tables import dimensions_of, owners
 
 SCRIPT = "fmu_slave.py"
+DESCRIPTION = "modelDescription.xml"
 
 
 def export_fmu(model: Path, target: Path, rtol: float = 1e-6, atol: float = 1e-8) -> Spasim:
@@ -44,8 +50,8 @@ def export_fmu(model: Path, target: Path, rtol: float = 1e-6, atol: float = 1e-8
         files = [place / "plant.json", place / model.name]
         files[0].write_text(json.dumps(words), encoding="utf-8")
         shutil.copyfile(model, files[1])
-        functions = model.with_suffix(".py")
-        if functions.is_file():
+        deck = plant.mechanism.deck
+        for functions in dict.fromkeys(function_file(deck, s) for s in deck.of(*STATEMENTS)):
             files.append(place / functions.name)
             shutil.copyfile(functions, files[-1])
         script = place / SCRIPT
@@ -55,9 +61,40 @@ def export_fmu(model: Path, target: Path, rtol: float = 1e-6, atol: float = 1e-8
         except Exception as cause:  # whatever stops pythonfmu is one error here
             text = f"pythonfmu could not pack {target.name}: {type(cause).__name__}: {cause}"
             raise AnalysisError(text, "fmu.build") from cause
+        _with_units(made, dict(zip(words["inputs"] + words["outputs"], units(plant), strict=True)))
         with replacing(target) as side:
             shutil.copyfile(made, side)
     return plant
+
+
+def units(plant: Spasim) -> list[str]:
+    """Units of the inputs, then of the outputs; empty for a pure number."""
+    n, known = plant.numbering, dimensions_of(plant.mechanism)
+    x, e = owners(n.lnp, n.nx), owners(n.le, n.ne)
+    names = {kind: ("x", "xd", "xdd")[k] if "X" in kind else ("e", "ed", "edd")[k] for kind, k in QUANTITY.items()}
+    names |= {"INPUTS": "sig", "INPUTF": "fx"}
+    signals = (*plant.u_signals, *plant.y_signals)
+    return [unit_text(known(names[s.kind], (e if names[s.kind][0] in "es" else x)[s.index])) for s in signals]
+
+
+def _with_units(unit: Path, texts: dict[str, str]) -> None:
+    """Write units into the description of a unit, which pythonfmu leaves out."""
+    with zipfile.ZipFile(unit) as packed:
+        content = {name: packed.read(name) for name in packed.namelist()}
+    root = ElementTree.fromstring(content[DESCRIPTION])
+    definitions = ElementTree.Element("UnitDefinitions")
+    for text in sorted(set(filter(None, texts.values()))):
+        ElementTree.SubElement(definitions, "Unit", name=text)
+    kinds = [child.tag for child in root]
+    root.insert(1 + max(k for k, tag in enumerate(kinds) if tag in ("ModelExchange", "CoSimulation")), definitions)
+    for variable in root.iter("ScalarVariable"):
+        real, text = variable.find("Real"), texts.get(variable.get("name", ""), "")
+        if real is not None and text:
+            real.set("unit", text)
+    content[DESCRIPTION] = ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)
+    with zipfile.ZipFile(unit, "w", zipfile.ZIP_DEFLATED) as packed:
+        for name, data in content.items():
+            packed.writestr(name, data)
 
 
 def identifier(text: str) -> str:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
+    from spacar.mechanism import Mechanism
     from spacar.simulation.response import Response
 
 MATRICES = ("m0", "c0", "d0", "k0", "n0", "g0")
@@ -107,11 +108,16 @@ def missing(call: str, package: str) -> str:
 
 def dimensions(result: Result) -> Dimensions:
     """The units of the variables of a result."""
-    numbering, deck = result.mechanism.numbering, result.mechanism.deck
+    return dimensions_of(result.mechanism, find_mode(result.mode).stationary)
+
+
+def dimensions_of(mechanism: Mechanism, stationary: bool = False) -> Dimensions:
+    """The same of a mechanism."""
+    numbering, deck = mechanism.numbering, mechanism.deck
     positions = frozenset(k for k, kind in numbering.kind.items() if kind == "position")
     elements = {number: keyword for number, keyword, _ in element_list(deck)}
     keywords = [elements.get(number, "") for number in range(1, max(elements, default=0) + 1)]
-    return Dimensions(numbering.planar, find_mode(result.mode).stationary, positions, keywords)
+    return Dimensions(numbering.planar, stationary, positions, keywords)
 
 
 def variables(result: Result) -> Iterator[tuple[str, list[tuple[int, int]], Array]]:

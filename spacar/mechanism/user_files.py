@@ -9,6 +9,7 @@ the very same bytes at the same place are not compiled again. They are executed 
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
@@ -35,8 +36,22 @@ def function_file(deck: Deck, statement: Statement) -> Path:
             return path
     text = f"the function file {name}.py was not found in {folder.resolve()}"
     if (folder / f"{name}.m").exists():
-        text += f"; {name}.m is there: write it in Python (`spacar keywords {statement.keyword}`)"
+        text += f"; {name}.m is there: write it in Python{_head(folder / f'{name}.m')}"
+        text += f" (`spacar keywords {statement.keyword}`)"
     raise _refusal(deck, statement, text)
+
+
+def _head(path: Path) -> str:
+    """The head of an M-file, and its end, as Python has them; nothing where there is none."""
+    try:
+        text = path.read_text("utf-8", "replace")
+    except OSError:
+        return ""
+    found = re.search(r"^\s*function\s+\[?([\w\s,]+?)\]?\s*=\s*(\w+)\s*\(([\w\s,~]*)\)", text, re.MULTILINE)
+    if found is None:
+        return ""
+    results, arguments = (", ".join(re.findall(r"\w+", part)) for part in found.group(1, 3))
+    return f": `def {path.stem}({arguments}):` and at its end `return {results}`, indices from 0"
 
 
 def listed_functions(deck: Deck) -> list[Message]:

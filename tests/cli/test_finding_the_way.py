@@ -204,3 +204,10 @@ def test_check_reads_standard_input():
     status, _, wrong = call("check", "-", stdin="X 1 a\n")
     assert status == 2
     assert "stdin:1: X 1: second argument 'a' is not a number" in wrong
+
+
+@pytest.mark.parametrize(("name", "command"), [("spadraw", "draw"), ("spavisual", "visual"), ("spasim", "sim")])
+def test_names_of_the_manual(name, command):
+    """The same command, with its own name in the usage, and a hint for slips."""
+    assert call(name, "--help")[1].replace(name, command) == call(command, "--help")[1].replace(name, command)
+    assert f"did you mean '{name}'" in call(f"{name}l", "x")[2]

@@ -21,11 +21,11 @@ CHECK = r"out.values(end + 1) = \1; out.expected(end + 1) = \2;"
 def test_the_page(tmp_path, monkeypatch):
     """Printed numbers to their last digit."""
     need("octave-cli")
-    for name in ("plbeam5", "robotinv", "robotinvlin"):
+    for name in ("plbeam5", "robotinv", "robotinvlin", "massspring"):
         shutil.copy(DATA / f"{name}.dat", tmp_path)
     text = "\n".join(block.text for block in blocks(PAGE) if block.language == "matlab")
     monkeypatch.setenv("SPACAR_COMMAND", str(PROGRAM))
     script = "out.values = []; out.expected = [];\n" + VALUE.sub(CHECK, text)
     done = run_octave(script, tmp_path, FOLDER)
-    assert len(done["values"]) == 8
+    assert len(done["values"]) == 10
     assert abs(done["values"] - done["expected"]).max() < 5e-5

@@ -65,6 +65,52 @@ def test_a_unit_in_fmpy(tmp_path, monkeypatch):
     np.testing.assert_allclose(found["OUTX_node_8_x"], ours["plant:10"][:, 0], rtol=0, atol=1e-9)
 
 
+USER = """PLBEAM 1 1 2 3 4
+X 3 1. 0.
+FIX 1
+FIX 2
+DYNE 1 2 3
+END
+HALT
+EM 1 1.
+ESTIFF 1 1e5 10.
+USERSIG push
+TIMESTEP 0.1 2
+END
+HALT
+INPUTF 1 3 2
+OUTX 1 3 2
+OUTXP 2 4 1
+END
+END
+"""
+
+
+def test_a_unit_with_a_user_function(tmp_path, monkeypatch):
+    """The function pushes as the input does: half of the force each gives the motion of the whole force."""
+    pytest.importorskip("pythonfmu", reason="pythonfmu is not installed")
+    fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.dat").write_text(USER)
+    found = []
+    for force, given in ((0.5, 0.5), (0.0, 1.0)):
+        (tmp_path / "push.py").write_text(f"def push(t, *rest):\n    return t, [], [[3, 2, {force}]]\n")
+        assert main(["fmu", "a", "-o", f"{tmp_path}/b{force:.0f}{given:.0f}.fmu"]) == 0
+        name = f"b{force:.0f}{given:.0f}.fmu"
+        about = fmpy.read_model_description(name)
+        (tmp_path / "push.py").unlink()  # the unit has its own
+        units = {v.name: v.unit for v in about.modelVariables}
+        inputs = [v.name for v in about.modelVariables if v.causality == "input"]
+        outputs = [v.name for v in about.modelVariables if v.causality == "output"]
+        assert [units[name] for name in inputs + outputs] == ["N", "m", "rad/s"]
+        signals = np.array([(t, given) for t in (0.0, 1.0)], dtype=[("time", float), (inputs[0], float)])
+        options = {"stop_time": 0.05, "step_size": 0.01, "output_interval": 0.01}
+        got = fmpy.simulate_fmu(name, input=signals, output=outputs, **options)
+        found.append(got[outputs[0]])
+    assert found[0][-1] > 1e-3
+    np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-7)
+
+
 def test_without_pythonfmu(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pythonfmu", None)
     with pytest.raises(UsageError, match=r"pythonfmu is not installed: pip install 'spacar\[fmu\]'"):

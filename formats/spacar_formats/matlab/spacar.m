@@ -1,8 +1,11 @@
-function status = spacar(mode, file, cconst)
+function result = spacar(mode, file, cconst)
 % SPACAR  Run an analysis of a mechanism.
 %
-%   spacar(mode, file)
-%   status = spacar(mode, file)      status is 0; a failing analysis is an error
+%   spacar(mode, file)               typed at the prompt or in a script: the arrays of the run are in the workspace
+%   result = spacar(mode, file)      a structure with the arrays
+%
+% The arrays (x, xd, e, sig, lnp, le, time, m0, k0, ...) are those of LOADSBD and LOADSBM. Called from a function without
+% an output argument, nothing of its workspace changes. A failing analysis is an error.
 %
 % MODE: 0 check, 1 forward dynamics, 2 inverse dynamics, 3 linearization along the result of mode 2, 4 forward
 % dynamics with linearization, 7 eigenvalues, 8 buckling, 9 state space, 10 both 7 and 8. A minus sign means
@@ -26,5 +29,17 @@ function status = spacar(mode, file, cconst)
   if nargin > 2 && ~isempty(cconst), error('spacar:arguments', 'the third argument CCONST is not supported'); end
   [message, identifier] = spacar_engine(mode, file);
   if ~isempty(message), error(identifier, '%s', message); end
-  if nargout > 0, status = 0; end
+  if nargout > 0, result = spacar_results(mode, file); return, end
+  marker = 'spacar_is_called_from_here';  % seen by the caller only where it is the prompt, or a script that runs there
+  assignin('base', marker, true);
+  typed = evalin('caller', sprintf('exist(''%s'', ''var'')', marker)) == 1;
+  evalin('base', ['clear ', marker]);
+  if ~typed, return, end
+  data = spacar_results(mode, file);
+  names = fieldnames(data);
+  try
+    for k = 1:numel(names), assignin('base', names{k}, data.(names{k})); end
+  catch
+    warning('spacar:workspace', 'variables cannot be added to this workspace: write result = spacar(mode, file)');
+  end
 end

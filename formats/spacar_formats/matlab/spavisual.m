@@ -2,6 +2,7 @@ function handle = spavisual(file, picture)
 % SPAVISUAL  Draw the mechanism of a .sbd result: the elements at the first step in grey, at the last step in blue.
 %
 %   handle = spavisual(file)
+%   handle = spavisual(file, mode)       also what the program draws of a run in this mode (7 vibration, 8 buckling modes, ...)
 %   handle = spavisual(file, picture)    also a picture made by the program: name of a .png, .svg or .pdf file
 %
 % MATLAB: handle is the figure; its only child is the axes, so that handle.Children.XLabel.String = 'x' works.
@@ -12,7 +13,11 @@ function handle = spavisual(file, picture)
   m = mechanism_tables(file);
   lines = mechanism_lines(m, m.x(:, end));
   [figure_, ~, ~] = mechanism_figure(m, lines);
-  if nargin > 1, call_spacar({'draw', m.file, '--output', full_name(picture)}); end
+  if nargin > 1 && isnumeric(picture)
+    fprintf('%s\n', call_spacar({'visual', m.file, sprintf('%d', abs(picture))}));
+  elseif nargin > 1
+    call_spacar({'draw', m.file, '--output', full_name(picture)});
+  end
   if nargout == 0, return, end
   if exist('OCTAVE_VERSION', 'builtin')
     label = struct('String', '');
