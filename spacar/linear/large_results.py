@@ -43,5 +43,5 @@ def buckling_motions(modes: BucklingModes, nx: int) -> dict[str, Array]:
 
 def _entries(rows: Index, columns: Index, values: Array, n: int) -> Array:
     """Row, column, sum of the values, by columns; entries that happen to be zero stay."""
-    places, slot = np.unique(columns * n + rows, return_inverse=True)
+    places, slot = np.unique(columns.astype(np.int64) * n + rows, return_inverse=True)
     return np.column_stack((places % n + 1.0, places // n + 1.0, np.bincount(slot.ravel(), values, len(places))))

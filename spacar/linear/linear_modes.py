@@ -63,6 +63,7 @@ def eigenvalues(run: Run) -> Iterator[Sequence[Frame]]:
     for solution in stationary(run):
         _say_doubtful_inertia(run, solution)
         _store_vibration(run, solution)
+        _store_tangent(solution)
         yield (solution.frame,)
 
 
@@ -70,6 +71,7 @@ def buckling(run: Run) -> Iterator[Sequence[Frame]]:
     """Mode 8: stationary solution, load multipliers, buckling modes, directional compliances."""
     for solution in stationary(run):
         _store_buckling(run, solution)
+        _store_tangent(solution)
         yield (solution.frame,)
 
 
@@ -79,6 +81,7 @@ def vibration_and_buckling(run: Run) -> Iterator[Sequence[Frame]]:
         _say_doubtful_inertia(run, solution)
         _store_vibration(run, solution)
         _store_buckling(run, solution, required=False)
+        _store_tangent(solution)
         yield (solution.frame,)
 
 
@@ -180,8 +183,6 @@ def stationary(
         if reduced or singular:
             tangent = solver.sparse_tangent()
             tangent.sigma = state.sigma
-            if reduced:
-                frame.matrices.update(sparse_matrices(tangent))
             yield LinearizedSolution(frame, dynamics, None, tangent, wanted, reduced, condition)
             continue
         L = linearize(dynamics, state.xdd, state.sigma) if about is None else about.linearization()
@@ -265,12 +266,20 @@ def _store_matrices(frame: Frame, L: Linearization, dynamics: Dynamics) -> None:
             frame.matrices[name] = A if whole else selected(A, rows, columns)
 
 
+def _store_tangent(solution: LinearizedSolution) -> None:
+    """What takes the place of the reduced matrices of a large model, last: it is as large as the factors."""
+    if solution.reduced and solution.tangent is not None:
+        solution.frame.matrices.update(sparse_matrices(solution.tangent))
+
+
 def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
     if not run.mechanism.numbering.nddof:
         run.report.add("no dynamic degrees of freedom: there are no eigenvalues")
         return
     if solution.tangent is not None:
         modes = _sparse_vibration(run, solution.tangent, solution.wanted)
+        if solution.frame.t + 1 >= (run.n_frames or 0):
+            solution.tangent.release()  # the factors of the shift, at the last step
     else:
         assert solution.L is not None
         rows, static = chosen_rows(solution.L, solution.dynamics), run.mechanism.numbering.twist_rates

@@ -57,6 +57,7 @@ class CondensedSystem:
         self._whole = SparseSystem(n, rows, columns)
         self._entries = np.zeros(0)
         self._C: Array | None = None
+        self._pivots: Array | None = None
         self._mixed = False  # is the mixed matrix factored instead?
         self.lu: Any = None
 
@@ -65,9 +66,10 @@ class CondensedSystem:
         if np.array_equal(entries, self._entries):
             return
         self._entries, self._mixed, self._known = np.zeros(0), False, False
+        self.lu = None  # before the next one is made
         A = self._whole.assembled(entries)
         self.A = csr_array(A)
-        self.sizes = abs(self.A)
+        self.sizes = csr_array((np.abs(self.A.data), self.A.indices, self.A.indptr), self.A.shape)
         try:
             self._condense(A)
         except RuntimeError:  # a pivot is zero, or rows were exchanged
@@ -91,8 +93,7 @@ class CondensedSystem:
         self._K = csr_array(K + self._V.T @ self._SV)
         self._bases(csr_array(V[self._constraints]))
         self.R = csr_array(self._NT @ self._K @ self.N)
-        self.lu = _factors(self.R)
-        self.pivots = self.lu.U.diagonal()
+        self._pivots, self.lu = None, _factors(self.R)
 
     def _split(self, V: Any, C: Any, K: Any) -> None:
         """Which rows are elastic, and which constraints, in groups that share unknowns, have a basis."""
@@ -153,6 +154,13 @@ class CondensedSystem:
         self.N = _assembled(parts, (self.nf, first + len(rest)))
         self._NT = csr_array(self.N.T)
         self._G = _assembled(inverses, (self.nf, V.shape[0]))
+
+    @property
+    def pivots(self) -> Array:
+        """D. SuperLU copies its factors to show them, so they are asked for where signs are."""
+        if self._pivots is None:
+            self._pivots = self.lu.U.diagonal()
+        return self._pivots
 
     # -- solutions --------------------------------------------------------------------------------------------------
     def solve(self, b: Array) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_matrix
+from scipy.sparse import csc_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
 from spacar.arrays import Array, Index
@@ -19,10 +19,15 @@ class SparseSystem:
 
     def __init__(self, n: int, rows: Index, columns: Index) -> None:
         self.n = n
-        keys, self.slot = np.unique(columns * n + rows, return_inverse=True)
-        self.nnz = len(keys)
-        self.indices = (keys % n).astype(np.int32)
-        self.indptr = np.searchsorted(keys // n, np.arange(n + 1)).astype(np.int32)
+        by_row = _order(rows, n)
+        order = by_row[_order(columns[by_row], n)]
+        i, j = rows[order], columns[order]
+        new = np.concatenate(([True], (i[1:] != i[:-1]) | (j[1:] != j[:-1])))[: len(order)]
+        self.slot = np.empty(len(order), np.int32)
+        self.slot[order] = np.cumsum(new, dtype=np.int32) - 1
+        self.nnz = int(np.count_nonzero(new))
+        self.indices = i[new].astype(np.int32)
+        self.indptr = np.concatenate(([0], np.cumsum(np.bincount(j[new], minlength=n)))).astype(np.int32)
 
     def assembled(self, entries: Array) -> Any:
         """The matrix, in compressed columns."""
@@ -47,6 +52,14 @@ class SparseSystem:
     def determinant_sign(self) -> float:
         negative = int(np.sum(self.lu.U.diagonal() < 0.0))
         return parity(self.lu.perm_r) * parity(self.lu.perm_c) * (-1.0 if negative % 2 else 1.0)
+
+
+def _order(keys: Index, n: int) -> Index:
+    """The stable order of keys below n, with a third of the memory that sorting them takes: a matrix with one entry a
+    row, by columns."""
+    m = len(keys)
+    rows = csr_matrix((np.ones(m, np.int8), keys.astype(np.int32), np.arange(m + 1, dtype=np.int32)), (m, n))
+    return np.asarray(rows.tocsc().indices)
 
 
 def sparse_factors(A: Any) -> Any:

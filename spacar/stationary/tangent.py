@@ -99,7 +99,7 @@ class SparseTangent:
             "flow": TangentTerm(self.place, lambda: _square(loaded), lambda: self._inertia(loaded, 1)),
         }
         self.ne = n.ne
-        self._patterns: dict[tuple[str, ...], tuple[Index, Index]] = {}
+        self._patterns: dict[tuple[str, ...], tuple[Any, Any]] = {}
         self._systems: dict[tuple[str, ...], LinearSystem] = {}
         self._constant: dict[tuple[float, float], tuple[Array, Array, float]] = {}
 
@@ -134,14 +134,14 @@ class SparseTangent:
         return system
 
     def pattern(self, names: tuple[str, ...]) -> tuple[Index, Index]:
-        """Rows and columns of the entries, unknowns x_F first, then sigma / size."""
+        """Rows and columns of the entries, unknowns x_F first, then sigma / size; 32 bits, as there are many."""
         if names not in self._patterns:
             i, j = self.nf + self.dynamics.sweep.v_rows[self._v], self.place[self.dynamics.sweep.v_columns[self._v]]
             a, b = self.nf + self.flexibility.rows, self.nf + self.flexibility.columns
             c = self.nf + self.flexibility.rigid
-            rows = np.concatenate([self.parts[k].rows for k in names] + [i, j, a, c])
-            columns = np.concatenate([self.parts[k].columns for k in names] + [j, i, b, c])
-            self._patterns[names] = rows, columns
+            rows = [self.parts[k].rows for k in names] + [i, j, a, c]
+            columns = [self.parts[k].columns for k in names] + [j, i, b, c]
+            self._patterns[names] = np.concatenate(rows, dtype=np.int32), np.concatenate(columns, dtype=np.int32)
         return self._patterns[names]
 
     def _system(self, names: tuple[str, ...]) -> LinearSystem:
@@ -149,6 +149,11 @@ class SparseTangent:
             kind = next((s.kind for s in self._systems.values()), None)  # one kind for all
             self._systems[names] = assemble(self.nf + self.ne, *self.pattern(names), kind, self.nf)
         return self._systems[names]
+
+    def release(self) -> None:
+        """Forget all systems but the static one, which Newton's iteration goes on with."""
+        for names in [names for names in self._systems if names != tuple(STATIC)]:
+            del self._systems[names], self._patterns[names]
 
     def entries(self, weights: dict[str, float], stiffness: float = 1.0, damping: float = 0.0) -> tuple[Array, float]:
         """Entries at the present configuration, and the typical stiffness by which the rows of e are multiplied."""
