@@ -6,10 +6,13 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from spacar_drawing.defaults import plain
+
 if TYPE_CHECKING:
     from spacar.symbolic.simulated_motion import SimulatedMotion
 
 
+@plain
 def plot(run: SimulatedMotion, names: Iterable[str] | None = None, labels: dict[str, str] | None = None) -> list[Any]:
     """One matplotlib figure for every name (default: coordinates that are not field amplitudes, and outputs)."""
     from matplotlib.figure import Figure

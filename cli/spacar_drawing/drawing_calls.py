@@ -18,6 +18,7 @@ from spacar.errors import UsageError
 from spacar.mechanism.user_files import without_functions
 from spacar.result import Result
 from spacar.sources import Source, deck_of, has_interval
+from spacar_drawing.defaults import plain
 from spacar_drawing.files import FILM_DPI, film, save
 from spacar_drawing.mechanism_picture import Extras
 from spacar_drawing.picture_source import PictureSource, open_source, source_of_result
@@ -60,6 +61,7 @@ def source_of(given: Result | Source, at_rest: bool = False) -> PictureSource:
     return source_of_result(run(1 if has_interval(deck) else 7, deck))
 
 
+@plain
 def draw(
     result: Result | Source, path: str | Path | None = None, *, steps: str | int | None = None,
     strobe: int | None = None,
@@ -143,6 +145,7 @@ def view(
     return page
 
 
+@plain
 def plot(
     result: Result | Source, *expressions: str, path: str | Path | None = None, against: str = "t",
     title: str | None = None, dpi: float = DPI,
@@ -203,6 +206,7 @@ def flexure_page(
     return text
 
 
+@plain
 def flexure_plot(
     study: Flexure, path: str | Path | None = None, *, body: bool = False, dpi: float = DPI
 ) -> Figure:
@@ -224,6 +228,7 @@ def inline_model(model: Source) -> str:
     return inline_picture(run(0, without_functions(deck_of(model, 0))))
 
 
+@plain
 def inline_picture(result: Result) -> str:
     """The first step, or the last load step, as an HTML image that holds its data."""
     data = BytesIO()

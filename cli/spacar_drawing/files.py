@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from spacar_formats.safety import replacing
 
 from spacar.errors import AnalysisError, UsageError
+from spacar_drawing.defaults import plain
 from spacar_drawing.moving_figure import MovingFigure, Pictures
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ def check_name(path: Path, film: bool = True) -> str:
     return ending
 
 
+@plain
 def save(figure: Figure, path: Path, dpi: float = 150.0) -> None:
     """Write a figure as png, svg or pdf; the same figure gives the same bytes. Raises UsageError."""
     import matplotlib
@@ -52,6 +54,7 @@ def save(figure: Figure, path: Path, dpi: float = 150.0) -> None:
         side.write_bytes(picture.getvalue())
 
 
+@plain
 def film(
     moving: MovingFigure, pictures: Pictures, count: int, path: Path, fps: float, dpi: float, tick: Tick | None = None
 ) -> None:

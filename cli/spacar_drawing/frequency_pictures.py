@@ -9,6 +9,7 @@ import numpy as np
 from spacar_formats.vibration import without_rounding
 
 from spacar.errors import escaped
+from spacar_drawing.defaults import plain
 from spacar_drawing.history import COLOURS
 from spacar_drawing.stage import INK, RULE
 
@@ -24,6 +25,7 @@ NAMES_A_ROW = 4  # of the legend of more
 STYLES = ("-", "--", ":", "-.")
 
 
+@plain
 def root_figure(steps: Sequence[Vibration], across: np.ndarray, text: str, title: str) -> Figure:
     """Frequencies over `across` (a Campbell diagram when that is a speed), and the root locus, darker with the step."""
     from matplotlib import colormaps
@@ -48,6 +50,7 @@ def root_figure(steps: Sequence[Vibration], across: np.ndarray, text: str, title
     return figure
 
 
+@plain
 def bode_figure(
     system: StateSpaceStep | SparseStep, omega: np.ndarray, response: np.ndarray, pairs: Sequence[tuple[int, int]],
     title: str,

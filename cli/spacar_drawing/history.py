@@ -12,6 +12,7 @@ import numpy as np
 from spacar.errors import escaped
 from spacar.expressions import MEANING, unit_text
 from spacar_drawing.curves import Curve
+from spacar_drawing.defaults import plain
 from spacar_drawing.stage import INK, RULE
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ def panel_text(group: Sequence[Curve]) -> str:
     return f"{name} ({text})" if text else name
 
 
+@plain
 def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", stationary: bool = False) -> Figure:
     """Panels above each other with a common horizontal axis."""
     from spacar_drawing.shown_figure import ShownFigure

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spacar.arrays import Array
+from spacar_drawing.defaults import plain
 from spacar_drawing.drawn_shapes import Colour, Line, Shape
 from spacar_drawing.look import DRIVE, GHOST, Look, look_of
 from spacar_drawing.mechanism_picture import (
@@ -52,6 +53,7 @@ def mode_look(scene: Scene, x: Array, settings: PictureSettings, whole_period: A
     return replace(look_of(scene, x[None], settings), ranges=look_of(scene, whole_period, settings).ranges)
 
 
+@plain
 def mode_still(
     scene: Scene, x: Array, settings: PictureSettings, extras: Extras, mode: ModeShape, factor: float, rest: bool
 ) -> Figure:
@@ -85,6 +87,7 @@ def mode_pictures(
     return picture, bounds
 
 
+@plain
 def constraint_still(
     scene: Scene, x: Array, settings: PictureSettings, extras: Extras, found: Redundancy, extent: float
 ) -> Figure:

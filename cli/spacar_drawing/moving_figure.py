@@ -10,6 +10,7 @@ import numpy as np
 
 from spacar.errors import escaped
 from spacar_drawing.camera import Camera
+from spacar_drawing.defaults import plain
 from spacar_drawing.drawn_shapes import Faces, Shape
 from spacar_drawing.paint import paint, paint_labels
 from spacar_drawing.stage import new_figure
@@ -42,6 +43,7 @@ class MovingFigure:
     listens: bool = False  # to the canvas: a window that was covered or made larger is drawn by others
 
     @classmethod
+    @plain
     def create(cls, bounds: tuple[Array, Array], camera: Camera, still: Sequence[Shape] = ()) -> MovingFigure:
         figure, axes = new_figure(bounds, camera, " ")
         paint(axes, camera, still)

@@ -9,6 +9,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 import spacar
+from spacar_drawing.defaults import plain
 from spacar_drawing.report_style import STYLE
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ def html_table(rows: Sequence[Sequence[str]], head: Sequence[str] | None, klass:
     return f'<div class="scroll"><table class="{klass}">{top}<tbody>{body}</tbody></table></div>'
 
 
+@plain
 def html_figure(figure: Figure, caption: str, klass: str = "") -> str:
     """The picture as data inside the page, so that nothing else is needed."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg

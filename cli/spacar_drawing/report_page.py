@@ -13,6 +13,7 @@ import numpy as np
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import UsageError
 from spacar_drawing.curves import Curve, evaluate, in_units
+from spacar_drawing.defaults import plain
 from spacar_drawing.history import axis_text, history_figure
 from spacar_drawing.look import SYMBOL, look_of
 from spacar_drawing.mechanism_picture import Extras, draw_steps
@@ -34,6 +35,7 @@ MOST_MODES = 4
 _NAMED = (("Coordinates", "QNAME"), ("Speeds", "SNAME"), ("Inputs", "UNAME"), ("Outputs", "YNAME"))
 
 
+@plain
 def report_page(
     source: PictureSource,
     expressions: Sequence[str] = (),

@@ -12,6 +12,7 @@ from spacar.arrays import Array
 from spacar.errors import escaped
 from spacar.expressions import NONE
 from spacar_drawing.curves import Curve
+from spacar_drawing.defaults import plain
 from spacar_drawing.history import COLOURS, history_figure
 from spacar_drawing.stage import INK, RULE
 
@@ -22,6 +23,7 @@ WIDTH = 3.6  # inches of the scopes beside a mechanism
 MOST_BESIDE = 4  # panels beside a mechanism; more are too small to be read
 
 
+@plain
 def scope_figure(table: SignalTable, t: Array, panels: Sequence[Panel], title: str) -> Figure:
     """The panels above each other over time [s]."""
     curves = [

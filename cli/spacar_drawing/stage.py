@@ -10,6 +10,7 @@ from spacar.arrays import Array
 from spacar.deck.length_unit import shown_in
 from spacar.errors import escaped
 from spacar_drawing.camera import Camera
+from spacar_drawing.defaults import plain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,6 +21,7 @@ WIDTH = 7.2  # inches
 LEAST, MOST = 2.6, 6.6  # height of the axes in inches
 
 
+@plain
 def new_figure(
     bounds: tuple[Array, Array], camera: Camera, title: str = "", width: float = WIDTH
 ) -> tuple[Figure, Axes]:

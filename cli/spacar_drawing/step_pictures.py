@@ -12,6 +12,7 @@ from spacar_formats.getfrsbf import step_numbers
 from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar_drawing.camera import Camera
+from spacar_drawing.defaults import plain
 from spacar_drawing.drawn_shapes import Line, Shape, merge_bounds
 from spacar_drawing.look import GHOST, Look, look_of
 from spacar_drawing.magnified import magnified, start_of
@@ -70,6 +71,7 @@ def step_text(source: PictureSource, k: int) -> str:
     return f"{source.scene.title}   t = {t:.6g} s" if source.steps > 1 else source.scene.title
 
 
+@plain
 def picture(
     source: PictureSource, extras: Extras, numbers: Sequence[int], nodes: Sequence[int], initial: bool
 ) -> Figure:
@@ -145,6 +147,7 @@ class Series:
         shapes, title = self.pictures(i)
         return [*self.still, *shapes], title
 
+    @plain
     def moving(self) -> MovingFigure:
         """A figure for them, with what stays already in it."""
         moving = MovingFigure.create(self.bounds, self.camera, self.still)

@@ -11,6 +11,7 @@ from spacar.arrays import Array
 from spacar.deck.length_unit import shown_in
 from spacar.errors import UsageError
 from spacar_drawing.bodies import beam_lines, slender
+from spacar_drawing.defaults import plain
 from spacar_drawing.drawn_shapes import Faces, Label, Line, Shape, merge_bounds, sweep
 from spacar_drawing.look import look_of
 from spacar_drawing.mechanism_picture import Extras, camera_of, mechanism_shapes, series_bounds
@@ -59,6 +60,7 @@ def courses(scene: Scene, sig: Array, e: Array, settings: PictureSettings, quant
     return found
 
 
+@plain
 def stress_still(
     scene: Scene, x: Array, sig: Array, e: Array, settings: PictureSettings, extras: Extras, quantity: str,
     note: str = "",
@@ -91,6 +93,7 @@ def stress_still(
     return figure
 
 
+@plain
 def section_still(
     scene: Scene, x: Array, sig: Array, e: Array, settings: PictureSettings, extras: Extras, quantity: str,
     note: str = "",
@@ -157,6 +160,7 @@ def _across(contour: Array) -> Array:
     return np.stack((width, np.zeros(17)), axis=1)
 
 
+@plain
 def diagram_still(
     scene: Scene, x: Array, sig: Array, e: Array, settings: PictureSettings, extras: Extras, quantity: str,
     note: str = "",

@@ -13,6 +13,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.deck.length_unit import shown_in
 from spacar.errors import UsageError
+from spacar_drawing.defaults import plain
 from spacar_drawing.history import COLOURS
 from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.sections import inside, moments, outline
@@ -76,6 +77,7 @@ def section_stress(source: PictureSource, step: int, element: int, xi: float) ->
     return SectionStress(section, part_of(every, slice(i, i + 1)), step, element, i / (PLACES - 1))
 
 
+@plain
 def section_figure(found: SectionStress, quantity: str, metre: float, title: str) -> Figure:
     """The section coloured by a stress, and its course over the height (z' at y' = 0) and the width (y' at z' = 0)."""
     from spacar_drawing.shown_figure import ShownFigure

@@ -12,6 +12,7 @@ from spacar.expressions import Unit, unit_text
 from spacar.stroke import Flexure
 from spacar.stroke.flexure_results import Column
 from spacar_drawing.curves import Curve
+from spacar_drawing.defaults import plain
 from spacar_drawing.history import history_figure, panels
 from spacar_drawing.stage import INK
 from spacar_drawing.stroke_tables import MOST_FREQUENCIES, matters, shown_column
@@ -21,11 +22,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+@plain
 def force_figure(study: Flexure) -> Figure:
     """Actuator force, drive stiffness, strain energy."""
     return _figure(study, _named(study, ("force", "drive_stiffness", "energy")))
 
 
+@plain
 def error_figure(study: Flexure) -> Figure | None:
     """Deviation from the line and rotations, or pivot shift and tilt; None when there is no error at all."""
     kinds = ("pivot_", "tilt_") if study.errors.turning else ("line_", "rotation_")
@@ -33,6 +36,7 @@ def error_figure(study: Flexure) -> Figure | None:
     return _figure(study, chosen) if chosen else None
 
 
+@plain
 def stiffness_figure(study: Flexure, body: bool = False) -> Figure | None:
     """Support stiffness with logarithmic scales, and what remains of it in %; None when all is rigid."""
     by_name = {c.name: c for c in study.columns(body)}
@@ -47,6 +51,7 @@ def stiffness_figure(study: Flexure, body: bool = False) -> Figure | None:
     return figure
 
 
+@plain
 def frequency_figure(study: Flexure) -> Figure | None:
     """First frequencies with the drive locked, that of the drive, load multipliers, stress; None without any."""
     names = [f"f_{i}" for i in range(1, 1 + min(MOST_FREQUENCIES, study.frequencies.shape[1]))]
@@ -62,6 +67,7 @@ def frequency_figure(study: Flexure) -> Figure | None:
     return figure
 
 
+@plain
 def overview_figure(study: Flexure, body: bool = False) -> Figure:
     """What is left of the support stiffness, the error motions, first frequencies, and the largest stress."""
     by_name = {c.name: c for c in study.columns(body)}
@@ -73,6 +79,7 @@ def overview_figure(study: Flexure, body: bool = False) -> Figure:
     return _figure(study, [*left, *errors, *rest] or [by_name["force"]])
 
 
+@plain
 def all_figures(study: Flexure, body: bool = False) -> list[tuple[Figure, str]]:
     """Every figure with its caption."""
     made = (
@@ -91,6 +98,7 @@ def _named(study: Flexure, names: Sequence[str]) -> list[Column]:
     return [by_name[name] for name in names]
 
 
+@plain
 def _figure(study: Flexure, columns: Sequence[Column]) -> Figure:
     """A panel for every unit; columns of one kind ("support stiffness, y") have the kind on the axis."""
     across = _curve(study, _named(study, ("stroke",))[0])

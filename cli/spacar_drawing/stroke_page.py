@@ -8,6 +8,7 @@ import numpy as np
 
 from spacar.stroke import Flexure
 from spacar.stroke.flexure_results import Column
+from spacar_drawing.defaults import plain
 from spacar_drawing.mechanism_picture import Extras
 from spacar_drawing.moving_figure import evenly
 from spacar_drawing.page_parts import html_figure, html_table, page
@@ -21,6 +22,7 @@ SHOWN = 5  # states in the picture over the stroke
 FLAT = 0.02  # of the largest displacement: a motion in a coordinate plane
 
 
+@plain
 def stroke_page(study: Flexure, view: str | None = None, body: bool = False) -> str:
     """The page as text. `view` of spatial pictures (None: the plane of the motion, iso for stresses); `body`: stiffness
     along axes of the node."""

@@ -10,6 +10,7 @@ import numpy as np
 from spacar_formats.signal_tables import panels_by_quantity, table_of
 
 from spacar.errors import UsageError, escaped
+from spacar_drawing.defaults import plain
 from spacar_drawing.files import save
 from spacar_drawing.history import COLOURS
 from spacar_drawing.scope_panels import scope_figure
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from spacar.studies.study_answers import SweepRows, TradeAnswer
 
 
+@plain
 def sweep_plot(
     rows: SweepRows, names: Sequence[str] = (), path: str | Path | None = None, *, against: str | None = None
 ) -> Figure:
@@ -55,6 +57,7 @@ def sweep_plot(
     return _written(figure, path)
 
 
+@plain
 def trade_plot(answer: TradeAnswer, path: str | Path | None = None) -> Figure:
     """The work-precision diagram."""
     shown = work_precision_figure(
@@ -63,6 +66,7 @@ def trade_plot(answer: TradeAnswer, path: str | Path | None = None) -> Figure:
     return _written(shown, path)
 
 
+@plain
 def sensitivity_plot(found: Sensitivity, path: str | Path | None = None) -> Figure:
     """Relative changes as bars: a panel for each quantity, a bar for each parameter."""
     from spacar_drawing.shown_figure import ShownFigure
@@ -82,6 +86,7 @@ def sensitivity_plot(found: Sensitivity, path: str | Path | None = None) -> Figu
     return _written(figure, path)
 
 
+@plain
 def response_plot(response: Response, names: Sequence[str] = (), path: str | Path | None = None) -> Figure:
     """The scopes of a simulation; without one, or with names of blocks, the outputs of the blocks by quantity."""
     from spacar.simulation.plant import Spasim

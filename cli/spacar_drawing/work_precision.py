@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from spacar.errors import escaped
+from spacar_drawing.defaults import plain
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from spacar.studies.judged import Entry
 
 
+@plain
 def work_precision_figure(
     entries: Sequence[Entry], reference_error: float, target: float, stationary: bool, title: str
 ) -> Figure:
