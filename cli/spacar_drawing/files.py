@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator
@@ -20,7 +21,7 @@ from spacar_drawing.moving_figure import MovingFigure, Pictures
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-STILL, FILM = (".png", ".svg", ".pdf"), (".gif", ".mp4")
+STILL, FILM = (".png", ".svg", ".pdf", ".eps"), (".gif", ".mp4")
 FILM_DPI = 110.0  # most dots per inch of an animation
 Tick = Callable[[int], None]
 
@@ -42,16 +43,19 @@ def check_name(path: Path, film: bool = True) -> str:
 
 @plain
 def save(figure: Figure, path: Path, dpi: float = 150.0) -> None:
-    """Write a figure as png, svg or pdf; the same figure gives the same bytes. Raises UsageError."""
+    """Write a figure as png, svg, pdf or eps; the same figure gives the same bytes. Raises UsageError."""
     import matplotlib
 
     ending, picture = check_name(path, film=False), BytesIO()
     metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None, "ModDate": None}}.get(ending)
-    looks: Any = {"svg.hashsalt": "spacar", "svg.fonttype": "none", "pdf.fonttype": 42}
+    looks: Any = {"svg.hashsalt": "spacar", "svg.fonttype": "none", "pdf.fonttype": 42, "ps.fonttype": 42}
     with matplotlib.rc_context(looks):
         figure.savefig(picture, format=ending[1:], dpi=dpi, metadata=metadata)
+    data = picture.getvalue()
+    if ending == ".eps":
+        data = re.sub(rb"(?m)^%%CreationDate: .*\n", b"", data)
     with replacing(path) as side:
-        side.write_bytes(picture.getvalue())
+        side.write_bytes(data)
 
 
 @plain

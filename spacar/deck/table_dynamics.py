@@ -180,8 +180,8 @@ KEYWORDS = (
         _D,
         "fixed entry of the mass matrix for deformations",
         (
-            form((ELEMENT, MODE, real("value on the diagonal", "kg")), 3),
-            form((ELEMENT, MODE, ELEMENT, MODE, real("coupling value", "kg")), 5),
+            form((ELEMENT, MODE, real("value on the diagonal: kg, kg m or kg m^2")), 3),
+            form((ELEMENT, MODE, ELEMENT, MODE, real("coupling value: kg, kg m or kg m^2")), 5),
         ),
         unique=-1,
     ),

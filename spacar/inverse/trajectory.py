@@ -28,7 +28,6 @@ from spacar.inverse.profile import IllegalProfile, Profile, make_profile
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.lumped_inertia import symmetric
 from spacar.mechanism.mechanism import Drive, DriveState, Mechanism, Polynomial
-from spacar.mechanism.numbering import Numbering
 
 NAMES = {k.name for k in TRAJECTORIES}
 
@@ -152,6 +151,8 @@ def _user_drive(mechanism: Mechanism, statement: Statement, leg: Leg) -> Drive:
     function = load_function(mechanism.deck, statement)
     return UserDrive(function, name, mechanism.numbering, Polynomial(x, e), leg.duration / leg.steps)
 
+UNMOVED = 1e-9  # of the size: a fixed coordinate that a path names with the digits of a file
+
 
 def _leg(
     mechanism: Mechanism,
@@ -165,12 +166,12 @@ def _leg(
     values = next(s for s in statements if s.keyword == "TRTIME").values
     duration, steps = float(values[0]), int(np.prod([int(v) for v in values[1:]]))
     leg = Leg(number, statements, begin, duration, steps, x, e)
-    speeds = {s.integer(0): s for s in leg.of("TRVMAX", "TREPMAX")}
+    speeds = {(s.keyword, s.integer(0)): s for s in leg.of("TRVMAX", "TREPMAX")}
     fronts = {s.integer(0): int(s.real(1)) for s in leg.of("TRFRONT")}
     moves = []
     for s in leg.of(*PATHS):
         path = _path(mechanism, s, x, e)
-        given = speeds.get(s.integer(0))
+        given = speeds.get(("TREPMAX" if s.keyword == "TRE" else "TRVMAX", s.integer(0)))
         if path.length == 0.0 and given is not None:
             report.add(f"trajectory {number}: {s.subject} does not move, so {given.subject} is not used")
         moves.append((_profile(mechanism.deck, path.length, duration, s, given, fronts.get(s.integer(0), 0)), path))
@@ -197,7 +198,8 @@ def _path(mechanism: Mechanism, s: Statement, x: Array, e: Array) -> Path:
             if not 0 <= row < len(e):
                 raise BadPath(f"mode 1 of element {number} is not prescribed; it needs INPUTE {number} 1")
             return change(np.array([row]), e[[row]], numbers[0], True)
-        rows, components = _rows(n, number, len(x))
+        end = np.array(numbers)
+        rows, components = _rows(mechanism, number, len(x), end if s.keyword == "TRANS" else None)
         if s.keyword == "TROT":
             if n.planar:
                 return change(rows, x[rows], numbers[0], False)
@@ -208,22 +210,31 @@ def _path(mechanism: Mechanism, s: Statement, x: Array, e: Array) -> Path:
             return turn(rows, components, orientation, numbers[0], np.array(numbers[1:4]))
         size = len(rows)
         if s.keyword == "TRANS":
-            return straight(rows, x[rows], np.array(numbers[:size]))
+            return straight(rows, x[rows], end[components])
         return arc(rows, x[rows], np.array(numbers[:size]), np.array(numbers[size : 2 * size]))
     except BadPath as error:
         raise _refused(mechanism.deck, s, str(error), "input.path") from None
 
 
-def _rows(n: Numbering, node: int, n_prescribed: int) -> tuple[Index, Index]:
+def _rows(mechanism: Mechanism, node: int, n_prescribed: int, end: Array | None) -> tuple[Index, Index]:
     """Prescribed coordinates of a node: their places among all prescribed ones, and their numbers from 0.
 
-    Raises BadPath when one of the independent coordinates is not prescribed.
+    Raises BadPath when one of the independent coordinates is not prescribed; of a straight path to `end` it may be
+    fixed where the path does not change it.
     """
+    n = mechanism.numbering
     size = int(np.count_nonzero(n.lnp[node - 1]))
     rows = n.lnp[node - 1, :size] - 1 - n.x_class["input"].start
     inside = (rows >= 0) & (rows < n_prescribed)
     needed = np.ones(size, bool)
     needed[0] = size != 4
+    if end is not None:
+        at = n.lnp[node - 1, :size] - 1
+        held = at < n.x_class["fixed"].stop
+        away = held & (np.abs(end - mechanism.x0[at]) > UNMOVED * mechanism.scale[at])
+        for k in np.flatnonzero(away):
+            raise BadPath(f"coordinate {k + 1} of node {node} is fixed at {mechanism.x0[at[k]]:.9g} m: not on the path")
+        needed &= ~held
     if not inside[needed].all():
         coordinate = int(np.flatnonzero(needed & ~inside)[0]) + 1
         raise BadPath(f"coordinate {coordinate} of node {node} is not prescribed; the path needs INPUTX {node}")

@@ -51,3 +51,14 @@ def test_several_load_steps_are_no_times(result):
     bent = spacar.run(7, DATA / "plbeam5.dat")
     assert "t = " not in bent.draw(steps="all").axes[0].get_title(loc="left")
     assert "t = 0 to" in result.draw(steps="all").axes[0].get_title(loc="left")
+
+
+def test_postscript_is_the_same_every_time(tmp_path) -> None:
+    """There is no date in an .eps."""
+    result = spacar.run(1, DATA / "crank.dat")
+    for name in ("a.eps", "b.eps"):
+        result.plot("x[6,1]", path=tmp_path / name)
+    text = (tmp_path / "a.eps").read_bytes()
+    assert text.startswith(b"%!PS-Adobe-3.0 EPSF")
+    assert text.count(b"CreationDate") == 0
+    assert (tmp_path / "b.eps").read_bytes().split(b"%%EndComments")[1] == text.split(b"%%EndComments")[1]

@@ -9,7 +9,7 @@ from spacar.deck.statement import Value
 from spacar.deck.table_types import BlockKind
 from spacar.frame import Frame
 from spacar.integrators import AUTOMATIC, METHODS
-from spacar.mechanism.mechanism import Mechanism
+from spacar.mechanism.mechanism import WITH_ADDITIONAL, Mechanism
 from spacar.mechanism.numbering import Numbering
 from spacar.stream import Run
 from spacar_formats.log.model_sections import class_letters, coordinates, statements, variant_of
@@ -124,13 +124,14 @@ def integration(mechanism: Mechanism, evaluated_by: tuple[str, str] | None = Non
 def iteration(mechanism: Mechanism) -> list[str]:
     """Settings of the stationary solution (ITERSTEP)."""
     s = mechanism.settings
+    initial = s.initial_steps or (1 if s.stationary_type in WITH_ADDITIONAL else s.load_steps)
     rows: list[list[object]] = [
         ["maximum number of iterations", s.max_iterations],
         ["number of load steps", s.load_steps],
         ["error tolerance", float(s.tolerance)],
         ["load steps between stored steps", s.store_every],
         ["type of analysis", s.stationary_type],
-        ["load steps of the initial solution", s.initial_steps],
+        ["load steps of the initial solution", initial],
         ["beyond limit points", "yes" if s.follow_path else "no"],
     ]
     return [*table(["stationary solution (ITERSTEP)", "value"], rows), ""]
