@@ -19,6 +19,7 @@ import time
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import default_method
 import models
 import numpy as np
 
@@ -98,6 +99,13 @@ STIFF_ROD = models.deck(
     ["XM 2 1.", "ESTIFF 1 1e10", "GRAVITY 0. -9.81", "TIMESTEP 3. 30"],
 )  # fmt: skip
 
+# Two masses on a spring that drift with 1 km/s.
+DRIFTING = models.deck(
+    ["PLTRUSS 1 1 2", "X 2 1. 0.", "DYNX 1 1 2", "DYNX 2 1 2", "RLSE 1"],
+    ["XM 1 2.", "XM 2 1.", "ESTIFF 1 50.", "STARTDX 1 1 0. 1e3", "STARTDX 1 2 0. -1.", "STARTDX 2 1 1. 1e3",
+     "STARTDX 2 2 0. 2.", "TIMESTEP 20. 40"],
+)  # fmt: skip
+
 SCENARIOS = Path(__file__).resolve().parent / "peers" / "scenarios"
 MODELS: dict[str, str | Path | None] = {  # a path where functions of the user stand beside the file
     "oscillator, 3 periods": oscillator(3.0),
@@ -125,6 +133,10 @@ MODELS: dict[str, str | Path | None] = {  # a path where functions of the user s
     "released cantilever, 2 elements": released(2),
     "released cantilever, 4 elements": released(4),
     "pendulum on a stiff truss": STIFF_ROD,
+    "resonator of 1e-7 m": default_method.damper(0.0, 2.3, k=4e-2 * np.pi**2, start=1e-7).replace("X 2 1.", "X 2 0.01"),
+    "stiff damper 1e8": default_method.damper(1e8, 1e8),
+    "drifting masses": DRIFTING,
+    "pulse that nobody declares": SCENARIOS / "pulse.dat",
     "S4": SCENARIOS / "S4.dat",
     **dict.fromkeys(("S1a", "S1b", "S3a", "S4c"), None),
     **{name: models.example(name) for name in ("cardan", "cardansimp", "crank", "crank2", "slider")},
