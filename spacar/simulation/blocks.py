@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from copy import deepcopy
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,17 @@ from spacar.arrays import Array
 from spacar.errors import BY_USERS, AnalysisError, UsageError
 
 NONE: Array = np.zeros(0)
+
+
+class Affine(NamedTuple):
+    """x' = A x + B u + a, y = C x + D u + c."""
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+    a: Array
+    c: Array
 
 
 class Block:
@@ -85,6 +96,10 @@ class Block:
     def derivative(self, t: float, x: Array, u: Array) -> Array:
         """Rates of the continuous states, (n_states,)."""
         return NONE
+
+    def affine(self) -> Affine | None:
+        """The block in its present mode, where that is affine with constants; else None."""
+        return None
 
     def events(self, t: float, x: Array, u: Array) -> Array:
         """(n_events,) functions that are not negative as long as the present mode holds."""
@@ -236,6 +251,14 @@ class Gain(Block):
     def outputs(self, t: float, x: Array, u: Array) -> Array:
         return np.asarray(self.K @ u)
 
+    def affine(self) -> Affine:
+        return without_states(self.K, np.zeros(self.n_out))
+
+
+def without_states(D: Array, c: Array) -> Affine:
+    """y = D u + c."""
+    return Affine(np.zeros((0, 0)), np.zeros((0, D.shape[1])), np.zeros((len(D), 0)), D, NONE, c)
+
 
 def proportional_derivative(name: str, size: int, omega: float, damping: float) -> Gain:
     """y = omega^2 u[:size] + 2 damping omega u[size:]: PD control of `size` errors followed by their rates.
@@ -270,6 +293,10 @@ class Linear(Continuous):
             raise UsageError(f"{name}: the shapes of A, B, C, D do not fit together: {shapes}", "simulation.size")
         start = [0.0] * n if x0 is None else x0
         super().__init__(name, lambda t, x, u: A @ x + B @ u, lambda t, x, u: C @ x + D @ u, start, m, p, bool(D.any()))
+        self._affine = Affine(A, B, C, D, np.zeros(n), np.zeros(p))
+
+    def affine(self) -> Affine:
+        return self._affine
 
 
 class Scope(Block):

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
-from spacar.simulation.blocks import Block, Linear
+from spacar.simulation.blocks import Affine, Block, Linear
 from spacar.simulation.switching_blocks import Numbers, limits, region, region_margins
 
 ANTI_WINDUP = ("back-calculation", "clamping", "none")
@@ -80,6 +80,11 @@ class Integrator(Block):
     def derivative(self, t: float, x: Array, u: Array) -> Array:
         return np.where(self.mode == 0, self.gain * u, 0.0)
 
+    def affine(self) -> Affine:
+        free, zero = np.diag((self.mode == 0).astype(float)), np.zeros((self.n_out, self.n_out))
+        limit = np.where(self.mode > 0, self.upper, np.where(self.mode < 0, self.lower, 0.0))
+        return Affine(zero, free * self.gain, free, zero, np.zeros(self.n_out), limit)
+
     def events(self, t: float, x: Array, u: Array) -> Array:
         rate = self.gain * u
         free = np.minimum(np.maximum(self.upper - x, -rate), np.maximum(x - self.lower, rate))
@@ -125,6 +130,12 @@ class RateLimiter(Block):
     def derivative(self, t: float, x: Array, u: Array) -> Array:
         free = self.bandwidth * (u - x)
         return np.where(self.mode > 0, self.fastest, np.where(self.mode < 0, self.slowest, free))
+
+    def affine(self) -> Affine:
+        one, zero = np.eye(self.n_out), np.zeros((self.n_out, self.n_out))
+        slope = self.bandwidth * np.diag((self.mode == 0).astype(float))
+        rate = np.where(self.mode > 0, self.fastest, np.where(self.mode < 0, self.slowest, 0.0))
+        return Affine(-slope, slope, one, zero, rate, np.zeros(self.n_out))
 
     def events(self, t: float, x: Array, u: Array) -> Array:
         return region_margins(self.mode, self.bandwidth * (u - x), self.slowest, self.fastest)
@@ -179,6 +190,19 @@ class PID(Block):
         v = self.unlimited(x, u)
         rate = np.where(self.held, 0.0, self.ki * u) + self.tracking * (self._limited(v) - v)
         return np.concatenate((rate, self.N * (u - x[self.n_out :]))) if self.kd.any() else rate
+
+    def affine(self) -> Affine:
+        free, sharp = (self.mode == 0).astype(float), self.kd * self.N
+        limit = np.where(self.mode > 0, self.upper, np.where(self.mode < 0, self.lower, 0.0))
+        back = self.tracking * (1.0 - free)
+        A, C = np.diag(-back), np.diag(free)
+        B = np.diag(np.where(self.held, 0.0, self.ki) - back * (self.kp + sharp))
+        a = back * limit
+        if self.kd.any():
+            filtered = self.N * np.eye(self.n_out)
+            A = np.block([[A, np.diag(back * sharp)], [np.zeros_like(A), -filtered]])
+            B, C, a = np.vstack((B, filtered)), np.hstack((C, np.diag(-free * sharp))), np.concatenate((a, 0.0 * a))
+        return Affine(A, B, C, np.diag(free * (self.kp + sharp)), a, limit)
 
     def events(self, t: float, x: Array, u: Array) -> Array:
         v = self.unlimited(x, u)

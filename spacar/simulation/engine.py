@@ -5,7 +5,8 @@ The time axis is cut (time_axis.py). Inside a piece the states follow a one-step
 ends (blocks.Block). They are looked for at the middle and the end of every step and at the output times in it; the
 first one is located on the dense output to rounding (event_location.py), and the integration starts again behind it
 with new modes. Blocks whose modes end more than MOST_RESTARTS times in a row while the time makes no progress chatter,
-which is a failure. Implicit codes take the Jacobian of the diagram by differences.
+which is a failure. While no mode changes, built-in blocks are evaluated together, and implicit codes take a Jacobian
+block by block (affine_blocks.py).
 """
 
 from __future__ import annotations
@@ -18,12 +19,13 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators import Step, Tolerance, named, steps
+from spacar.simulation.affine_blocks import AffineRun, Plan, diagram_jacobian
 from spacar.simulation.algebraic_loops import Group
 from spacar.simulation.blocks import Block
 from spacar.simulation.diagram import Diagram, Schedule, schedule
 from spacar.simulation.event_location import first_event, passed
 from spacar.simulation.response import Event, Response, Signals
-from spacar.simulation.time_axis import EPS, TimeAxis
+from spacar.simulation.time_axis import TimeAxis
 from spacar.simulation.transport_delay import TransportDelay
 
 MOST_RESTARTS = 200  # events in a row without progress of the time
@@ -99,6 +101,7 @@ class _Simulation:
         if any(group.torn for group in self.s.later):
             self.statistics["loops"] = 0
         self.switched, self.streak = False, 0
+        self.plan = Plan.of(self.s)
 
     # -- evaluation --------------------------------------------------------------------------------------------------
     def evaluate(self, t: float, x: Array, hit: Sequence[Block] = (), settling: bool = False) -> Array:
@@ -106,6 +109,8 @@ class _Simulation:
         this time; when `settling`, blocks choose the mode that fits.
         """
         s, y = self.s, self.y
+        if not hit and not settling:
+            return self._evaluate_together(t, x)
         for b in s.first:
             y[s.outputs[b.name]] = b.state_outputs(t, x[s.states[b.name]])
         for group in s.later:
@@ -113,6 +118,20 @@ class _Simulation:
                 self._loop(t, x, group, settling)
             else:
                 self._output(t, x, group.blocks[0], hit, settling)
+        return np.asarray(s.wiring @ y)
+
+    def _evaluate_together(self, t: float, x: Array) -> Array:
+        """`evaluate` while no block is sampled and none chooses a mode."""
+        s, y = self.s, self.y
+        for b in self.plan.first:
+            y[s.outputs[b.name]] = b.state_outputs(t, x[s.states[b.name]])
+        for part in self.plan.later:
+            if isinstance(part, AffineRun):
+                part.into(x, y)
+            elif part.torn:
+                self._loop(t, x, part, False)
+            else:
+                self._output(t, x, part.blocks[0])
         return np.asarray(s.wiring @ y)
 
     def _output(self, t: float, x: Array, b: Block, hit: Sequence[Block] = (), settling: bool = False) -> None:
@@ -144,7 +163,8 @@ class _Simulation:
         """
         if not self.watched:
             return
-        for _ in range(MOST_RESTARTS):
+        changed: list[str] = []
+        for turn in range(MOST_RESTARTS):
             self.switched = False
             u = self.evaluate(t, x, (), True)
             changed = []
@@ -152,6 +172,8 @@ class _Simulation:
                 if not b.direct.any() and b.switch(t, x[self.s.states[b.name]], u[self.s.inputs[b.name]]):
                     changed.append(b.name)
             if not changed and not self.switched:
+                if turn:
+                    self.plan = Plan.of(self.s)
                 return
         names = ", ".join(b.name for b in self.watched)
         text = f"the modes of {names} do not settle at t = {t:.9g}: every choice asks for another one; {CALM}"
@@ -178,7 +200,8 @@ class _Simulation:
         self.statistics["rhs"] += 1
         u = self.evaluate(t, x)
         out = np.empty(len(x))
-        for b in self.dynamic:
+        self.plan.rates.into(x, u, out)
+        for b in self.plan.alone:
             out[self.s.states[b.name]] = b.derivative(t, x[self.s.states[b.name]], u[self.s.inputs[b.name]])
         if not np.isfinite(out).all():
             k = int(np.flatnonzero(~np.isfinite(out))[0])
@@ -200,16 +223,12 @@ class _Simulation:
             raise
 
     def jacobian(self, t: float, x: Array) -> tuple[Array, Array]:
-        """(dF/dx, dF/dt), (n, n) and (n,): dF/dx by forward differences of sqrt(eps) of the size of a state, dF/dt as
-        zero; a simplified Newton iteration needs no more.
+        """(dF/dx, dF/dt), (n, n) and (n,): block by block (affine_blocks.py), dF/dt as zero; a simplified Newton
+        iteration needs no more.
         """
-        f = self.derivative(t, x)
-        slopes = np.empty((len(x), len(x)))
-        for k in range(len(x)):
-            moved = x.copy()
-            moved[k] += EPS**0.5 * max(abs(float(x[k])), self.tolerance.absolute / EPS**0.5, 1e-6)
-            slopes[:, k] = (self.derivative(t, moved) - f) / (moved[k] - x[k])
-        return slopes, np.zeros(len(x))
+        t = min(max(t, self.window[0]), self.window[1])
+        u = self.evaluate(t, x)
+        return diagram_jacobian(self.s, t, x, u, float(np.min(self.tolerance.absolute))), np.zeros(len(x))
 
     def signs(self, t: float, x: Array) -> Array:
         """Event functions: those of the blocks, then those of the caller."""

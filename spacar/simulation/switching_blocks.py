@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
-from spacar.simulation.blocks import Block
+from spacar.simulation.blocks import Affine, Block, without_states
 
 Numbers = Sequence[float] | float | Array
 
@@ -67,12 +67,20 @@ class Saturation(Limited):
     def outputs(self, t: float, x: Array, u: Array) -> Array:
         return np.where(self.mode < 0, self.lower, np.where(self.mode > 0, self.upper, u))
 
+    def affine(self) -> Affine:
+        limit = np.where(self.mode < 0, self.lower, np.where(self.mode > 0, self.upper, 0.0))
+        return without_states(np.diag((self.mode == 0).astype(float)), limit)
+
 
 class DeadZone(Limited):
     """y = 0 while lower <= u <= upper, beyond it the distance to the nearer end."""
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
         return np.where(self.mode < 0, u - self.lower, np.where(self.mode > 0, u - self.upper, 0.0))
+
+    def affine(self) -> Affine:
+        end = np.where(self.mode < 0, -self.lower, np.where(self.mode > 0, -self.upper, 0.0))
+        return without_states(np.diag((self.mode != 0).astype(float)), end)
 
 
 class Relay(Piecewise):
