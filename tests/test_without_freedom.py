@@ -74,3 +74,10 @@ def test_names_may_stand_on_the_next_line(lines: str) -> None:
     assert [(s.section, s.material_name, len(s.parts)) for s in deck.sections] == [("s", "steel", 2)]
     with pytest.raises(InputError, match=r"BEAMSEC 1: too few arguments"):
         parse_deck(f"{base}BEAMSEC 1 s\nKINE 1\nEND END\n")
+
+
+@pytest.mark.parametrize("mode", [4, 9])
+def test_rigid_degrees_of_freedom_are_counted(mode: int) -> None:
+    """NRBM: a hinge without a spring, not the two bending modes."""
+    text = "PLBEAM 1 1 2 3 4\nPLTOR 2 2 5\nX 3 1 0\nFIX 1\nFIX 5\nDYNE 2 1\nDYNE 1 2 3\nEND HALT\nEM 1 1\nXM 3 1\n"
+    assert spacar.run(mode, parse_deck(f"{text}ESTIFF 1 0 100\nTIMESTEP 1 2\nEND END\n", mode=mode)).header["NRBM"] == 1

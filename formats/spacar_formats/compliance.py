@@ -111,7 +111,7 @@ def _of_system(path: Path, step: int, nxp: np.ndarray, rows: np.ndarray) -> np.n
     (K0 + N0 + G0)^-1 between its transfer functions."""
     from spacar.linear_systems.sparse import sparse_factors
 
-    system, _ = descriptor_beside(path, step)
+    system = descriptor_beside(path, step)
     n, nx = system.n_states, int(nxp.sum())
     given = (rows < nxp[0]) | ((rows >= nxp[:2].sum()) & (rows < nxp[:3].sum()))
     unit = np.zeros((system.A.shape[0], len(rows)))

@@ -30,8 +30,8 @@ def descriptor_of(file: SbfFile, step: int) -> DescriptorSystem:
         raise SbfError(f"{file.path} is damaged: the sparse system of step {step} has {error}") from None
 
 
-def descriptor_beside(path: Path, step: int) -> tuple[DescriptorSystem, int]:
-    """The system of a step (from 1) in the `.ltv` file beside a file of the same run, and the number of its velocities.
+def descriptor_beside(path: Path, step: int) -> DescriptorSystem:
+    """The system of a step (from 1) in the `.ltv` file beside a file of the same run.
 
     Raises UsageError when there is no such file or it has no sparse system.
     """
@@ -42,4 +42,4 @@ def descriptor_beside(path: Path, step: int) -> tuple[DescriptorSystem, int]:
     with open_result(found, "ltv", verify=False) as file:
         if not is_sparse(file):
             raise UsageError(f"{path} and {file.path} are of different runs; run again", "files.stale")
-        return descriptor_of(file, step), int(np.ravel(file.header["NRBM"])[0])
+        return descriptor_of(file, step)

@@ -187,7 +187,7 @@ def _of_sparse_run(file: SbfFile) -> bool:
 def modes_of_sparse_system(file: SbfFile, step: int, report: Report, wanted: int = WANTED, nx: int = 0) -> Modes:
     """Lowest modes of a large model of modes 4 and 9 from the `.ltv` beside; nx: the coordinates whose motions are
     wanted. Raises UsageError when there is no such file or it has no sparse system."""
-    system, velocities = descriptor_beside(file.path, step)
+    system, velocities = descriptor_beside(file.path, step), int(np.ravel(file.header["NDDOF"])[0])
     return lowest_modes(system, system.n_states - velocities, nx, report, min(wanted, velocities))
 
 

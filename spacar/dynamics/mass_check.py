@@ -100,7 +100,7 @@ def require_regular_mass(mechanism: Mechanism, saddle: SaddlePoint, condition: f
     """
     massless, doubtful = _motions_of_rounding(mechanism, saddle, condition)
     if massless:
-        raise _without_inertia(massless)
+        raise _without_inertia(mechanism, massless)
     if not doubtful:
         return None
     return _of_rounding(doubtful, condition)
@@ -132,7 +132,7 @@ def require_inertia_of_many(mechanism: Mechanism, saddle: SaddlePoint, condition
         terms = np.concatenate((terms, value * rates[i] * rates[j]))
     energy, known = float(terms.sum()), 8.0 * len(F) * EPS
     if not energy > known * float(np.abs(terms).sum()) + known**2:
-        raise _without_inertia(_named(mechanism, v[:, None], rates[:, None]))
+        raise _without_inertia(mechanism, _named(mechanism, v[:, None], rates[:, None]))
     if energy > LOOKED_AT or energy > (known * condition()) ** 2:
         return None
     return _of_rounding(_named(mechanism, v[:, None], rates[:, None]), condition())
@@ -171,11 +171,13 @@ def linearized_doubt(
     )
 
 
-def _without_inertia(names: str) -> AnalysisError:
+def _without_inertia(mechanism: Mechanism, names: str) -> AnalysisError:
     text = (
         f"singular mass matrix: no inertia on the motion of {names}; add mass (XM, EM) or prescribe (INPUTX, INPUTE) or"
         " release (RLSE) it"
     )
+    if mechanism.deck.divided:
+        text += "; released or not, all parts of a divided beam but the last need inertia (torsion: J of EM)"
     return AnalysisError(text, "dynamics.singular-mass")
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.deck.rewrite.divide import stiffness_modes
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.frame import Frame
 from spacar.linear.descriptor_modes import lowest_modes
@@ -19,6 +20,7 @@ from spacar.linear.sparse_linearization import SparseLinearization
 from spacar.linear.state_space import chosen_rows, has_feedthrough, state_space
 from spacar.linearization.coefficients import coefficients
 from spacar.linearization.matrices import Linearization
+from spacar.mechanism import Mechanism
 from spacar.stream import Run
 
 
@@ -33,7 +35,7 @@ class StoredSystem:
         self.inputs, self.outputs = linearization_signals(run.mechanism)
         n = run.mechanism.numbering
         run.header.update(NNOM=len(self.inputs), NX=n.nkddof + n.nddof, NU=len(self.inputs), NY=len(self.outputs))
-        run.header.update(NRBM=n.nddof, X0=np.zeros(n.nkddof + n.nddof))
+        run.header.update(NRBM=n.nddof - _elastic(run.mechanism), X0=np.zeros(n.nkddof + n.nddof))
         run.header.update(inputs=[s.name for s in self.inputs], outputs=[s.name for s in self.outputs])
         if sparse:
             run.header["DFT"] = int(has_feedthrough(self.inputs, self.outputs))
@@ -69,3 +71,11 @@ class StoredSystem:
             store["m0"], store["c0b"] = L.m0[np.ix_(q, q)], L.damping[np.ix_(q, q)]
             store["k0b"] = L.stiffness[np.ix_(q, s)]
         self.idle.see(dynamics, L)
+
+
+def _elastic(mechanism: Mechanism) -> int:
+    """The number of dynamic deformations with stiffness; the other degrees of freedom are those of rigid bodies."""
+    stiffness, n = stiffness_modes(mechanism.deck.statements), mechanism.numbering
+    dynamic = n.e_class["dynamic"]
+    owners = map(n.e_owner, range(dynamic.start, dynamic.stop))
+    return sum(bool(stiffness.get(element, {}).get(mode)) for element, mode in owners)
