@@ -58,6 +58,7 @@ class CondensedSystem:
         self._entries = np.zeros(0)
         self._C: Array | None = None
         self._pivots: Array | None = None
+        self._part: float | None = None
         self._mixed = False  # is the mixed matrix factored instead?
         self.lu: Any = None
 
@@ -93,7 +94,7 @@ class CondensedSystem:
         self._K = csr_array(K + self._V.T @ self._SV)
         self._bases(csr_array(V[self._constraints]))
         self.R = csr_array(self._NT @ self._K @ self.N)
-        self._pivots, self.lu = None, _factors(self.R)
+        self._pivots, self._part, self.lu = None, None, _factors(self.R)
 
     def _split(self, V: Any, C: Any, K: Any) -> None:
         """Which rows are elastic, and which constraints, in groups that share unknowns, have a basis."""
@@ -177,6 +178,14 @@ class CondensedSystem:
             self._use_mixed(self._entries)
         return self._whole.solve_transposed(b) if transposed else self._whole.solve(b)
 
+    def displacement(self, force: Array) -> Array:
+        """x (nf, k) for f = force (nf, k), g = 0: without refinement where the condensation has lost less than LOST."""
+        if not self._mixed and self._lost() < LOST:
+            return np.asarray(self.N @ self.lu.solve(self._NT @ force))
+        b = np.zeros((self.n, *force.shape[1:]))
+        b[: self.nf] = force
+        return self.solve(b)[: self.nf]
+
     def _refined(self, b: Array, transposed: bool) -> Array | None:
         """None where the residual does not become rounding."""
         A, sizes = (self.A.T, self.sizes.T) if transposed else (self.A, self.sizes)
@@ -212,7 +221,7 @@ class CondensedSystem:
     def inverse_diagonal(self) -> Array | None:
         """(nf,) of the inverse, None where it takes solutions of all columns: the matrix is not symmetric, there are
         too many springs, or the condensation has lost more than LOST."""
-        if self._mixed or len(self._sprung) > MOST_SPRINGS or not self._symmetric() or not self._change() < LOST:
+        if self._mixed or len(self._sprung) > MOST_SPRINGS or not self._symmetric() or not self._lost() < LOST:
             return None
         from spacar.linear_systems.sparse_selected_inverse import selected_inverse
 
@@ -252,7 +261,7 @@ class CondensedSystem:
         return self._negative
 
     def _counted(self) -> int | None:
-        if self._mixed or not self._symmetric() or not self._change() < CLEAR:
+        if self._mixed or not self._symmetric() or not self._lost() < CLEAR:
             return None
         negative = int(np.count_nonzero(self.pivots < 0.0))
         springs = len(self._sprung)
@@ -266,6 +275,12 @@ class CondensedSystem:
     def _symmetric(self) -> bool:
         difference = self.R - self.R.T
         return bool(np.abs(difference.data).max(initial=0.0) <= SYMMETRIC * np.abs(self.R.data).max(initial=0.0))
+
+    def _lost(self) -> float:
+        """`_change` of these factors."""
+        if self._part is None:
+            self._part = self._change()
+        return self._part
 
     def _change(self) -> float:
         """Relative change of a solution along the eigenvector of the smallest eigenvalue in its first refinement: that

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -30,6 +30,9 @@ from spacar.linearization.contractions import configuration_of, geometric_blocks
 from spacar.mechanism.mechanism import Batch
 from spacar.stationary.contract import NO_DIGITS, SINGULAR
 from spacar.stationary.flexibility import Flexibility, is_tube
+
+if TYPE_CHECKING:
+    from spacar.linear_systems.condensed import CondensedSystem
 
 
 class TangentTerm:
@@ -181,9 +184,12 @@ class SparseTangent:
 
     def displacement(self, system: LinearSystem, force: Array) -> Array:
         """Coordinates (nx,) or (nx, k) that the force (nx,) or (nx, k) on F produces, the constraint rows kept."""
+        x = np.zeros_like(force)
+        if system.kind == "condensed":
+            x[self.F] = cast("CondensedSystem", system).displacement(force[self.F])
+            return x
         b = np.zeros((self.nf + self.ne, *force.shape[1:]))
         b[: self.nf] = force[self.F]
-        x = np.zeros_like(force)
         x[self.F] = system.solve(b)[: self.nf]
         return x
 
