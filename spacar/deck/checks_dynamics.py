@@ -197,6 +197,11 @@ def _check_additional(scene: CheckMaterial) -> None:
     step = next(iter(scene.of("ITERSTEP")), None)
     kind = int(step.real(4)) if step is not None else 0
     loads = scene.of(*_ADDITIONAL, block=2)
+    fluid = {row[0] for row in scene.index.rows("EM", 2) if any(row[2:3])}
+    for s in scene.of("DELOMF", block=2):
+        if s.real(1) and s.integer(0) not in fluid and not scene.doubtful("element", s.integer(0)):
+            text = f"the tube has no fluid that could flow; EM {s.integer(0)} gives its mass per length in third place"
+            scene.findings.error(s, 1, text, "flow")
     if kind in (2, 3) and not loads and step is not None:
         text = f"type of analysis {kind} needs additional loading, but there is no DEL... statement"
         scene.findings.warning(step, 4, text, "additional-loading")

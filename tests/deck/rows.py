@@ -371,6 +371,14 @@ WRONG_TYPES = [
     row("XGYRO in a planar model", planar("", "XGYRO 4 0 0 1 1."), E, "XGYRO 4", "planar model"),
 ]
 DYNAMICS = [
+    row(
+        "flow without fluid",
+        "PLTUBE 1 1 2 3 4\nX 3 1. 0.\nFIX 1\nFIX 2\n" + NEXT + "EM 1 2.\nDELOMF 1 0.1\nITERSTEP 20 2 1e-9 1 2\n" + END,
+        E,
+        "<deck>:7: DELOMF 1",
+        "no fluid that could flow; EM 1 gives",
+        mode=7,
+    ),
     row("negative mass", planar("", "XM 3 -1."), W, "XM 3: negative mass"),
     row("negative mass per length", planar("", "EM 1 -1."), W, "EM 1: negative mass"),
     row("negative stiffness", planar("", "ESTIFF 1 -1."), W, "ESTIFF 1: negative stiffness"),
