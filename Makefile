@@ -68,7 +68,7 @@ lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 
-# Hours: 20,000 decks, 5,000 result files, every subcommand, 200 kills; the report is out/fuzz.md. FUZZ="--decks 500" ...
+# Hours: 20,000 decks, 5,000 result files, every subcommand, 5,000 mechanisms, 200 kills; the report is out/fuzz.md. FUZZ="--decks 500" ...
 fuzz: $(VENV)/.installed-dev
 	$(BIN)/python -m tests.fuzz $(FUZZ)
 

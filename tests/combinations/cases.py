@@ -24,14 +24,20 @@ def model_of(seed: int, types: Sequence[str] = (), properties: Sequence[str] = (
     planar = ELEMENT_TYPES[types[0]].planar if types else rng.random() < 0.5
     row = MODES[mode]
     growth = Growth(rng, planar, mode, still=row.stationary)
+    if {"INPUTE", "USERINP", "DELINPE"} & {*properties}:
+        growth.driven = 0.5
     wheel = next((t for t in types if t in WHEELS), None)
-    end = rolling(growth, wheel) if wheel else growth.ground()
+    support = {"INPUTX": "driven", "DELINPX": "driven", "USERINP": "driven", "STARTDX": "free"}
+    hints = [support[name] for name in properties if name in support] or [""]
+    end = rolling(growth, wheel, properties) if wheel else growth.ground(rng.choice(hints))
     if not wheel and ("DYNX", end.p, 1) in growth.blocks[0]:
         growth.held(end)
     wanted = [t for t in types if t not in WHEELS] + rng.sample(kinds(planar), rng.randrange(0, 3))
     rng.shuffle(wanted)
     for keyword in wanted:
         grown(growth, keyword)
+    if growth.inverse:
+        growth.hinge(next(e for e in growth.ends if e.o is not None))
     if rng.random() < 0.3 and not wheel:
         growth.looped(growth.ends[-1])
     growth.pruned()
@@ -39,10 +45,11 @@ def model_of(seed: int, types: Sequence[str] = (), properties: Sequence[str] = (
     if wheel in ("WHEEL", "TWHEEL"):  # it stays on the ground
         growth.add("GRAVITY", Vector((0.02, 0.03, -1.0)), block=2)
     some = {"XM", "EM", "GRAVITY", "STARTDE", "STARTDX", "INPUTX", "INPUTE"} | set(rng.sample(PROPERTIES, 3))
-    for name in PROPERTIES:
+    for name in sorted(PROPERTIES, key=lambda p: p != "USERINP"):  # before all else is prescribed by INPUTX, INPUTE
         if name in properties or (name in some and not name.startswith("DEL") and rng.random() < 0.7):
             about.add(name)
     settings(growth, any(name.startswith("DEL") for name in properties))
+    {"trajectory": about.trajectories, "linearization": about.ports}.get(row.third or "", lambda: None)()
     return growth.model(pushes=tuple(about.pushes), drives=tuple(about.drives))
 
 
@@ -56,7 +63,7 @@ def grown(growth: Growth, keyword: str) -> None:
     """One step with an element of this type."""
     ends = [e for e in growth.ends if e.o is not None]
     end = growth.rng.choice(ends[-2:])
-    if growth.ends[-1].o is None and growth.chance(0.5):
+    if growth.ends[-1].o is None and growth.chance(0.5) and not growth.inverse:
         end = growth.turned(growth.ends[-1])
     if keyword in BEAMS[growth.planar]:
         if growth.chance(0.12) and keyword != "BEAMW" and len({e.p for e in ends}) > 1:
@@ -80,19 +87,27 @@ def grown(growth: Growth, keyword: str) -> None:
         growth.spring(keyword, growth.ends[-1].p, anchor)
 
 
-def rolling(growth: Growth, keyword: str) -> End:
-    """A wheel on the ground, held by springs where there must be an equilibrium."""
+def rolling(growth: Growth, keyword: str, properties: Sequence[str]) -> End:
+    """A wheel on the ground, held by springs where there must be an equilibrium. It skids, or its tyre yields, where
+    statements about deformations are asked for."""
+    turned = bool({"INPUTX", "DELINPX"} & {*properties})
+    radial = "INPUTE" if {"INPUTE", "DELINPE"} & {*properties} else "DYNE"
+    yields = growth.chance(0.3) or bool({"INPUTE", "STARTDE", "DELINPE", "MEE", "ESIG", "DELESIG"} & {*properties})
     p, o = growth.node(), growth.node()
     if keyword == "PLWHEEL":
         q, spin, at = growth.node(), growth.node(), Place((0.1, 0.2))
         growth.add("X", p, at)
         growth.add("X", q, Place((0.5, 0.3)))
-        growth.add("DYNX", o)
+        growth.add("INPUTX" if turned else "DYNX", o)
         growth.add("DYNX", spin)
-        growth.add("KINX", p)
-        growth.moving += [(o, 1, "DYNX"), (spin, 1, "DYNX"), (p, 1, "KINX"), (p, 2, "KINX")]
+        growth.add("KINX", p, *((1,) if yields else (1, 2)))
+        growth.moving += [(o, 1, "INPUTX" if turned else "DYNX"), (spin, 1, "DYNX"), (p, 1, "KINX")]
+        if yields:
+            growth.coordinate(p, 2, "DYNX")
         growth.element("PLRBEAM", p, o, q)
-        growth.element(keyword, q, o, spin, geometry=(growth.number(0.2, 0.4), Vector((0.0, 1.0))))
+        e = growth.element(keyword, q, o, spin, geometry=(growth.number(0.2, 0.4), Vector((0.0, 1.0))))
+        if yields:
+            growth.classify(e, 2, "RLSE")
         growth.mass(p, q, role="position")
         growth.mass(o, spin, role="orientation")
     else:
@@ -100,15 +115,18 @@ def rolling(growth: Growth, keyword: str) -> End:
         growth.add("X", p, at)
         growth.add("X", q, Place((0.1, 0.2, 0.0)))
         slips = growth.chance(0.5)
-        growth.add("DYNX", o)
+        for c in (2, 3, 4):
+            growth.coordinate(o, c, "INPUTX" if turned and c == 4 else "DYNX")
         growth.add("KINX", p, *((1,) if slips else (1, 2)))
         if slips:
             growth.add("DYNX", p, 2)
-        growth.moving += [(o, c, "DYNX") for c in (2, 3, 4)]
         geometry = (Axial((0.0, 1.0, 0.0)),) if keyword == "WHEEL" else (0.5, 0.1, Axial((0.0, 1.0, 0.0)))
         e = growth.element(keyword, p, o, q, geometry=geometry)
         if slips:
             growth.classify(e, 6, "RLSE")
+        if yields:
+            growth.classify(e, 1, radial)
+            growth.add("ESTIFF", e, *(growth.number(60, 90) for _ in range(6)), block=2)
         growth.add("XM", p, growth.number(5, 6), block=2)
         growth.mass(o, role="orientation")
     end = growth.joined(End(p, o, at))

@@ -43,11 +43,12 @@ def quantities(model: Model, result: spacar.Result, back: Back | None = None) ->
 
 def scales(found: Iterable[dict], stiffness: float) -> dict[str, float]:
     """Largest value of each kind; of forces the stiffness at least."""
-    sizes = {"x": 1.0, "xd": 1.0, "xdd": stiffness, "force": stiffness}
+    sizes = {"x": 1.0, "xd": 1.0, "xdd": max(1.0, stiffness), "force": max(1.0, stiffness)}
     for values in found:
         for (_, _, variable), v in values.items():
             kind = KINDS[variable]
             sizes[kind] = max(sizes[kind], float(np.nanmax(np.abs(v), initial=0.0)))
+    sizes["xd"] = max(sizes["xd"], 0.2 * sizes["xdd"])  # rates collect what accelerations are off by, for 0.2 s
     return sizes
 
 

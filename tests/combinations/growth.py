@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from spacar.deck import ELEMENT_TYPES
+from spacar.modes import MODES
 
 from .model import Axial, Element, Model, Node, Pitch, Place, Row, Side, Tensor, Vector
 
@@ -33,8 +34,10 @@ class Growth:
     def __init__(self, rng: random.Random, planar: bool, mode: int, still: bool) -> None:
         self.rng, self.planar, self.mode, self.still = rng, planar, mode, still
         self.d = 2 if planar else 3
+        self.inverse = MODES[mode].third == "trajectory"  # everything that moves is prescribed: angles of hinges
         self.blocks: list[list[Row]] = [[], [], []]
         self.ends: list[End] = []
+        self.driven = 0.12  # part of the freedoms that is prescribed
         self.count = [0, 0]
         self.classes: dict[tuple[int, int], str] = {}  # (element, mode): class
         self.moving: list[tuple[Node | Element, int, str]] = []  # owner, index, class of what is dynamic or prescribed
@@ -115,9 +118,11 @@ class Growth:
         self.stiffness(e, keyword)
 
     def kind_of(self, free: float) -> str:
+        if self.inverse:
+            return "FIX"
         if not self.chance(free):
             return "FIX"
-        return "INPUTE" if self.chance(0.12) else "DYNE"
+        return "INPUTE" if self.chance(self.driven) else "DYNE"
 
     def stiffness(self, e: Element, keyword: str) -> None:
         """ESTIFF, where a mode is dynamic or released; EDAMP sometimes."""
@@ -150,17 +155,23 @@ class Growth:
         return found
 
     # -- steps -----------------------------------------------------------------------------------------------
-    def ground(self) -> End:
-        """A support: everything fixed, or some coordinate moved, or a free body on springs."""
+    def ground(self, what: str = "") -> End:
+        """A support: everything "fixed", or some coordinate "driven", or a "free" body on springs."""
         p, o = self.node(), self.node()
         at = Place(round(self.rng.uniform(-1, 1), 3) for _ in range(self.d))
         self.add("X", p, at)
         end = End(p, o, at)
         self.ends.append(end)
-        what = "free" if self.chance(0.12) else "driven" if self.chance(0.2) else "fixed"
+        what = what or ("free" if self.chance(0.12) else "driven" if self.chance(0.2) else "fixed")
+        if self.inverse:
+            what = "turned" if what == "driven" else "fixed"
         positions = range(1, self.d + 1)
         turns = (1,) if self.planar else (2, 3, 4)
-        if what == "fixed":
+        if what == "turned":  # along a trajectory
+            self.add("FIX", p)
+            for c in turns:
+                self.coordinate(o, c, "INPUTX")
+        elif what == "fixed":
             self.add("FIX", p)
             self.add("FIX", o)
         elif what == "driven":
@@ -226,11 +237,11 @@ class Growth:
         if keyword == "BEAMW":
             w = self.node(), self.node()
             nodes = (end.p, end.o, w[0], q, o, w[1])
-            if self.chance(0.6):
-                self.add("FIX", w[0])
-            else:
-                self.mass(w[0], role="warping")
-            self.mass(w[1], role="warping")
+            for n, fixed in zip(w, (0.6, 0.0), strict=True):
+                if self.inverse or self.chance(fixed):
+                    self.add("FIX", n)
+                else:
+                    self.mass(n, role="warping")
         else:
             nodes = (end.p, end.o, q, o)
         e = self.element(keyword, *nodes, geometry=self.geometry(keyword, *nodes))
@@ -250,7 +261,7 @@ class Growth:
         q, at = self.place(end.at)
         assert end.o is not None
         e = self.element(keyword, end.p, end.o, q, geometry=self.geometry(keyword, end.p, end.o, q))
-        self.classed(e, keyword, 0.25)
+        self.classed(e, keyword, max(0.25, self.driven))
         self.mass(q, role="position")
         return self.joined(End(q, None, at))
 
@@ -259,9 +270,9 @@ class Growth:
         o, keyword = self.node(), "PLTOR" if self.planar else "HINGE"
         assert end.o is not None
         e = self.element(keyword, end.o, o, geometry=self.geometry(keyword, end.o, o))
-        self.classify(e, 1, self.kind_of(free))
+        self.classify(e, 1, "INPUTE" if self.inverse else self.kind_of(free))
         if not self.planar:
-            kind = "DYNE" if self.chance(0.2) else "FIX"
+            kind = "DYNE" if self.chance(0.2) and not self.inverse else "FIX"
             self.classify(e, 2, kind)
             self.classify(e, 3, kind)
         self.stiffness(e, keyword)

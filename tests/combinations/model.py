@@ -46,6 +46,10 @@ class Side(float):
     """The same of a planar model: left or right, an angle."""
 
 
+class Along(float):
+    """A deformation that an element goes through: its sign is that of the deformation."""
+
+
 class Ends(int):
     """End condition of the flow in a tube: bit 0 at p, bit 1 at q."""
 

@@ -10,7 +10,7 @@ from spacar.deck.keyword_table import KEYWORDS
 from spacar.deck.table_types import BlockKind, ElementType
 
 from .growth import Growth
-from .model import Axial, Drive, Element, Ends, Flow, Node, Pitch, Push, Row, Vector
+from .model import Along, Axial, Drive, Element, Ends, Flow, Node, Pitch, Push, Row, Side, Vector
 
 TUBES = ("PLTUBE", "TUBE")
 
@@ -73,7 +73,8 @@ class Properties:
 
     def of_class(self, *classes: str) -> list[tuple]:
         found = [m for m in self.g.moving if m[2] in classes]
-        near = [m for m in found if isinstance(m[0], Element) and self.kind[m[0]] in self.about]
+        nodes = {n for e, k in self.kind.items() if k in self.about for n in self.of[e]}
+        near = [m for m in found if (self.kind[m[0]] in self.about if isinstance(m[0], Element) else m[0] in nodes)]
         return near or found
 
     # -- statements ------------------------------------------------------------------------------------------
@@ -132,7 +133,7 @@ class Properties:
                 self.put("XGYRO", n, omega, self.g.number(0.01, 0.05), self.r.randrange(2))
 
     def mee(self) -> None:
-        found = [m for m in self.of_class("DYNE") if m[1] == 1 or self.kind[m[0]] != "HINGE"]
+        found = [m for m in self.of_class("DYNE", "INPUTE") if m[1] == 1 or self.kind[m[0]] != "HINGE"]
         for e, m, _ in self.one(found):
             if not any(r[:3] == ("MEE", e, m) for r in self.g.blocks[1]):
                 self.g.add("MEE", e, m, self.g.number(0.1, 0.3), block=2)
@@ -175,7 +176,7 @@ class Properties:
         self.force("DELXF", 0.3)
 
     def preload(self, keyword: str) -> None:
-        found = [e for e in self.elements(keyword) if self.soft(e) and ELEMENT_TYPES[self.kind[e]].stiffness]
+        found = [e for e in self.elements(keyword) if self.soft(e)]
         for e in self.one(found):
             kind = ELEMENT_TYPES[self.kind[e]]
             modes, zero = (
@@ -195,6 +196,7 @@ class Properties:
 
     def delomf(self) -> None:
         for e in self.one(self.elements("DELOMF")):
+            self.put("EM", e, *self.distributed(ELEMENT_TYPES[self.kind[e]]))
             self.put("DELOMF", e, Flow(self.g.signed(0.2)))
 
     def motion(self, keyword: str, classes: tuple[str, ...], width: int) -> None:
@@ -209,7 +211,7 @@ class Properties:
             if self.nodes.get(owner) == "position" and isinstance(owner, Node):
                 place = next(r[2] for r in self.g.blocks[0] if r[0] == "X" and r[1] == owner)
                 at[0] = round(at[0] + place[m - 1], 4)
-            if width > 1 and self.g.still:  # no steady rotation
+            if width > 1 and (self.g.still or (self.g.inverse and isinstance(owner, Node))):  # no steady rotation
                 at = at[:1]
             self.g.add(keyword, owner, m, *at, block=2)
 
@@ -284,20 +286,58 @@ class Properties:
             wave = 0.0 if self.g.still else self.g.signed(0.2)
             spring = self.g.number(2, 4), self.g.number(1, 2), place[c - 1], self.g.number(0.01, 0.1)
             self.pushes.append(Push(n, c, self.g.signed(0.2), wave, *spring))
-        for e in self.one([e for e in self.kind if self.soft(e) and self.kind[e] not in ("HINGE", "SCREW")]):
-            m = self.r.choice(self.soft(e))
+        loose = [(e, m) for e in self.kind for m in self.soft(e) if m == 1 or self.kind[e] not in ("HINGE", "SCREW")]
+        for e, m in self.one([p for p in loose if self.kind[p[0]] in self.about] or loose):
             self.pushes.append(Push(e, m, self.g.signed(0.2), k=-self.g.number(1, 2), d=-self.g.number(0.01, 0.1)))
         if self.pushes:
             self.put("USERSIG", "push")
 
     def userinp(self) -> None:
-        for owner, m, _ in self.one(self.of_class("INPUTX", "INPUTE")):
+        for owner, m, _ in self.of_class("INPUTX", "INPUTE")[:: 1 if self.g.chance(0.5) else 2]:
             z0 = 0.0
             if isinstance(owner, Node) and self.nodes[owner] == "position":
                 z0 = next(r[2] for r in self.g.blocks[0] if r[0] == "X" and r[1] == owner)[m - 1]
             if not any(r[0] in ("INPUTX", "INPUTE") and r[1:3] == (owner, m) for r in self.g.blocks[1]):
                 self.drives.append(Drive(owner, m, z0, self.g.signed(0.05), self.g.number(2, 4)))
                 self.put("USERINP", "drive")
+
+    # -- third block -----------------------------------------------------------------------------------------
+    def trajectories(self) -> None:
+        """The driven angles move one after the other or together; nominal moments, reference outputs."""
+        driven = self.of_class("INPUTE")
+        for number in range(1, self.r.randrange(1, 3) + 1):
+            self.g.add("TRAJECT", number, block=3)
+            for n in {m[0] for m in self.g.moving if m[2] == "INPUTX"}:
+                axis = () if self.g.planar else (Axial(self.g.signed(1.0) for _ in range(3)),)
+                self.g.add("TROT", n, (Side if self.g.planar else float)(self.g.signed(0.4)), *axis, block=3)
+            for e, _, _ in self.r.sample(driven, self.r.randrange(1, len(driven) + 1)):
+                self.g.add("TRE", e, Along(self.g.signed(0.4)), block=3)
+                self.g.add("TRFRONT", e, self.r.randrange(3), block=3)
+                if self.g.chance(0.5):
+                    self.g.add("TREPMAX", e, 0.2, block=3)
+            self.g.add("TRTIME", 0.5, 3, block=3)
+        for i, (e, m, _) in enumerate(driven, 1):
+            self.g.add("NOMS", i, e, m, block=3)
+        outputs = [(k, e, m) for e, m, _ in driven for k in ("REFE", "REFEP", "REFEDP")]
+        outputs += [(k, n, 1) for n in self.free_nodes("position")[:1] for k in ("REFX", "REFXP", "REFXDP")]
+        for i, (k, owner, m) in enumerate(self.r.sample(outputs, 3), 1):
+            self.g.add(k, i, owner, m, block=3)
+
+    def ports(self) -> None:
+        """Inputs and outputs of every kind that the model has a place for."""
+        soft = [(e, m) for e in self.kind for m in self.soft(e) if self.kind[e] not in ("HINGE", "SCREW", "BEAMW")]
+        free = [(n, c) for n in self.free_nodes("position")[:2] for c in range(1, self.g.d + 1)]
+        given = {k: [m[:2] for m in self.of_class(k) if self.kind.get(m[0]) not in ("HINGE", "SCREW")]
+                 for k in ("INPUTX", "INPUTE", "DYNX", "KINX")}  # fmt: skip
+        free = [p for p in free if p not in (*given["INPUTX"], *given["KINX"])]
+        inputs = [("INPUTS", p) for p in soft[:2]] + [("INPUTF", p) for p in free[:2]]
+        inputs += [(k, p) for p in given["INPUTE"][:1] for k in ("INE", "INEP", "INEDP")]
+        inputs += [(k, p) for p in given["INPUTX"][:1] for k in ("INX", "INXP", "INXDP")]
+        outputs = [(k, p) for p in soft[:1] for k in ("OUTE", "OUTEP", "OUTEDP")]
+        outputs += [(k, p) for p in free[:1] for k in ("OUTX", "OUTXP", "OUTXDP")]
+        for found in (inputs, outputs):
+            for i, (k, (owner, m)) in enumerate(self.r.sample(found, min(3, len(found))), 1):
+                self.g.add(k, i, owner, m, block=3)
 
 
 PROPERTIES: tuple[str, ...] = tuple(

@@ -1,106 +1,192 @@
-"""Relations between runs of one model: by how much the largest difference exceeds what is allowed, and where."""
+"""Relations between runs of one model: by how much the largest difference exceeds what is allowed, and where.
+
+The table RELATIONS says in which modes each holds.
+"""
 
 from __future__ import annotations
 
-import random
-import tempfile
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+import importlib.util
+import sys
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from spacar_formats.sbf import SbfFile
 
 import spacar
 from spacar.errors import SpacarError
+from spacar.frame import E_FIELDS, X_FIELDS
+from spacar.integrators.methods import METHODS
+from spacar.modes import MODES
 
 from . import transformations
-from .cases import model_of
-from .compare import disagreement, quantities, stiffness_of
-from .model import Model
-from .transformations import Back
+from .case import GENERAL, NOTHING, Case, Found, worst
+from .compare import EPS, quantities
+from .linear_relations import (
+    compliances,
+    differences,
+    eigen_and_buckling,
+    load_steps,
+    sensitivities,
+    small_division,
+    state_space,
+)
+from .motion_relations import energy, inverse, momentum, restarted
+from .options import with_mass
+from .spatial import as_spatial
 
-Found = tuple[float, str]
-GENERAL = 1e-11  # of the size of the mechanism: how exactly positions are known in NumPy (developer guide, evaluators)
-CONDITION = 300.0  # models with a larger condition number of the positions are drawn anew
-BEYOND = ("statics.limit-point", "statics.no-solution", "element.range", "element.lift-off", "position.singular",
-          "position.no-convergence")  # fmt: skip
-
-
-@dataclass
-class Case:
-    """A model, a folder for its files, and the random choices of its relations."""
-
-    model: Model
-    folder: Path
-    rng: random.Random
-
-    def run(self, model: Model | None = None, mode: int | None = None, **options: Any) -> spacar.Result:
-        model = model or self.model
-        mode = model.mode if mode is None else mode
-        folder = Path(tempfile.mkdtemp(dir=self.folder)) if model.pushes or model.drives else self.folder
-        return spacar.run(mode, model.deck(folder, mode), **{**model.options, **options})
-
-    @cached_property
-    def positions(self) -> float:
-        """Condition number of the positions at the start."""
-        return float(self.run(mode=0).header["condition"])
-
-    @cached_property
-    def condition(self) -> float:
-        """That of the positions times that of the stiffness matrix of a stationary state."""
-        found = self.base.frames[-1].matrices
-        if not {"k0", "n0", "g0"} <= found.keys() or not found["k0"].size:
-            return self.positions
-        return self.positions * float(np.linalg.cond(found["k0"] + found["n0"] + found["g0"]))
-
-    @cached_property
-    def base(self) -> spacar.Result:
-        return self.run()
-
-    @cached_property
-    def values(self) -> dict:
-        return quantities(self.model, self.base)
-
-    def agrees(self, result: spacar.Result, back: Back | None = None, error: float = 0.0) -> Found:
-        """The result is that of the model itself."""
-        other = quantities(self.model, result, back)
-        return disagreement(self.values, other, self.condition, stiffness_of(self.model), error)
+_UNITS = importlib.util.spec_from_file_location("units_of_decks", Path(__file__).parents[1] / "extremes/units.py")
+assert _UNITS is not None
+assert _UNITS.loader is not None
+units = sys.modules["units_of_decks"] = importlib.util.module_from_spec(_UNITS)
+_UNITS.loader.exec_module(units)
 
 
 def transformed(name: str) -> Callable[[Case], Found]:
     def relation(case: Case) -> Found:
         model, back = getattr(transformations, name)(case.model, case.rng)
-        return case.agrees(case.run(model), back)
+        want, got = case.values, quantities(case.model, case.run(model), back)
+        if name == "exchanged" and case.divides:
+            want = {k: v for k, v in want.items() if k[0] == "node"}  # the first of several beams is at p
+        return case.same(want, got)
 
     return relation
 
 
 def engines(case: Case) -> Found:
     """NumPy and C."""
-    return case.agrees(case.run(compiled=False), error=GENERAL * case.condition)
+    other = not case.model.options.get("compiled", True)
+    return case.agrees(case.run(compiled=other), error=GENERAL * case.condition)
 
 
-RELATIONS: dict[str, Callable[[Case], Found]] = {
-    "renumbered": transformed("renumbered"),
-    "reordered": transformed("reordered"),
-    "turned": transformed("turned"),
-    "exchanged": transformed("exchanged"),
-    "engines": engines,
+def other_units(case: Case) -> Found:
+    """Units of powers of two, time among them: the same digits. What user functions say has units too."""
+    if case.model.has("INTEGRAT") and METHODS[case.model.rows("INTEGRAT")[0][1]].needs_jacobian:
+        return NOTHING  # ERROR has a unit there: the tolerance of an iteration
+    system = units.System(*(2.0 ** case.rng.randint(-6, 6) for _ in range(3)))
+    deck = case.deck()
+    dimensions = units.Dimensions(deck)
+
+    def factor(owner: int, index: int, power: int = 1, more: tuple[int, int, int] = (0, 0, 0)) -> float:
+        own = dimensions.node(owner) if owner in case.model.roles and is_node(owner) else dimensions.mode(owner, index)
+        return system.factor(
+            units.per(more, *(own,) * -power) if power < 0 else units.per(more, tuple(-k for k in own))
+        )
+
+    def is_node(owner: int) -> bool:
+        return isinstance(owner, transformations.Node)
+
+    pushes = []
+    for p in case.model.pushes:
+        force, stiff = (factor(p.owner, p.index, k, units.ENERGY) for k in (-1, -2))
+        moved = replace(p, c=p.c * force, a=p.a * force, w=p.w / system.s, k=p.k * stiff, d=p.d * stiff * system.s)
+        pushes.append(replace(moved, z0=p.z0 * factor(p.owner, p.index)))
+    drives = [
+        replace(d, z0=d.z0 * factor(d.owner, d.index), a=d.a * factor(d.owner, d.index), w=d.w / system.s)
+        for d in case.model.drives
+    ]
+    functions = replace(case.model, pushes=tuple(pushes), drives=tuple(drives))
+    converted = replace(units.convert(replace(deck, path=None), system), path=case.deck(functions).path)
+    result = spacar.run(case.model.mode, converted, **case.model.options)
+    scaled = [units.back(frame, result.mechanism, system) for frame in result.frames]
+    numbering = result.mechanism.numbering
+    found = {}
+    for (kind, n, variable), want in case.values.items():
+        table = numbering.le if kind == "element" else numbering.lnp
+        rows = table[n - 1][table[n - 1] > 0] - 1
+        found[kind, n, variable] = np.array([frame[variable][rows] for frame in scaled]).reshape(want.shape)
+    return case.same(case.values, found)
+
+
+def files(case: Case) -> Found:
+    """The result file holds what the result in memory holds, bit by bit."""
+    paths = case.base.save(case.folder / "saved")
+    sbd = next(p for p in paths if p.suffix == ".sbd")
+    with SbfFile(sbd) as file:
+        for name in (*X_FIELDS, *E_FIELDS):
+            want = case.base[name]
+            for k in range(len(want)):
+                if not np.array_equal(np.ravel(file.get(name, k + 1)), want[k]):
+                    return np.inf, f"{name} of step {k + 1}"
+    return 0.0, ""
+
+
+def divisions(case: Case) -> Found:
+    """Every way of dividing beams gives the same: --elements, the refined deck as text, twice two for four."""
+    still = ("STARTDX", "STARTDE") if MODES[case.model.mode].stationary else ()  # a guess that is far for many elements
+    deck = case.deck(with_mass(case.model).without("TIMESTEP", "INTEGRAT", *still))
+    finer = case.divided(case.rng.choice((2, 3)), deck)
+    if finer is None:
+        return NOTHING
+    a, four, again = (case.result(d) for d in (finer, case.divided(4, deck), case.divided(2, case.divided(2, deck))))
+    text = replace(spacar.parse_deck(finer.to_text(), mode=case.model.mode), path=finer.path)
+    nodes = [{k: v for k, v in quantities(case.model, r).items() if k[0] == "node"} for r in (four, again)]
+    same = case.same(quantities(case.model, a), quantities(case.model, case.result(text)))
+    return worst([same, case.same(*nodes, error=64 * 16 * EPS * case.condition)])  # stiffness of a quarter: 16 times
+
+
+def sweeps(case: Case) -> Found:
+    """Cases of a sweep are single runs with these numbers."""
+    rows = [r for r in case.model.rows("XM", "XF", "ESTIFF", "EM", block=2) if isinstance(r[2], float)]
+    if not rows or "elements" in case.model.options:  # a sweep is about the numbers of the file
+        return NOTHING
+    r = case.rng.choice(rows)
+    node = case.rng.choice(sorted(case.model.roles))
+    name, values = f"{r[0]}.{int(r[1])}[2]", [r[2], 1.3 * r[2]]
+    rows = spacar.sweep(case.deck(), {name: values}, f"y: x[{node},1]@end", mode=case.model.mode, **case.model.options)
+    want = []
+    for v in values:
+        other = case.model.mapped(lambda s, b, v=v: [(*s[:2], v, *s[3:])] if s == r and b == 2 else [s])
+        want.append(case.run(other).node(node, 1)[-1])
+    return case.close(want, [row["y"] for row in rows], f"sweep of {name}, x[{node},1]", GENERAL * case.condition, 1.0)
+
+
+@dataclass(frozen=True)
+class Relation:
+    """What is compared, and in which modes it holds."""
+
+    compare: Callable[[Case], Found]
+    modes: tuple[int, ...]
+
+
+ALL = tuple(m for m in MODES if m != 3)
+MOTION = tuple(m for m, row in MODES.items() if row.integrated)
+STILL = tuple(m for m, row in MODES.items() if row.stationary)
+LINEAR = tuple(m for m in STILL if MODES[m].linearized)
+RELATIONS: dict[str, Relation] = {
+    "renumbered": Relation(transformed("renumbered"), ALL),
+    "reordered": Relation(transformed("reordered"), ALL),
+    "turned": Relation(transformed("turned"), ALL),
+    "exchanged": Relation(transformed("exchanged"), ALL),
+    "engines": Relation(engines, ALL),
+    "other units": Relation(other_units, (*MOTION, *STILL)),
+    "as spatial": Relation(as_spatial, (*MOTION, *STILL)),
+    "files": Relation(files, ALL),
+    "divisions": Relation(divisions, (*MOTION, *STILL)),
+    "sweeps": Relation(sweeps, (*MOTION, *STILL)),
+    "restarted": Relation(restarted, MOTION),
+    "energy": Relation(energy, MOTION),
+    "momentum": Relation(momentum, MOTION),
+    "differences": Relation(differences, (4,)),
+    "inverse": Relation(inverse, (2,)),
+    "load steps": Relation(load_steps, STILL),
+    "small division": Relation(small_division, STILL),
+    "eigen and buckling": Relation(eigen_and_buckling, (10,)),
+    "state space": Relation(state_space, (9,)),
+    "compliances": Relation(compliances, (8,)),
+    "sensitivities": Relation(sensitivities, (7, 8, 10)),
 }
 
 
-def drawn(seed: int, types: Sequence[str], properties: Sequence[str], mode: int, folder: Path) -> Case:
-    """The first case of a seed that is well-conditioned and that its loads do not carry beyond a limit point, a range
-    of the theory or off the ground. Any other refusal is a finding."""
-    for attempt in range(20):
-        model = model_of(1000 * attempt + seed, types, properties, mode)
-        case = Case(model, folder, random.Random(seed))
+def disagreements(case: Case, names: Iterable[str]) -> dict[str, str]:
+    """The relations that do not hold, and where."""
+    bad = {}
+    for name in names:
         try:
-            if case.positions < CONDITION and case.values:
-                return case
-        except SpacarError as error:
-            if error.code not in BEYOND:
-                raise AssertionError(f"{error}\n{model.text()}") from error
-    raise AssertionError("no model")
+            ratio, where = RELATIONS[name].compare(case)
+        except SpacarError as error:  # what the model can, its other forms can
+            ratio, where = np.inf, f"{error.code}: {error}"
+        if not ratio <= 1.0:
+            bad[name] = f"{where} ({ratio:.3g} times)"
+    return bad

@@ -1,23 +1,47 @@
-"""Random mechanisms that nobody wrote, and relations that need no reference."""
+"""Random mechanisms and relations that need no reference: the cases of `array.txt`, in which every pair of element
+type, load or property, mode and option occurs. `make fuzz` runs thousands more."""
 
 from __future__ import annotations
 
-import random
+from pathlib import Path
 
 import pytest
 
-from .cases import TYPES
-from .properties import PROPERTIES
-from .relations import RELATIONS, drawn
+from .campaign import chosen
+from .case import Spec
+from .coverage import FACTORS, excuse, occurring, required, specs, written
+from .known import KNOWN
+from .relations import disagreements
 
-COUNT = 90
+SPECS = specs()
 
 
-@pytest.mark.parametrize("seed", range(COUNT))
-def test_case(seed: int, tmp_path) -> None:
-    rng = random.Random(seed)
-    kind, mode = TYPES[seed % len(TYPES)], (1, 7)[seed // len(TYPES) % 2]
-    case = drawn(seed, (kind,), tuple(rng.sample(PROPERTIES, 4)), mode, tmp_path)
-    found = {name: RELATIONS[name](case) for name in rng.sample(sorted(RELATIONS), 2)}
-    bad = {name: where for name, (ratio, where) in found.items() if not ratio <= 1.0}
-    assert not bad, f"{bad}\n{case.model.text()}"
+@pytest.mark.parametrize("spec", SPECS, ids=[f"{s.seed}" for s in SPECS])
+def test_case(spec: Spec, tmp_path: Path) -> None:
+    """Two relations that hold in its mode, in turn."""
+    case = spec.case(tmp_path)
+    assert case is not None, f"{written(spec)}: refused, or badly conditioned"
+    bad = disagreements(case, chosen(spec, 2))
+    known = {name: KNOWN[spec.seed, name] for name in bad if (spec.seed, name) in KNOWN}
+    if known and known.keys() == bad.keys():
+        pytest.xfail(str(known))
+    assert not bad, f"{written(spec)}\n{bad}\n{case.model.text()}"
+
+
+def test_every_pair_occurs() -> None:
+    """In the array; a new keyword, type, mode or option asks for `python -m tests.combinations.coverage`."""
+    missing = set(required())
+    for spec in SPECS:
+        model = spec.model()
+        assert model is not None
+        missing -= occurring(spec, model)
+    assert not missing
+
+
+def test_pairs_that_cannot_occur_have_a_reason() -> None:
+    """Each follows from a table; none is excused because the generator lacks it."""
+    for f in FACTORS:
+        for g in FACTORS:
+            if f < g:
+                reasons = {excuse((f, v), (g, w)) for v in FACTORS[f] for w in FACTORS[g]}
+                assert all(len(reason.split()) > 3 for reason in reasons - {""})

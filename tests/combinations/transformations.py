@@ -83,8 +83,8 @@ def renumbered(model: Model, rng: random.Random) -> tuple[Model, Back]:
 
 
 def reordered(model: Model, rng: random.Random) -> tuple[Model, Back]:
-    """Statements in another order."""
-    blocks = tuple(tuple(rng.sample(rows, len(rows))) for rows in model.blocks)
+    """Statements in another order; those of a trajectory stay together."""
+    blocks = tuple(rows if ("TRAJECT", 1) in rows else tuple(rng.sample(rows, len(rows))) for rows in model.blocks)
     return replace(model, blocks=blocks), Back()
 
 
@@ -141,7 +141,9 @@ def moved(model: Model, turn: np.ndarray, shift: np.ndarray) -> tuple[Model, Bac
             c, s, moved_by = coordinate(r[1], r[2])
             first = s * r[3] + (moved_by if r[0] != "DELINPX" else 0.0)
             return [(*r[:2], c, first, *(s * v for v in r[4:]))]
-        if block == 3 and isinstance(r[2], Node):
+        if block == 3 and r[0] == "TRE" and sense < 0:
+            return [(*r[:2], type(r[2])(MIRRORED.get(model.types[r[1]], (1,))[0] * r[2]))]
+        if block == 3 and len(r) == 4 and isinstance(r[2], Node):
             return [(*r[:3], coordinate(r[2], r[3])[0])]
         if r[0] in ("ESIG", "DELESIG", "STARTDE", "INPUTE", "DELINPE") and block == 2 and sense < 0:
             return [with_signs(r, MIRRORED.get(model.types[r[1]], (1,) * 8))]
@@ -253,7 +255,7 @@ def exchanged(model: Model, rng: random.Random) -> tuple[Model, Back]:
 
     def row(r: Row, block: int) -> list[Row]:
         if len(r) < 2 or not isinstance(r[1], Element) or r[1] not in chosen:
-            if block == 3 and isinstance(r[2], Element) and r[2] in chosen:
+            if block == 3 and len(r) == 4 and isinstance(r[2], Element) and r[2] in chosen:
                 return [(*r[:3], abs(order(r[2])[r[3] - 1]))]
             return [r]
         if r[0] in ELEMENT_TYPES:
@@ -270,6 +272,8 @@ def exchanged(model: Model, rng: random.Random) -> tuple[Model, Back]:
             k = order(r[1])[r[2] - 1]
             values = r[3:] if r[0] == "MEE" else tuple(np.sign(k) * v for v in r[3:])
             return [(*r[:2], abs(k), *values)]
+        if r[0] == "TRE":
+            return [(*r[:2], type(r[2])(np.sign(order(r[1])[0]) * r[2]))]
         if r[0] == "EM":
             return [(*r[:2], *exchanged_mass(model.types[r[1]], r[2:]))]
         if r[0] == "DELOMF":

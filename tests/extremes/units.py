@@ -63,7 +63,7 @@ class Dimensions:
         return dimension(ELEMENT_TYPES[self.kind[element]].modes[mode - 1][1])
 
     def node(self, number: int) -> tuple[int, int, int]:
-        return (0, 1, 0) if self.role[number] == "position" else (0, 0, 0)
+        return {"position": (0, 1, 0), "orientation": (0, 0, 0), "warping": (0, -1, 0)}[self.role[number]]
 
     def of(self, s: Statement) -> list[tuple[int, int, int]]:
         """One per value of the statement."""

@@ -24,6 +24,7 @@ def main() -> int:
     p.add_argument("--words", type=int, default=5_000)
     p.add_argument("--forged", type=int, default=5_000)
     p.add_argument("--kills", type=int, default=200)
+    p.add_argument("--combinations", type=int, default=5_000, help="Random mechanisms (tests/combinations).")
     p.add_argument("--first", type=int, default=0, help="First number of the cases: other numbers are other cases.")
     p.add_argument("--scale", type=float, default=1.0, help="Size of what is measured; 0: nothing.")
     p.add_argument("--report", type=Path, default=Path("out/fuzz.md"))
@@ -40,6 +41,9 @@ def main() -> int:
             for first in range(a.first, a.first + count, CHUNK):
                 found += chunk(kind, first, min(CHUNK, a.first + count - first), folder)
                 print(f"{kind} {first + CHUNK - a.first}/{count}: {len(found)} findings", file=sys.stderr, flush=True)
+        for first in range(a.first, a.first + a.combinations, CHUNK):
+            found += combined(first, min(CHUNK, a.first + a.combinations - first))
+            print(f"combinations {first + CHUNK - a.first}/{a.combinations}", file=sys.stderr, flush=True)
         if a.kills:
             found += killed(a.kills, a.first, folder)
         measured = []
@@ -49,7 +53,7 @@ def main() -> int:
             found += [{"kind": "figure", "seed": 0, "words": f.what, "text": f"status {f.status}"}
                       for f in measured if f.status]  # fmt: skip
     counts = f"{a.decks} decks, {a.files} result files, {a.words} command lines, {a.forged} forged files"
-    counts += f", {a.kills} kills"
+    counts += f", {a.kills} kills, {a.combinations} mechanisms"
     seconds = time.monotonic() - begun
     lines = ["# Fuzzing", "", f"{counts}, first number {a.first}; {seconds:.0f} s. **{len(found)} findings.**", ""]
     lines += [f"- {f['kind']} {f['seed']}: `{' '.join(f['words'])[:200]}`: {f['text'][:300]}" for f in found]
@@ -77,6 +81,15 @@ def chunk(kind: str, first: int, count: int, folder: Path) -> list[dict[str, Any
         count -= at + 1 - first
         first = at + 1
     return found
+
+
+def combined(first: int, count: int) -> list[dict[str, Any]]:
+    """Relations that do not hold; a process that dies is a finding too."""
+    words = [sys.executable, "-m", "tests.combinations.campaign"]
+    words += ["--first", str(100_000 + first), "--count", str(count)]
+    done = subprocess.run(words, capture_output=True, text=True, errors="replace", check=False)
+    lines = done.stdout.splitlines()[:-1] if done.returncode in (0, 1) else [done.stderr.strip()[-300:]]
+    return [{"kind": "combination", "seed": 100_000 + first, "words": [], "text": line} for line in lines]
 
 
 def killed(count: int, first: int, folder: Path) -> list[dict[str, Any]]:

@@ -1,0 +1,155 @@
+"""Mutants: one sign, factor, index or operator of the source changed, and whether the cases of `array.txt` notice.
+
+`python -m tests.combinations.mutants --count 100 --seed 1`. Each is made in a copy of the package. Text from which C is
+generated is left out: each mutant would take a minute to build.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+HERE = Path(__file__).resolve()
+ROOT = HERE.parents[2]
+ROOMS = ("spacar/elements", "spacar/deck/rewrite", "spacar/linearization", "spacar/dynamics", "spacar/mechanism")
+SWAPS = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
+
+
+class Changes(ast.NodeTransformer):
+    """Counts the places where something can be changed; changes the one of number `at`."""
+
+    def __init__(self, at: int = -1) -> None:
+        self.at, self.count, self.what, self.line = at, 0, "", 0
+
+    def here(self, node: ast.AST, what: str) -> bool:
+        self.count += 1
+        if self.count - 1 != self.at:
+            return False
+        self.what, self.line = what, getattr(node, "lineno", 0)
+        return True
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
+        self.generic_visit(node)
+        other = SWAPS.get(type(node.op))
+        if other is not None and not is_text(node) and self.here(node, f"{type(node.op).__name__} -> {other.__name__}"):
+            node.op = other()
+        return node
+
+    def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.AST:
+        self.generic_visit(node)
+        if isinstance(node.op, ast.USub) and not isinstance(node.operand, ast.Constant) and self.here(node, "-a -> a"):
+            return node.operand
+        return node
+
+    def visit_Constant(self, node: ast.Constant) -> ast.AST:
+        if isinstance(node.value, float) and node.value and self.here(node, f"{node.value} -> {1.5 * node.value}"):
+            node.value = 1.5 * node.value
+        return node
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
+        self.generic_visit(node)
+        places = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+        for place in places:
+            small = (
+                isinstance(place, ast.Constant) and isinstance(place.value, int) and not isinstance(place.value, bool)
+            )
+            if (
+                small
+                and isinstance(node.ctx, ast.Load)
+                and self.here(node, f"index {place.value} -> {other_index(place.value)}")
+            ):
+                place.value = other_index(place.value)
+        return node
+
+    def visit_arguments(self, node: ast.arguments) -> ast.AST:
+        return node  # annotations and defaults stay
+
+    def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.AST:
+        if node.value is not None:
+            node.value = self.visit(node.value)
+        return node
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
+        node.body = [self.visit(s) for s in node.body]
+        return node
+
+    def visit_Raise(self, node: ast.Raise) -> ast.AST:
+        return node
+
+    def visit_JoinedStr(self, node: ast.JoinedStr) -> ast.AST:
+        return node
+
+
+def other_index(i: int) -> int:
+    return i - 1 if i > 0 else 1
+
+
+def is_text(node: ast.BinOp) -> bool:
+    """Sums of strings, and types such as `int | None`."""
+    return any((isinstance(n, ast.Constant) and isinstance(n.value, str)) or isinstance(n, ast.JoinedStr)
+               for n in (node.left, node.right))  # fmt: skip
+
+
+def places() -> Iterator[tuple[Path, int]]:
+    for room in ROOMS:
+        for path in sorted((ROOT / room).rglob("*.py")):
+            count = Changes()
+            count.visit(ast.parse(path.read_text()))
+            yield from ((path.relative_to(ROOT), k) for k in range(count.count))
+
+
+def mutated(path: Path, at: int) -> tuple[str, str]:
+    """The changed source, and what was changed."""
+    change = Changes(at)
+    tree = change.visit(ast.parse((ROOT / path).read_text()))
+    return ast.unparse(ast.fix_missing_locations(tree)), f"{path}:{change.line}: {change.what}"
+
+
+def killed(copy: Path, path: Path, text: str) -> str:
+    """Why the cases fail with this source; empty: they do not."""
+    file = copy / path
+    before = file.read_text()
+    file.write_text(text)
+    try:
+        words = [sys.executable, "-m", "tests.combinations.campaign", "--array", "--first-failure"]
+        environment = {**os.environ, "PYTHONPATH": f"{copy}:{copy}/formats:{copy}/cli", "PYTHONDONTWRITEBYTECODE": "1"}
+        done = subprocess.run(
+            words, cwd=copy, env=environment, capture_output=True, text=True, check=False, timeout=900
+        )
+        return "" if done.returncode == 0 else (done.stdout + done.stderr).strip()[-200:] or "failed"
+    except subprocess.TimeoutExpired:
+        return "time"
+    finally:
+        file.write_text(before)
+
+
+def main() -> int:
+    p = argparse.ArgumentParser(description=__doc__)
+    p.add_argument("--count", type=int, default=100)
+    p.add_argument("--seed", type=int, default=1)
+    a = p.parse_args()
+    chosen = random.Random(a.seed).sample(list(places()), a.count)
+    alive = []
+    with tempfile.TemporaryDirectory(prefix="mutants-") as name:
+        copy = Path(name)
+        for folder in ("spacar", "formats", "cli", "tests", "data"):
+            shutil.copytree(ROOT / folder, copy / folder)
+        for k, (path, at) in enumerate(chosen, 1):
+            text, what = mutated(path, at)
+            why = killed(copy, path, text)
+            print(f"{k} {'killed' if why else 'ALIVE '} {what} {why.splitlines()[-1][:80] if why else ''}", flush=True)
+            alive += [what] * (not why)
+    print(f"{a.count - len(alive)} of {a.count} killed", *alive, sep="\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

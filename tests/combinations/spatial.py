@@ -1,0 +1,109 @@
+"""A planar model with spatial elements: nodes keep to the plane by FIX, deformations out of it are released."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .case import GENERAL, NOTHING, Case, Found
+from .model import Axial, Element, Model, Node, Place, Tensor, Vector
+
+KINDS = {"PLBEAM": "BEAM", "PLTRUSS": "TRUSS", "PLTOR": "HINGE", "PLRBEAM": "RBEAM", "PLPINBOD": "PINBODY"}
+MODES = {"PLBEAM": (1, 5, 6), "PLTRUSS": (1,), "PLTOR": (1,), "PLRBEAM": (1, 2), "PLPINBOD": (1, 2)}
+OUT = {"PLBEAM": (2, 3, 4), "PLTRUSS": (), "PLTOR": (2, 3), "PLRBEAM": (3,), "PLPINBOD": (3,)}
+
+
+def as_spatial(case: Case) -> Found:
+    """Positions, velocities, accelerations and forces of position nodes, stresses in the plane."""
+    model = spatial(case.model)
+    if model is None:
+        return NOTHING
+    result = case.run(model)
+    want, got = {}, {}
+    for (kind, n, variable), v in case.values.items():
+        if kind == "node" and case.model.roles[n] == "position":
+            want[kind, n, variable] = v
+            got[kind, n, variable] = result.node(n, variable=variable)[:, :2]
+        elif kind == "element":
+            keyword = case.model.types[n]
+            modes = [m - 1 for m in MODES[keyword]]
+            want[kind, n, variable] = v
+            got[kind, n, variable] = result.element(n, variable=variable)[:, modes] * sign(keyword, np.array(modes))
+    return case.same(want, got, GENERAL * case.condition)
+
+
+def sign(keyword: str, mode: Any) -> Any:
+    """e5, e6 of BEAM are -e2, -e3 of PLBEAM; `mode` counts from 0."""
+    return np.where((mode > 0) & (keyword == "PLBEAM"), -1.0, 1.0)
+
+
+def spatial(model: Model) -> Model | None:
+    """None where an element has no counterpart, or a prescribed angle is no polynomial of an Euler parameter."""
+    types, roles = model.types, model.roles
+    if set(types.values()) - set(KINDS) or model.pushes or model.drives:
+        return None
+    turning = {n for n, role in roles.items() if role == "orientation"}
+    if any(r[1] in turning for r in model.rows("INPUTX", "DYNX", "STARTDX", "DELINPX", "XF", "DELXF")):
+        return None
+    out_of_plane = {n: (3,) if role == "position" else (2, 3) for n, role in roles.items()}
+
+    def flat(v):
+        if isinstance(v, Vector):
+            return type(v)((*v, 0.0))
+        return v
+
+    def row(r, block):
+        r = tuple(flat(v) for v in r)
+        if r[0] in KINDS:
+            e: Element = r[1]
+            y = [Vector(normal(model, r))] if r[0] in ("PLBEAM", "PLRBEAM") else []
+            new = (KINDS[r[0]], *r[1:], *y) if r[0] != "PLTOR" else ("HINGE", *r[1:], Axial((0.0, 0.0, 1.0)))
+            return [new, *([("RLSE", e, *OUT[r[0]])] if OUT[r[0]] else [])]
+        if block == 3:
+            return [(*r[:3], MODES[types[r[2]]][r[3] - 1]) if isinstance(r[2], Element) else r]
+        if r[0] == "FIX":
+            n = r[1]
+            if n in turning:
+                return [("FIX", n, 4)]
+            return [("FIX", n, *(r[2:] or (1, 2)))]
+        if block == 1 and r[0] in ("RLSE", "DYNE", "INPUTE"):
+            every = MODES[types[r[1]]]
+            return [(*r[:2], *([every[m - 1] for m in r[2:]] or every))]
+        if r[0] in ("STARTDE", "INPUTE", "DELINPE"):
+            keyword = types[r[1]]
+            return [(*r[:2], MODES[keyword][r[2] - 1], *(float(v * sign(keyword, r[2] - 1)) for v in r[3:]))]
+        if r[0] == "MEE":
+            return [(*r[:2], MODES[types[r[1]]][r[2] - 1], *r[3:])]
+        if r[0] in ("ESIG", "DELESIG"):
+            values = [0.0] * 6
+            for m, v in zip(MODES[types[r[1]]], r[2:], strict=False):
+                values[m - 1] = float(v * sign(types[r[1]], m - 1))
+            return [(*r[:2], *values[: {"PLBEAM": 6, "PLTRUSS": 1}.get(types[r[1]], 3)])]
+        if r[0] == "XM" and r[1] in turning:
+            return [("XM", r[1], Tensor((1.0, 0.0, 0.0, 1.0, 0.0, r[2])))]
+        if r[0] == "EM" and types[r[1]] in ("PLBEAM", "PLRBEAM") and len(r) > 3:
+            return [(*r[:3], 0.1, 0.1, r[3], 0.0)]
+        if r[0] in ("ESTIFF", "EDAMP") and types[r[1]] == "PLBEAM":
+            _, ei, *shear = (*r[2:], 0.0)[: len(r[2:])] if len(r) > 3 else (r[2], 0.0)
+            return [(*r[:3], 1.0, 1.0, ei, *((0.0, *shear) if shear and r[0] == "ESTIFF" else ()))]
+        if r[0] == "ORPINBOD" and len(r) == 3:
+            x = r[2]
+            return [(*r, Vector((-x[1], x[0], 0.0)))]
+        if r[0] == "ORPINBOD":
+            return [(*r, Vector((0.0, 0.0, 1.0)))]
+        if r[0] == "DRPINBOD":
+            return [(*r, 0.0)]
+        return [r]
+
+    other = model.mapped(row)
+    extra = [("FIX", Node(n), *which) for n, which in out_of_plane.items()]
+    return other.more(1, *extra)
+
+
+def normal(model: Model, r) -> list[float]:
+    """The axis turned to the left: y' of a planar element."""
+    places = {s[1]: s[2] for s in model.rows("X", block=1)}
+    zero = Place((0.0, 0.0))
+    d = np.subtract(places.get(r[4], zero), places.get(r[2], zero))
+    return [float(-d[1]), float(d[0]), 0.0]
