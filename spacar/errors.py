@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 LONGEST_LINE = 1000
-BY_USERS = (Exception, SystemExit, GeneratorExit)  # what code of a user may raise; a Ctrl-C passes
+# What code of a user may raise; a Ctrl-C passes. To readers each is an exception like others.
+BY_USERS: tuple[type[Exception], ...] = (Exception, SystemExit, GeneratorExit)  # type: ignore[assignment]
 
 
 def shown(text: str) -> str:

@@ -72,6 +72,18 @@ def test_examples_are_listed_and_copied(call, tmp_path):
     assert (tmp_path / "models" / "fourbar.dat").exists()
 
 
+def test_examples_in_folders(call, tmp_path):
+    """Listed with their folder, copied without it, with all their files; none of these is replaced."""
+    assert "symbolic/manipulator " in call("examples").out
+    assert call("examples", "symbolic/manipulator", "published/leafspring_guide.dat").status == 0
+    assert {p.name for p in tmp_path.iterdir()} >= {"manipulator.toml", "manipulator.py", "leafspring_guide.dat"}
+    (tmp_path / "manipulator.toml").unlink()
+    (tmp_path / "manipulator.py").write_text("mine")
+    done = call("examples", "symbolic/manipulator")
+    assert (done.status, "manipulator.py exists" in done.err) == (2, True)
+    assert (tmp_path / "manipulator.py").read_text() == "mine"
+
+
 def test_examples_do_not_overwrite(call, tmp_path):
     (tmp_path / "slider.dat").write_text("mine")
     done = call("examples", "slider")

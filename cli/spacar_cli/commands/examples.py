@@ -16,6 +16,9 @@ HERE = Path(__file__).resolve().parent.parent
 PLACES = (HERE / "examples", HERE.parent.parent / "data")  # in an installed wheel, in a checkout
 
 
+ENDING = re.compile(r"\.(dat|sim|toml|py)\Z")
+
+
 @words.command("examples")
 @click.argument("names", metavar="[NAME]...", nargs=-1)
 @words.option("output_dir", "; default the current one.", default=Path())
@@ -30,7 +33,7 @@ def command(environment: Environment, names: tuple[str, ...], output_dir: Path, 
 
     alone = {path.stem: path for path in sorted(_home().glob("*.sim"))}
     models = alone | {path.stem: path for path in sorted(_home().glob("*.dat"))}
-    models = dict(sorted(models.items()))
+    models = dict(sorted(models.items())) | _in_folders()
     if not names:
         width = max(map(len, models))
         for name, path in models.items():
@@ -38,17 +41,20 @@ def command(environment: Environment, names: tuple[str, ...], output_dir: Path, 
             if name in alone and path.suffix == ".dat":
                 environment.say(f"{'':<{width}}  {alone[name].name}: {_title(alone[name])}")
         return
-    chosen = list(models) if names == ("all",) else [name.removesuffix(".dat").removesuffix(".sim") for name in names]
+    chosen = list(models) if names == ("all",) else [ENDING.sub("", name) for name in names]
     for name in chosen:
         if name not in models:
             raise UsageError(f"there is no example '{name}'; `spacar examples` lists them", "usage.example")
-        if (output_dir / models[name].name).exists() and not overwrite:
-            raise UsageError(f"{output_dir / models[name].name} exists; --overwrite replaces it", "files.exists")
+        for path in _files(name):
+            if (output_dir / path.name).exists() and not overwrite:
+                raise UsageError(f"{output_dir / path.name} exists; --overwrite replaces it", "files.exists")
     output_dir.mkdir(parents=True, exist_ok=True)
     needed = [other for name in chosen if name in alone for other in _needed(alone[name], models)]
     missing = [name for name in needed if overwrite or not (output_dir / f"{name}.dat").exists()]
     for name in dict.fromkeys((*chosen, *missing)):
-        for path in _home().glob(f"{name}.*"):  # with the user functions of the model, when it has some
+        for path in _files(name):
+            if name not in chosen and not overwrite and (output_dir / path.name).exists():
+                continue
             with replacing(output_dir / path.name) as side:
                 shutil.copyfile(path, side)
         environment.wrote(output_dir / models[name].name)
@@ -61,10 +67,21 @@ def _home() -> Path:
     raise UsageError("the example models are not installed", "files.examples")
 
 
+def _in_folders() -> dict[str, Path]:
+    """The models in folders, as FOLDER/NAME."""
+    found = sorted((p for p in _home().glob("*/*") if ENDING.search(p.name)), key=lambda p: p.suffix != ".py")
+    return dict(sorted((f"{path.parent.name}/{path.stem}", path) for path in found))
+
+
+def _files(name: str) -> list[Path]:
+    """All files of an example: with the user functions of the model, when it has some."""
+    return sorted(_home().glob(f"{name}.*"))
+
+
 def _title(path: Path) -> str:
     """The first comment of the model."""
     with open(path, encoding="utf-8") as file:
-        return file.readline().lstrip("%#; ").strip()
+        return file.readline().strip().strip('%#;" ')
 
 
 def _needed(simulation: Path, models: dict[str, Path]) -> list[str]:
