@@ -44,6 +44,11 @@ class BeamWithWarping(SpatialBeam):
         super().__init__(group)
         self._warping = 0.5 * self.length * group.em[:, JW]
 
+    @property
+    def shear(self) -> Array:
+        """Ones: the published element leaves shear out of its second order terms (its cross hinge, table E5)."""
+        return np.ones((2, self.n), self._estiff.dtype)
+
     # -- deformations --------------------------------------------------------------------------------------
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> WarpingConfiguration:  # type: ignore[override]
         c = strain_of.warping_state(BeamConstants(*expand(self.constants, x.ndim)), x, self._second)

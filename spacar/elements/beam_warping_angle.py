@@ -14,6 +14,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.elements import warping_angle_strain as strain_of
 from spacar.elements.angle_measure import AngleConstants
+from spacar.elements.beam import SpatialBeam
 from spacar.elements.beam_angle import AngleConfiguration, SpatialAngleBeam
 from spacar.elements.beam_inertia import LineConstants, line_state
 from spacar.elements.beam_warping import BeamWithWarping
@@ -23,6 +24,8 @@ from spacar.elements.rotation import expand
 
 class AngleBeamWithWarping(BeamWithWarping, SpatialAngleBeam):
     """All BEAMW elements of a model in the angle measure. Errors as `BeamWithWarping`."""
+
+    shear = SpatialBeam.shear
 
     def _build(self, group: ElementGroup, frame_p: Array, frame_q: Array, f1: Array) -> None:
         super()._build(group, frame_p, frame_q, f1)

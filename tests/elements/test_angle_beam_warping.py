@@ -42,11 +42,10 @@ def test_derivatives(linear, spread):
     check_gravity(family, x, G)
 
 
-@pytest.mark.parametrize("shear", [(0.0, 0.0), (0.1, 0.03)])
-def test_small_deformations_are_those_of_the_sine_measure(shear):
+def test_small_deformations_are_those_of_the_sine_measure():
     """To second order in rotations and twist rates: the difference falls with the third power of their size."""
     start, _, values = beams(5)
-    values["estiff"] = [(1.0, 0.4, 0.7, 1.3, *shear, 0.05)] * N
+    values["estiff"] = [(1.0, 0.4, 0.7, 1.3, 0.0, 0.0, 0.05)] * N
     step = np.random.default_rng(1).normal(size=start.shape)
     differences = []
     for size in (2e-3, 1e-3):
