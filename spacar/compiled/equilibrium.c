@@ -22,7 +22,7 @@ typedef struct {
     const Group *groups;
     const double *x0, *scale, *e_scale, *least; /* (nx) start and size, (ne) size, (nx) least size where lengths are compared */
     const double *loads;       /* two parts, of which `parts` is taken: force (nx), gravity (nx), preload (ne), steps of what is prescribed */
-    const double *held;        /* (nx) or NULL: forces of which `hold` is taken */
+    const double *held;        /* (nx + ne) or NULL: forces and misfits of deformations of which `hold` is taken */
     double *branch, *e;          /* (ne) of the sweep */
     int64_t nx, ne, nf, n_groups, x_free, x_input, n_x_input, e_input, n_e_input, heavy, widest, dense;
     double size, parts[2], hold;

@@ -64,7 +64,7 @@ static void rest_residual(Equilibrium *q, const Own *w, const double *x, double 
     for (int i = 0; i < ne; i++) {
         if (w->coupled[i] == 0.0) sigma[i] = w->preload[i];
         w->lengths[i] = 0.0;
-        w->gap[i] = w->coupled[i] * (q->e[i] - w->given_e[i]);
+        w->gap[i] = w->coupled[i] * (q->e[i] - w->given_e[i]) - (q->held ? q->hold * q->held[nx + i] : 0.0);
     }
     for (int k = 0; k < q->n_groups; k++) {
         const Group *g = &q->groups[k];

@@ -36,7 +36,7 @@ from spacar.stationary.loading import LoadLevel, loads_grow
 from spacar.stationary.newton import Converged, Demand
 from spacar.stationary.passed_levels import ELSEWHERE, FARTHEST, FASTER, REMEMBERED, RETURNED, WIDE, Known
 from spacar.stationary.singular import FreeMotion
-from spacar.stationary.stability import STABLE, Stability, critical_motion
+from spacar.stationary.stability import STABLE, Stability, critical_motion, is_regular
 from spacar.stationary.stationary_equations import Given, Iterate, StationaryEquations
 
 SMALLEST_PART = 1.0 / 1024.0
@@ -127,6 +127,14 @@ class Continuation:
         """Is the residual of the last state rounding, and its stability known exactly?"""
         return self.point.quiet and self.stable is not None and self.stable.exact and not self.stable.critical
 
+    @property
+    def is_firm(self) -> bool:
+        """Does every motion have a stiffness at the last state?"""
+        e = self.evaluator
+        if self.stable is not None and self.stable.exact:
+            return self.stable.zero == 0
+        return is_regular(e.equations, e.tangent, self.point)
+
     def stay(self, target: LoadLevel) -> None:
         """At the last state, at a level at which the same acts."""
         self.evaluator.load(target)
@@ -159,6 +167,8 @@ class Continuation:
         if self._arbitrary or (level.additional == 0.0 and level.initial >= 1.0):
             self.path = self.path[-1:]  # from here on the path of the additional loading
         self._arbitrary = False
+        if self.evaluator.fading_force is not None:
+            self.evaluator.set_fading_force(None)
 
     # -- one part -------------------------------------------------------------------------------------------------
     def _advance(self, reached: LoadLevel, level: LoadLevel, demand: Demand) -> int:
@@ -294,6 +304,8 @@ class Continuation:
         assert before is not None
         assert self.stable is not None
         e = self.evaluator
+        if e.whole_from_start and not level.additional:
+            return  # of a path along which only a force fades
         more = self.stable.negative > before.negative
         motion = critical_motion(e.equations, e.tangent, self.point, more)
         change = abs(self.stable.negative - before.negative)

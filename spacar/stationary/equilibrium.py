@@ -105,6 +105,7 @@ class Equilibrium:
         self._keep: list[Any] = [m.x0, m.scale, m.deformation_scale, least, loads]
         groups, n_groups = self._groups()
         self.n_groups = len(groups)
+        self._held: Array | None = None
         self.c = c = CEquilibrium(
             ctypes.addressof(groups), *map(address_of, self._keep[:5]), None, address_of(self.arrays.branch),
             address_of(self.arrays.e), n.nx, n.ne, self.nf, n_groups, first, xs.start, count, es.start,
@@ -128,9 +129,9 @@ class Equilibrium:
         """Take the loads of a level; the force `held` (nx,) times `hold` is held back."""
         c = self.c
         c.parts[0], c.parts[1], c.hold = level.initial, level.additional, hold
-        if held is not None and not c.held:
-            self._keep.append(held)
-            c.held = held.ctypes.data
+        if held is not self._held:
+            self._held = held
+            c.held = None if held is None else held.ctypes.data
 
     def newton(self, x: Array, sigma: Array, demand: Demand) -> Converged | None:
         """As `spacar.stationary.newton.newton`. Raises Astray."""

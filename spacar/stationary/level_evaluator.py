@@ -29,8 +29,9 @@ from spacar.stationary.tangent import SparseTangent
 class LevelEvaluator:
     """`dynamics`, `equations`, `tangent` under the loads of the last level that was loaded.
 
-    `y` (state vector) holds the kinematic values and the rates that non-holonomic systems keep; `hold` (nx,) are forces
-    that hold a start state which is no equilibrium; they fade out until the first level is reached.
+    `y` (state vector) holds the kinematic values and the rates that non-holonomic systems keep; `fading_force` (nx +
+    ne,), forces and misfits of deformations, holds a start which is no equilibrium, and fades on the way to the first
+    level. The initial loading grows, or acts as a whole from the start on (`whole_from_start`).
 
     Where C has the equations (`spacar.stationary.equilibrium`) iterations and proofs of stability run there. What
     Python needs of loads and elements is made, or put in place, when it asks for one of the three; the elements share
@@ -50,8 +51,9 @@ class LevelEvaluator:
             rates[:] = 0.0
         self.moving = self.whole.moving or bool(rates.any())
         self.plain = n.holonomic and not self.moving and mechanism.user_signal is None
-        self.hold: Array | None = None
-        self._hold_until, self._held = 1.0, 0.0  # the part of `hold` that acts at the present level
+        self.fading_force: Array | None = None
+        self._fades_until = 1.0
+        self.whole_from_start = False
         self._given: Given | None = None
         self._at: Array | None = None  # where the sweep has to be
         self._factored_in_c = False
@@ -77,29 +79,34 @@ class LevelEvaluator:
         return self._equations_made
 
     # -- loads --------------------------------------------------------------------------------------------------
-    def held_by(self, force: Array, until: float) -> None:
-        """The force (nx,) acts at the start and fades until this place on the way."""
-        self.hold, self._hold_until = force, until
+    def set_fading_force(self, force: Array | None, until: float = 1.0) -> None:
+        """The force and the misfits (nx + ne,) act at the start and fade until this place on the way."""
+        self.fading_force, self._fades_until = force, until
+        self.load(self._level)
+
+    def _held(self, level: LoadLevel) -> float:
+        """The part of the fading force that acts: linear in the level, also where differences look beyond it."""
+        return 0.0 if self.fading_force is None else 1.0 - level.path / self._fades_until
 
     def load(self, level: LoadLevel) -> None:
         """Put the loads of a level on the evaluator. Where the flow in tubes changes, `dynamics`, `equations` and
         `tangent` are made anew."""
         self._level, self._given = level, None
-        self._held = self._held_at(level)
         if self._engine is None:
             self._settle()
         else:
-            self._engine.load(level, self.hold, self._held)
+            self._engine.load(self._acting(level), self.fading_force, self._held(level))
 
-    def _held_at(self, level: LoadLevel) -> float:
-        return 0.0 if self.hold is None else max(0.0, 1.0 - level.path / self._hold_until)
+    def _acting(self, level: LoadLevel) -> LoadLevel:
+        """The level with the part of the initial loading that acts."""
+        return level._replace(initial=1.0) if self.whole_from_start else level
 
     def _settle(self) -> None:
         """Loads and elements as Python needs them."""
-        level = self._level.initial, self._level.additional
-        if level != self._in_place:
-            self._in_place = level
-            self._use(loads_at(self.mechanism, self._level), SteadyDrive.at_level(self.mechanism, self._level))
+        level = self._acting(self._level)
+        if (level.initial, level.additional) != self._in_place:
+            self._in_place = level.initial, level.additional
+            self._use(loads_at(self.mechanism, level), SteadyDrive.at_level(self.mechanism, level))
         if self._at is not None:
             x, self._at = self._at, None
             self._dynamics.evaluate(x)
@@ -131,8 +138,9 @@ class LevelEvaluator:
     def equations(self) -> StationaryEquations:
         self._settle()
         q = self._equations
-        q.held = self._held * self.hold if self.hold is not None and self._held else None
-        q.user_part = self._level.initial
+        held = self._held(self._level)
+        q.held = held * self.fading_force if self.fading_force is not None and held else None
+        q.user_part = self._acting(self._level).initial
         return q
 
     @property
@@ -214,7 +222,9 @@ class LevelEvaluator:
         """As `spacar.stationary.passed_levels`; stands at the last level that was passed. None where C cannot."""
         if self._engine is None:
             return None
-        table = np.array([(v.initial, v.additional, self._held_at(v), v.path, v.store) for v in levels])
+        table = np.array(
+            [(self._acting(v).initial, v.additional, max(0.0, self._held(v)), v.path, v.store) for v in levels]
+        )
         passed = pass_levels(self._engine, table, path, limit, tolerance)
         self._at = (path[-1] if passed is None else passed.point).x
         if passed is not None:

@@ -69,6 +69,8 @@ class StationarySolver:
         self._said: Stability | None = None
         self._walk: Continuation | None = None
         self._determined = False  # does C say so?
+        self._firm = True
+        self._failed = False  # in one order of the loading?
 
     @property
     def dynamics(self) -> Dynamics:
@@ -162,21 +164,33 @@ class StationarySolver:
         if idle and walk.is_exact:
             walk.stay(target)
         else:
-            walk.advance(target)
+            try:
+                walk.advance(target)
+            except AnalysisError as failure:
+                walk = self._in_other_order(failure, target)
         self.iterations = walk.iterations
         if target.store:
             self._place(walk.point, target)
 
     def _begun(self, first: LoadLevel) -> Continuation:
+        """The path so far. It begins with no loading, but with all of the initial loading where the start has motions
+        without stiffness then, which the loading may give them, and is no equilibrium."""
         if self._walk is None:
-            self._walk = self._begin(first)
+            n, e = self.mechanism.numbering, self._evaluator
+            self._walk = walk = self._begin(first, False)
+            self._firm = walk.is_firm
+            placed = e.moving or e.fading_force is not None
+            if n.holonomic and n.nddof and not self._idle and not self._firm and placed:
+                self._walk = self._begin(first, True)
         return self._walk
 
-    def _begin(self, first: LoadLevel) -> Continuation:
-        """A walk from the start values. Where these are no equilibrium, forces hold them that fade out on the way to
-        the first level."""
+    def _begin(self, first: LoadLevel, whole: bool) -> Continuation:
+        """The path from the start values. Where these are no equilibrium, forces hold them that fade on the way to the
+        first level. `whole`: all of the initial loading acts from the start on."""
         e, n = self._evaluator, self.mechanism.numbering
+        e.whole_from_start = whole
         e.load(LoadLevel(0.0, 0.0))
+        e.set_fading_force(None)
         p = self._reference()
         if p is None:
             d = e.dynamics
@@ -190,13 +204,33 @@ class StationarySolver:
                 p = e.point(p.x, e.equations.balanced(p))
         known = p.quiet
         if not known:
-            force = np.zeros(n.nx)
-            force[e.equations.F] = p.right[: e.equations.nf]
-            e.held_by(force, first.path)
+            q, force = e.equations, np.zeros(n.nx + n.ne)
+            force[q.F], force[n.nx :] = p.right[: q.nf], -p.right[q.nf :] / q.flexibility.size
+            e.set_fading_force(force, first.path)
+            p = e.point(p.x, p.sigma)
         try:
             return Continuation(e, p, known, self.report)
         except SingularMatrixError:
             return Continuation(e, p, False, self.report)
+
+    def _in_other_order(self, failure: AnalysisError, target: LoadLevel) -> Continuation:
+        """The path to a level with the loading applied in the other order. Raises the failure of growing loads."""
+        e, n = self._evaluator, self.mechanism.numbering
+        limited = failure.code == "statics.limit-point" and self._firm
+        if self._failed or limited or target.additional or not (n.holonomic and n.nddof):
+            raise failure
+        self._failed, whole = True, not e.whole_from_start
+        self._walk = walk = self._begin(target, whole)
+        try:
+            walk.advance(target)
+        except AnalysisError as again:
+            raise (failure if whole else again) from None
+        if whole and self._firm:
+            self.report.add(
+                f"warning: the growing loading could not be followed ({failure.code}): the solution was found from the"
+                " start, held in balance under the whole loading by forces that fade; there may be others"
+            )
+        return walk
 
     def _reference(self) -> Iterate | None:
         """The reference configuration, if it is the start and its deformations are those wanted."""

@@ -76,21 +76,21 @@ def stability(
     if not q.holonomic or not q.d.numbering.nddof:
         return None
     if isinstance(tangent, RestingTangent):
-        if tangent.natural(p) and (regular or _regular(q, tangent, p)):
+        if tangent.natural(p) and (regular or is_regular(q, tangent, p)):
             return STABLE
         if tangent.symmetric:
             critical = noise > CRITICAL
             hopeful = not critical and (before is None or before.negative == 0)
-            if hopeful and tangent.is_definite(p) and (regular or _regular(q, tangent, p)):
+            if hopeful and tangent.is_definite(p) and (regular or is_regular(q, tangent, p)):
                 return STABLE
             negative, zero = tangent.inertia(p)
             return Stability(max(negative - q.ne, 0), q.nf if critical else zero, True, critical)
-    if not _regular(q, tangent, p):
+    if not is_regular(q, tangent, p):
         return None
     return Stability(int(tangent.sign() < 0.0), 0, False)
 
 
-def _regular(q: StationaryEquations, tangent: Tangent, p: Iterate) -> bool:
+def is_regular(q: StationaryEquations, tangent: Tangent, p: Iterate) -> bool:
     try:
         tangent.factor(p)
         correction(q, tangent, p, np.zeros_like(p.x))

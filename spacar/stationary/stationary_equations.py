@@ -90,7 +90,7 @@ class Iterate(NamedTuple):
 class StationaryEquations:
     """Residual of one evaluator under its present loads. `rates` (nddof,): those that non-holonomic systems keep.
 
-    `held` (nx,): forces that hold a start state that is no equilibrium, if there are any.
+    `held` (nx + ne,): forces, and misfits of deformations, that hold a start that is no equilibrium, if there are any.
     """
 
     def __init__(self, dynamics: Dynamics, flexibility: Flexibility, moving: bool, rates: Array) -> None:
@@ -214,8 +214,10 @@ class StationaryEquations:
             force -= inertia
             sizes += np.abs(inertia)
         if self.held is not None:
-            force -= self.held
+            force -= self.held[: len(x)]
         gap = C.coupled * (sweep.e - given.e) - C.times((sigma - offset) * self.loose)
+        if self.held is not None:
+            gap -= self.held[len(x) :]
         slip = 0.0
         work_size = max(largest(sigma * self.e_scale), largest(applied * self.scale))
         if len(self.slips):

@@ -93,10 +93,11 @@ def near_start(e: LevelEvaluator) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("name", TEXTS)
 def test_the_residual_and_the_size_of_its_terms_are_those_of_the_general_path(name):
     e = evaluator(TEXTS[name])
-    held = np.random.default_rng(5).normal(size=e.mechanism.numbering.nx)
+    n = e.mechanism.numbering
+    held = 1e-3 * np.random.default_rng(5).normal(size=n.nx + n.ne)
     for level in (LoadLevel(0.0, 0.0), LoadLevel(0.4, 0.0), LoadLevel(1.0, 0.7)):
         e.load(level)
-        e.held_by(held, until=0.9)  # from the next level on
+        e.set_fading_force(held, until=0.9)  # from the next level on
         x, sigma = near_start(e)
         found = e.point(x, sigma)
         p = e.equations.point(x, sigma, e.given)  # puts loads and elements in place

@@ -1,0 +1,138 @@
+"""Statics and steady motion from starts far from the solution, and solutions that only a preload makes possible."""
+
+from __future__ import annotations
+
+from math import acos, cos, pi, sin, sqrt
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import spacar
+from spacar.deck import parse_deck, read_deck
+
+G = 9.81
+PENDULUM = """
+PLRBEAM 1 1 2 3
+X 3 0 -{l!r}
+FIX 1
+DYNX 2
+END HALT
+XM 3 2.
+GRAVITY 0 -9.81
+STARTDX 2 1 {start!r}
+ITERSTEP 20 {steps} 1e-9
+END END
+"""
+CONICAL = """
+HINGE 1 1 2 0 0 1
+HINGE 2 2 3 0 1 0
+RBEAM 3 4 3 5 0 1 0
+X 4 0 0 0
+X 5 {x!r} 0. {z!r}
+FIX 1
+FIX 4
+INPUTE 1 1
+DYNE 2 1
+END HALT
+XM 5 0.4
+INPUTE 1 1 0 {speed!r} 0
+GRAVITY 0 0 -9.81
+{more}
+ITERSTEP 30 {steps} 1e-10
+END END
+"""
+
+
+@pytest.mark.parametrize("general", ["", "1"])
+@pytest.mark.parametrize("start", [0.3, 0.8, -1.1, 1.5])
+def test_a_pendulum_finds_its_rest(start, general, monkeypatch):
+    """w^2 = g/l about the hanging position, whatever the number of steps."""
+    monkeypatch.setenv("SPACAR_GENERAL", general)
+    for steps in (1, 4, 10):
+        r = spacar.run(7, parse_deck(PENDULUM.format(l=0.5, start=start, steps=steps), mode=7))
+        assert r.node(2, 1)[-1] == pytest.approx(0.0, abs=1e-9)
+        assert r["eigval"][0][0] == pytest.approx((0.0, sqrt(G / 0.5)), abs=1e-7)
+        assert not any("warning" in line for line in r.report)
+
+
+@pytest.mark.parametrize("off", [0.0, 5.0, -5.0, 15.0])
+@pytest.mark.parametrize(("speed", "l"), [(7.0, 0.5), (20.0, 0.3), (5.0, 0.6)])
+def test_a_conical_pendulum(speed, l, off):
+    """cos a = g/(W^2 l); it swings about that with W sin a."""
+    a = acos(G / (speed**2 * l))
+    start = a - off * pi / 180.0
+    for steps in (1, 4):
+        text = CONICAL.format(x=l * sin(start), z=-l * cos(start), speed=speed, steps=steps, more="")
+        r = spacar.run(7, parse_deck(text, mode=7))
+        assert r.node(5, 3)[-1] == pytest.approx(-l * cos(a), rel=1e-9)
+        assert r["eigval"][0][0] == pytest.approx((0.0, speed * sin(a)), abs=1e-7)
+
+
+def test_a_governor_with_a_spring():
+    """A spring c at the hinge, unstrained where the bar begins: c (a - a0) = m W^2 l^2 sin a cos a - m g l sin a."""
+    l, speed, c, a0 = 0.5, 9.0, 1.5, 0.9
+
+    def moment(a: float) -> float:
+        return c * (a - a0) - 0.4 * (speed * l) ** 2 * sin(a) * cos(a) + 0.4 * G * l * sin(a)
+
+    a = brentq(moment, 0.5, 1.5, xtol=1e-14)
+    text = CONICAL.format(x=l * sin(a0), z=-l * cos(a0), speed=speed, steps=4, more=f"ESTIFF 2 {c}")
+    r = spacar.run(7, parse_deck(text, mode=7))
+    assert r.node(5, 3)[-1] == pytest.approx(-l * cos(a), rel=1e-8)
+
+
+@pytest.mark.parametrize("stretch", [0.3, 0.9, 2.5])
+def test_a_spring_that_starts_stretched(stretch):
+    text = "PLTRUSS 1 1 2\nX 2 1 0\nFIX 1\nFIX 2 2\nDYNE 1\nEND HALT\nXM 2 1\nESTIFF 1 2\n"
+    r = spacar.run(7, parse_deck(f"{text}STARTDE 1 1 {stretch}\nEND END\n", mode=7))
+    assert r.element(1, 1)[-1] == pytest.approx(0.0, abs=1e-12)
+    assert r["eigval"][0][0] == pytest.approx((0.0, sqrt(2.0)))
+
+
+STRING = """
+PLTRUSS 1 1 2
+PLTRUSS 2 2 3
+X 1 0. 0.
+X 2 1. 0.
+X 3 2. 0.
+FIX 1
+FIX 3
+DYNX 2 1 2
+RLSE 1 1
+RLSE 2 1
+END HALT
+XM 2 1.
+ESTIFF 1 1.
+ESTIFF 2 1.
+ESIG 1 {preload}
+ESIG 2 {preload}
+XF 2 0. {force}
+END END
+"""
+
+
+@pytest.mark.parametrize("general", ["", "1"])
+@pytest.mark.parametrize("mode", [7, 8, 10])
+@pytest.mark.parametrize(("preload", "force"), [(0.01, 1e-4), (0.01, 0.02), (0.3, 0.1), (1e-3, 1e-5)])
+def test_a_preload_comes_before_the_load_that_needs_it(mode, preload, force, general, monkeypatch):
+    """2 (s0 + l - 1) y/l = F, l^2 = 1 + y^2; 0.00499383547 for the first."""
+    monkeypatch.setenv("SPACAR_GENERAL", general)
+    y = brentq(lambda y: 2 * (preload + sqrt(1 + y * y) - 1) * y / sqrt(1 + y * y) - force, 0.0, 1.0, xtol=1e-15)
+    r = spacar.run(mode, parse_deck(STRING.format(preload=preload, force=force), mode=mode))
+    assert r.node(2, 2)[-1] == pytest.approx(y, rel=1e-7)
+
+
+def test_loads_of_the_user_take_part_in_load_steps(tmp_path):
+    """A dead tip force by USERSIG bends a cantilever as XF does, whatever the steps."""
+    lines = ["FIX 1", "FIX 2"]
+    for k in range(4):
+        a = 2 * k + 1
+        lines += [f"PLBEAM {k + 1} {a} {a + 1} {a + 2} {a + 3}", f"X {a + 2} {0.25 * (k + 1)} 0", f"DYNE {k + 1} 2 3"]
+    lines += ["END HALT", *(f"EM {k + 1} 1.\nESTIFF {k + 1} 0 1." for k in range(4))]
+    (tmp_path / "push.py").write_text("def push(t, ne, le, e, ep, nx, lnp, x, xp):\n    return t, [], [[9, 2, 6.0]]\n")
+    found = []
+    for load, steps in (("XF 9 0 6.0", 20), ("USERSIG push", 4), ("USERSIG push", 1), ("USERSIG push\nXF 9 1e-9", 10)):
+        (tmp_path / "model.dat").write_text("\n".join([*lines, load, f"ITERSTEP 20 {steps} 1e-10", "END END\n"]))
+        found.append(spacar.run(7, read_deck(tmp_path / "model.dat", 7)).node(9)[-1])
+    assert np.allclose(found, found[0], rtol=0.0, atol=1e-8)
