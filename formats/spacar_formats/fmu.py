@@ -61,7 +61,7 @@ def export_fmu(model: Path, target: Path, rtol: float = 1e-6, atol: float = 1e-8
         except Exception as cause:  # whatever stops pythonfmu is one error here
             text = f"pythonfmu could not pack {target.name}: {type(cause).__name__}: {cause}"
             raise AnalysisError(text, "fmu.build") from cause
-        _with_units(made, dict(zip(words["inputs"] + words["outputs"], units(plant), strict=True)))
+        _with_units(made, dict(zip(variables(plant.inputs) + variables(plant.outputs_), units(plant), strict=True)))
         with replacing(target) as side:
             shutil.copyfile(made, side)
     return plant
