@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from spacar.arrays import Array, Index
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
+from spacar.linear.graded import Factors, eigenvalues, graded_modes
 from spacar.linear_systems import DENSE_LIMIT
 from spacar.linearization.matrices import Linearization
 from spacar.linearization.state_matrix import assembled_state_matrix, require_mass, selected
@@ -34,6 +35,9 @@ FEW = 4  # one mode in so many, or fewer: those are computed alone
 BESIDE = 4  # modes more than are wanted, which take the rest of themselves out of the vectors of the others
 FEW_FROM = 30  # degrees of freedom; SciPy is loaded by the solution before these modes
 ROUNDING = 1e-12  # omega^2 below this fraction of the largest may be rigid motions
+SPREAD = 1e-5  # of omega^2, from which on the entries of K have too few digits for the lowest
+SINGULAR = 1e3  # of M, row and column scaled, from which on its entries have too few digits for the highest
+MOST_GRADED, MOST_DAMPED = 200, 100  # degrees of freedom, undamped and damped: the time of larger ones
 
 
 @dataclass(frozen=True)
@@ -83,13 +87,14 @@ def vibration_modes(
         if still.any():
             return _condensed(M, C, K, still, report)
     require_mass(L, q)
+    factors = Factors.of_linearization(L, q) if np.array_equal(q, s) and len(q) <= MOST_GRADED else None
     if compiled and len(q) == len(s) and not C.any():
         diagonal = M.diagonal()
         if (diagonal > 0.0).all() and not _takes_few(len(q), wanted):
             small = small_pencil(K, M, 1.0 / np.sqrt(diagonal))
             if small is not None:
-                return undamped_modes(K, M, report, wanted, small)
-    return modes_of_matrices(M, C, K, selected(L.ak0, s, q), selected(L.bk0, s, s), report, wanted)
+                return undamped_modes(K, M, report, wanted, small, factors)
+    return modes_of_matrices(M, C, K, selected(L.ak0, s, q), selected(L.bk0, s, s), report, wanted, factors)
 
 
 def _condensed(M: Array, C: Array, K: Array, still: NDArray[np.bool_], report: Report) -> Modes:
@@ -115,14 +120,17 @@ def _condensed(M: Array, C: Array, K: Array, still: NDArray[np.bool_], report: R
 
 
 def modes_of_matrices(
-    M: Array, C: Array, K: Array, ak0: Array, bk0: Array, report: Report, wanted: int | None = None
-) -> Modes:
+    M: Array, C: Array, K: Array, ak0: Array, bk0: Array, report: Report, wanted: int | None = None,
+    factors: Factors | None = None,
+) -> Modes:  # fmt: skip
     """The same from M, C (q, q), K (q, s) and the kinematic matrices ak0 (s, q), bk0 (s, s).
 
     Raises AnalysisError for a singular or indefinite mass matrix.
     """
     if K.shape[0] == K.shape[1] and is_symmetric(K) and is_symmetric(M):
-        return damped_modes(K, C, M, report) if matters(C, M, K) else undamped_modes(K, M, report, wanted)
+        if matters(C, M, K):
+            return damped_modes(K, C, M, report, factors)
+        return undamped_modes(K, M, report, wanted, factors=factors)
     values, vectors = _eig(assembled_state_matrix(M, C, K, ak0, bk0), report)
     if K.shape[0] == K.shape[1] and np.array_equal(ak0, np.eye(len(K))) and not bk0.any():
         values, vectors = _with_low_modes_of_the_inverse(M, C, K, values, vectors)
@@ -162,14 +170,14 @@ def _with_low_modes_of_the_inverse(
     return kept, np.hstack((shapes[:, first[:count]], vectors[:, ascending[count:]]))
 
 
-def damped_modes(K: Array, C: Array, M: Array, report: Report) -> Modes:
+def damped_modes(K: Array, C: Array, M: Array, report: Report, factors: Factors | None = None) -> Modes:
     """Modes of M qdd + C qd + K q = 0, K symmetric, in the coordinates of the undamped modes.
 
     With q = Phi p, Phi^T M Phi = 1, Phi^T K Phi = Omega^2 the state (w p, pd), w = |Omega| (1 where Omega = 0), has
     the graded matrix [0 w; -Omega^2/w -Phi^T C Phi], from the highest to the lowest mode: low modes keep their
     relative accuracy.
     """
-    squares, Phi = polished(K, M, *symmetric_pencil(K, M))
+    squares, Phi = accurate(K, M, factors)
     order = np.argsort(-np.abs(squares), kind="stable")
     squares, Phi = squares[order], Phi[:, order]
     w = np.sqrt(np.abs(squares))
@@ -180,7 +188,18 @@ def damped_modes(K: Array, C: Array, M: Array, report: Report) -> Modes:
     A[2 * pairs, 2 * pairs + 1], A[2 * pairs + 1, 2 * pairs] = w, -squares / w
     A[1::2, 1::2] = -Phi.T @ C @ Phi
     values, z = _eig(A, report)
-    return arranged(values, np.vstack((Phi @ (z[0::2] / w[:, None]), Phi @ z[1::2])), n)
+    vectors = np.vstack((Phi @ (z[0::2] / w[:, None]), Phi @ z[1::2]))
+    found = eigenvalues(values, M, C, K, squares, Phi) if n <= MOST_DAMPED else None
+    if found is not None:
+        values, shapes, lost = found
+        vectors = np.vstack((shapes, shapes * values))
+        if lost.any():
+            size = np.abs(values[lost]).max()
+            report.add(
+                f"warning: masses, dampers and springs differ so much that {int(lost.sum())} eigenvalues, up to"
+                f" {size:.3g} rad/s, are known to fewer than ten digits; other degrees of freedom (DYNX, DYNE) may help"
+            )
+    return arranged(values, vectors, n)
 
 
 def _eig(A: Array, report: Report) -> tuple[Complex, Complex]:
@@ -203,11 +222,12 @@ def _eig(A: Array, report: Report) -> tuple[Complex, Complex]:
 
 
 def undamped_modes(
-    K: Array, M: Array, report: Report, wanted: int | None = None, small: SmallPencil | None = None
-) -> Modes:
+    K: Array, M: Array, report: Report, wanted: int | None = None, small: SmallPencil | None = None,
+    factors: Factors | None = None,
+) -> Modes:  # fmt: skip
     """Modes of M qdd + K q = 0 from the symmetric eigenproblem, all or the `wanted` of lowest modulus. `small`: that of
     K and M in C. Raises AnalysisError for an indefinite mass matrix."""
-    squares, shapes = polished(K, M, *(symmetric_pencil(K, M, wanted) if small is None else small.pairs()))
+    squares, shapes = accurate(K, M, factors, wanted, small)
     if wanted is not None and wanted < len(squares):
         lowest = np.abs(squares).argsort(kind="stable")[:wanted]
         lowest.sort()
@@ -299,6 +319,31 @@ def _pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Array, Array
     reduced = np.linalg.solve(lower, half.T)
     squares, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
     return squares, np.linalg.solve(lower.T, vectors)
+
+
+def accurate(
+    K: Array, M: Array, factors: Factors | None = None, wanted: int | None = None, small: SmallPencil | None = None
+) -> tuple[Array, Array]:
+    """omega^2 ascending and vectors, as `symmetric_pencil` or `small` give them, polished; by `graded` where that would
+    not give ten digits: the lowest modes are far below the highest, or M is nearly singular, so that the highest are
+    far above K_ii/M_ii. Raises AnalysisError for a singular mass matrix."""
+    n = len(K)
+    try:
+        pairs = symmetric_pencil(K, M, wanted) if small is None else small.pairs()
+    except AnalysisError:
+        found = None if factors is None else graded_modes(factors, K)
+        if found is None:
+            raise
+        return found
+    squares, shapes = polished(K, M, *pairs)
+    if n > MOST_GRADED or not n:
+        return squares, shapes
+    expected = float(np.max(np.abs(K.diagonal()) / M.diagonal()))
+    largest = max(float(np.max(np.abs(squares))), expected)
+    if float(np.min(np.abs(squares))) > SPREAD * largest and largest <= SINGULAR * expected:
+        return squares, shapes
+    factors = factors or Factors.of_matrices(K, M)
+    return (None if factors is None else graded_modes(factors, K)) or (squares, shapes)
 
 
 def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, Array]:
