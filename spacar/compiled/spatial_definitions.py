@@ -6,12 +6,16 @@ frame at p into that at q: of beams, whose frames are the same, it is exactly on
 
 from __future__ import annotations
 
+import math
+
 import sympy as sp
 
-from spacar.compiled.element_parameters import LEFT
+from spacar.compiled.element_parameters import GUARD, LEFT
 from spacar.compiled.planar_definitions import CUBIC, dot, length
+from spacar.elements.beam import LARGE_ANGLE
 
 UP = [0, 0, 1]
+BENT = math.cos(LARGE_ANGLE) + 0.003 - GUARD  # cosines of beams are above GUARD within LARGE_ANGLE
 FRAME = tuple(f"{axis}{k}" for axis in ("fx", "fy", "fz") for k in range(3))
 # start frames at p and q, Euler parameters of the second to the first
 ENDS = (*FRAME, *(name.replace("f", "g") for name in FRAME), "r0", "r1", "r2", "r3")
@@ -166,12 +170,13 @@ def beam_line(x: list, p: dict) -> tuple[list, sp.Matrix]:
 
 
 def beam_guard(z: list, p: dict) -> list:
-    """Cosines between end tangents and chord, of the twist; length."""
+    """Cosines between end tangents and chord, of the twist, less BENT; length."""
     d, lp, lq = z[:3], z[3:7], z[7:11]
     l = length(d)
     axes = [[rotated(lam, c) for c in frame(p, name)] for lam, name in ((lp, "f"), (lq, "g"))]
     twist = (dot(axes[0][1], axes[1][1]) + dot(axes[0][2], axes[1][2])) / 2
-    return [dot(d, axes[0][0]) / l, dot(d, axes[1][0]) / l, twist, l / p["l0"] + LEFT]
+    cosines = dot(d, axes[0][0]) / l, dot(d, axes[1][0]) / l, twist
+    return [*(c - BENT for c in cosines), l / p["l0"] + LEFT]
 
 
 def without_warping(x: list) -> list:

@@ -29,7 +29,18 @@ from spacar.elements.family import ElementGroup, Family, GeometryError, Trouble
 from spacar.elements.local_frames import chord_frames, chords, rows, section_tensor
 from spacar.elements.rotation import _CROSS, expand, rotate
 
-LARGE_ANGLE = np.pi / 4  # bending or twist of one element beyond this is computed with an error above 10 %
+
+def angle_of_error(error: float) -> float:
+    """Angle a [rad] at which the sine measure has this relative error: with e = l0 sin a the couple is proportional to
+    sin a cos a instead of a, so that 1 - sin(2a)/(2a) = error. Newton's iteration from the first term of the series.
+    """
+    y = (6.0 * error) ** 0.5
+    for _ in range(8):
+        y -= (np.sin(y) - (1.0 - error) * y) / (np.cos(y) - (1.0 - error))
+    return float(y / 2.0)
+
+
+LARGE_ANGLE = angle_of_error(0.1)  # bending or twist of one element: 22.5 degrees
 LIMIT_ANGLE = np.radians(85.0)  # the sine measures have no equilibrium at and beyond 90 degrees
 _UNIT = HERMITE_MASS.item(0, 0) / 156.0  # of the coefficients of the inertia: 1/420
 COLLAPSED = 1e-6  # smallest fraction of the undeformed length
