@@ -76,7 +76,10 @@ class UserNodes:
                 vectors = np.pad(modes.vectors, ((0, 0), (unknown, 0)), constant_values=np.nan)
                 given["eigvre"], given["eigvim"] = vectors.real, vectors.imag
         if "lmult" in given and "lmult" in fine:
-            k = min(len(given["lmult"]), len(fine["lmult"]))
+            wanted, k = len(given["lmult"]), min(len(given["lmult"]), len(fine["lmult"]))
+            if not k:  # a large divided model without stress has none: all are infinite, as those of a small one
+                given["lmult"], given["bmode"] = np.full(wanted, np.inf), np.eye(wanted)
+                return
             given["lmult"] = fine["lmult"][:k]
             shape = self._shape(dynamics, fine["bmode"][:, :k]).real
             size = np.linalg.norm(shape, axis=0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import spacar
 from spacar.deck import parse_deck
 from spacar.deck.rewrite.refine import refine
 from spacar.errors import UsageError
+from spacar.studies.user_nodes import UserNodes
 
 # Tip of an inextensible cantilever, L = 10, EI = 102, dead transverse load 14 (elliptic integrals; reference test S5).
 ELASTICA = np.array((3.810897752359167, 8.404448390735478))
@@ -225,3 +227,20 @@ def test_the_mesh_of_a_motion_is_measured(released):
     assert error / 2 < result.header["accuracy"].estimate < 2 * error
     fixed = spacar.run(1, deck, accuracy=True, variables=["x[5,2]"], mesh=False)
     assert fixed.header["accuracy"].estimate < 0.1 * error
+
+
+def test_meshes_without_stress_have_infinite_multipliers():
+    """Where large meshes are computed sparse and nothing is stressed, as many infinite multipliers as the user has."""
+    text = cantilever(3, load="")
+    text = text.replace("END END", "ITERSTEP 10 1 1e-9\nEND END")
+    result = spacar.run(10, parse_deck(text, mode=10), accuracy=True)
+    assert len(result["lmult"][-1]) == 6
+    assert np.isinf(result["lmult"][-1]).all()
+    assert np.isfinite(result["eigval"][-1]).all()
+    given = spacar.run(10, parse_deck(text, mode=10))
+    found = UserNodes(given.mechanism, given.mechanism, {})
+    fine = replace(given.frames[-1], matrices=dict(given.frames[-1].matrices))
+    fine.matrices |= {"lmult": np.zeros(0), "bmode": np.zeros((6, 0))}
+    view = found.frame(fine, given.frames[-1])
+    assert view.matrices["lmult"].tolist() == [np.inf] * 6
+    assert view.matrices["bmode"].shape == (6, 6)
