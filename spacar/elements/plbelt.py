@@ -93,10 +93,10 @@ class PlanarBelt(Family):
         square = d0 * d0 + d1 * d1
         l = np.sqrt(square - self.rho * self.rho)
         along, across = l / square, self.rho / square
-        u = np.empty_like(d)
+        u = np.empty(d.shape, l.dtype)
         u0 = u[0] = along * d0 + across * d1
         u1 = u[1] = along * d1 - across * d0
-        n = np.empty_like(d)
+        n = np.empty_like(u)
         np.negative(u1, out=n[0])
         n[1] = u0
         return l, u, n
@@ -123,7 +123,7 @@ class PlanarBelt(Family):
     def branch(self, x: Array, e: Array) -> Array:
         """theta [rad]; zero where rho vanishes."""
         l = self._span(x[3:5] - x[0:2])[0]
-        return np.asarray((self._without_turning(x, l) - e) * self.per_rho)
+        return np.asarray(((self._without_turning(x, l) - e) * self.per_rho).real)
 
     @staticmethod
     def _rates(c: BeltConfiguration, v: Array) -> tuple[Array, Array]:

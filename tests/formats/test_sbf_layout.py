@@ -121,7 +121,7 @@ def test_the_message_for_an_unknown_variable_names_file_and_nearest(tmp_path):
             file.get("d2x")
 
 
-@pytest.mark.parametrize("steps", [0, 4, -1, [1, 7], 10**30, 2.0])
+@pytest.mark.parametrize("steps", [0, 4, -4, [1, 7], 10**30, 2.0])
 def test_a_step_that_does_not_exist_is_refused(tmp_path, steps):
     with SbfFile(sbd(tmp_path / "a.sbd")) as file, pytest.raises(UsageError, match="steps 1 to 3"):
         file.get("x", steps)

@@ -22,6 +22,12 @@ typedef struct mxArray_tag mxArray;
 mxArray *mxCreateString(const char *str);
 mxArray *mxCreateDoubleScalar(double value);
 bool mxIsEmpty(const mxArray *pm);
+int mxGetNumberOfFields(const mxArray *pm);
+const char *mxGetFieldNameByNumber(const mxArray *pm, int fieldnumber);
+mxArray *mxGetFieldByNumber(const mxArray *pm, size_t index, int fieldnumber);
+int mexPutVariable(const char *workspace, const char *varname, const mxArray *pm);
+mxArray *mexGetVariable(const char *workspace, const char *varname);
+void mexWarnMsgIdAndTxt(const char *warningid, const char *warningmsg, ...);
 int mexCallMATLAB(int nlhs, mxArray *plhs[], int nrhs, mxArray *prhs[], const char *functionName);
 void mexFunction(int nlhs, mxArray *plhs[], int nrhs, const mxArray *prhs[]);
 """
@@ -30,6 +36,12 @@ LIBRARY = """\
 mxArray *mxCreateString(const char *str) { (void) str; return NULL; }
 mxArray *mxCreateDoubleScalar(double value) { (void) value; return NULL; }
 bool mxIsEmpty(const mxArray *pm) { (void) pm; return true; }
+int mxGetNumberOfFields(const mxArray *pm) { (void) pm; return 0; }
+const char *mxGetFieldNameByNumber(const mxArray *pm, int k) { (void) pm; (void) k; return NULL; }
+mxArray *mxGetFieldByNumber(const mxArray *pm, size_t i, int k) { (void) pm; (void) i; (void) k; return NULL; }
+int mexPutVariable(const char *w, const char *name, const mxArray *pm) { (void) w; (void) name; (void) pm; return 0; }
+mxArray *mexGetVariable(const char *w, const char *name) { (void) w; (void) name; return NULL; }
+void mexWarnMsgIdAndTxt(const char *id, const char *text, ...) { (void) id; (void) text; }
 int mexCallMATLAB(int nlhs, mxArray *plhs[], int nrhs, mxArray *prhs[], const char *functionName)
 { (void) nlhs; (void) plhs; (void) nrhs; (void) prhs; (void) functionName; return 0; }
 """

@@ -111,7 +111,7 @@ def run_mode(
         from spacar_cli import releasing
 
         releasing.check_output(Path(release), source)
-    overrides = {field: value for field, value in options.items() if value is not None}
+    overrides = {field: value for field, value in options.items() if value is not None and value is not False}
     if "integrator" in overrides:
         integrator(overrides["integrator"], "--integrator")
     check_modes(mode, overrides.get("modes"))
