@@ -111,7 +111,9 @@ def run_mode(
         from spacar_cli import releasing
 
         releasing.check_output(Path(release), source)
-    overrides = {field: value for field, value in options.items() if value is not None and value is not False}
+    overrides = {field: value for field, value in options.items() if value is not None}
+    if not overrides.get("rigid_beams", True):  # a flag that was not given
+        del overrides["rigid_beams"]
     if "integrator" in overrides:
         integrator(overrides["integrator"], "--integrator")
     check_modes(mode, overrides.get("modes"))
