@@ -137,7 +137,7 @@ def compiled(target: Path) -> str | None:
         levels = for_x86_64(words, extra)
         builds = BUILDS | (OF_X86_64 if levels else {})
         known = [f'-DSOURCE="{source_digest()}"', *(["-DLEVELS"] if levels else [])]
-        calls = [[*words, *FLAGS, *position, *extra, *known, "levels.c"]]
+        calls = [[*words, *FLAGS, *position, *extra, *known, "cpu_dispatch.c"]]
         for build_name, level in builds.items():
             lanes = build_name.rsplit("_", 1)[1]
             defined = [f"-DBUILD={build_name}", f"-DLANES={lanes}", f"-I{GENERATED.name}"]

@@ -71,7 +71,7 @@ def clocked(spent: list[float]) -> Iterator[None]:
     kept: list[tuple[type[Family], str, Any]] = []
     inside = [False]
 
-    def watched(function: Callable[..., Any]) -> Callable[..., Any]:
+    def singularity_monitor(function: Callable[..., Any]) -> Callable[..., Any]:
         def call(*arguments: Any) -> Any:
             if inside[0]:
                 return function(*arguments)
@@ -89,7 +89,7 @@ def clocked(spent: list[float]) -> Iterator[None]:
         for name in FUNCTIONS:
             if name in vars(family):
                 kept.append((family, name, vars(family)[name]))
-                setattr(family, name, watched(vars(family)[name]))
+                setattr(family, name, singularity_monitor(vars(family)[name]))
     try:
         yield
     finally:

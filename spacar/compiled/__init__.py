@@ -17,7 +17,7 @@ evaluation. Here the same equations run in C:
     outputs.c  everything of a state, as frames have it
     given.c    what is given of a state
     model.c    which entries V and M have; last_state.c answers what Python asks of a state
-    march.c    accepted steps from output to output, by adams.c and runge_kutta.c
+    stepper.c    accepted steps from output to output, by adams.c and runge_kutta.c
     radau.c    Newton's iteration of the stages of a Radau step, whose control stays in Python
     batches.c  all elements of a batch at a state, as the families of `spacar.elements` give them: what statics and
                linearized equations need (`compiled_elements`), with generated/derivatives.c
@@ -27,10 +27,11 @@ evaluation. Here the same equations run in C:
                gives what the linearized equations consist of
     pencil.c   load multipliers, frequencies and compliances of small models, around LAPACK (`small_pencil`)
 
-What has no form in C (user functions, some elements, motions that are no polynomials) is asked of Python (`slots`); the
-user function of a single case C asks itself (asking.c, `asking`). The engine is built with the package where there is a
-C compiler and used by default; --general, SPACAR_GENERAL=1 or `compiled=False` take NumPy instead, which gives the same
-results to rounding at one state (tests/compiled). In batches of a sweep `cases` puts a case into every lane.
+What has no form in C (user functions, some elements, motions that are no polynomials) is evaluated in Python
+(`user_callbacks`); C calls the user function of a single case itself (`python_callbacks`). The engine is built with the
+package where there is a C compiler and used by default; --general, SPACAR_GENERAL=1 or `compiled=False` take NumPy
+instead, which gives the same results to rounding at one state (tests/compiled). In batches of a sweep `cases` puts a
+case into every lane.
 
 Limitation: both paths look for dead points by the same rule, at accepted steps. But rounding may lead them to different
 steps, and with wide tolerances a step can jump over a dead point. An integration that is reflected there instead of

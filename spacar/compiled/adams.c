@@ -24,7 +24,7 @@ static double adams_norm(const Adams *a, int n, const double *v, double factor, 
     return sqrt(most);
 }
 
-static void adams_weights(const March *r, Adams *a)
+static void adams_weights(const Stepper *r, Adams *a)
 {
     for (int i = 0; i < r->n; i++) a->weight[i] = 1.0 / (fabs(a->y[i]) * r->rtol + r->atol[i]);
 }
@@ -63,8 +63,8 @@ static double adams_next_size(double h, int k, double error)
     return h * fmin(0.9, fmax(0.5, pow(0.5 / error, 1.0 / (k + 1))));
 }
 
-/* Start at (t, y) of March, whose h is the largest first step. */
-static int spacar_adams_begin(March *r, Adams *a)
+/* Start at (t, y) of Stepper, whose h is the largest first step. */
+static int spacar_adams_begin(Stepper *r, Adams *a)
 {
     const size_t n = r->n;
     a->phi = a->memory;
@@ -91,7 +91,7 @@ static int spacar_adams_begin(March *r, Adams *a)
 
 /* A trial step of size h and order k to t_new: its errors at orders k, k - 1, k - 2 in e, and when the first of them is
    accepted y_new and the derivative there in d. 0, 1, 2 as AskRate. */
-static int adams_trial(March *r, Adams *a, double t_new, int k, const double *g, const double *sigma, const double *beta,
+static int adams_trial(Stepper *r, Adams *a, double t_new, int k, const double *g, const double *sigma, const double *beta,
                        double *e)
 {
     const int n = r->n;
@@ -121,8 +121,8 @@ static int adams_trial(March *r, Adams *a, double t_new, int k, const double *g,
     return derivative(r, t_new, a->y_new, a->d);
 }
 
-/* y(t) in the last step, which ended at March's t, from the polynomial of the step. */
-static int spacar_adams_value(const March *r, const Adams *a, double t, double *out)
+/* y(t) in the last step, which ended at Stepper's t, from the polynomial of the step. */
+static int spacar_adams_value(const Stepper *r, const Adams *a, double t, double *out)
 {
     const int n = r->n, k = a->k;
     const double tau = t - r->t;
@@ -139,7 +139,7 @@ static int spacar_adams_value(const March *r, const Adams *a, double t, double *
 }
 
 /* Steps until the next output or the end. The first call goes on from `spacar_adams_begin`, others from the last call. */
-static int spacar_adams(March *r, Adams *a)
+static int spacar_adams(Stepper *r, Adams *a)
 {
     const int n = r->n, first_steps = r->n_steps;
     double psi[MAX_ORDER + 2], g[MAX_ORDER + 2], sigma[MAX_ORDER + 2], beta[MAX_ORDER + 1], e[3];

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.compiled.batch_output_block import BatchOutputBlock, not_followed
 from spacar.compiled.compiled_model import DOUBTFUL_MASS, FAR_AWAY, CompiledModel
+from spacar.compiled.compiled_stepper import CompiledStepper
 from spacar.compiled.library import lanes_of_processor
-from spacar.compiled.marching import Marching
 from spacar.compiled.numbers import Numbers
-from spacar.compiled.passage_of_cases import PassageOfCases, not_followed
 from spacar.dynamics.limits import Wheels
 from spacar.dynamics.loaded_mechanism import NEVER, Accepted, LoadedMechanism, Moving, unexplained
 from spacar.dynamics.mass_check import is_checked, is_doubtful
@@ -37,7 +37,7 @@ class PlacedStart:
 
 
 class InLanes:
-    """One block of cases; an `Integrable`, and the `Lookout` of its own steps: C looks at them.
+    """One block of cases; an `Integrable`, and the `StepMonitor` of its own steps: C looks at them.
 
     numbers, start (cases, components)   of every lane
     drives, users                        of every case: prescribed motions, user functions of stresses
@@ -64,7 +64,7 @@ class InLanes:
         self._seen: tuple[Moving, Array] | None = None  # last accepted state, signs of the determinants
         self._accepted: tuple[Array, Array] | None = None  # its x and e
         self._out = np.zeros_like(self.y0)
-        self.passage = PassageOfCases(self.solver, self.state, self.shown, size * lanes)
+        self.output_block = BatchOutputBlock(self.solver, self.state, self.shown, size * lanes)
         self.has_wheels = bool(len(Wheels(model).rows))
 
     def renew(self, values: Array, start: Array) -> None:
@@ -126,9 +126,9 @@ class InLanes:
         return f"component {component} of case {lane + 1} of the block"
 
     # -- steps in C -----------------------------------------------------------------------------------------------
-    def marching(self) -> Marching:
+    def stepper(self) -> CompiledStepper:
         """Steps through all outputs, each of which is evaluated; of one block after the other."""
-        return Marching(self, self, self.passage)
+        return CompiledStepper(self, self, self.output_block)
 
     def closer(
         self, t: float, y: Array, peak: float, before: list[Accepted] | None
@@ -165,8 +165,8 @@ class InLanes:
 
     # -- outputs --------------------------------------------------------------------------------------------------
     def into(self, times: Array, rows: Array, far: int) -> None:
-        """See `PassageOfCases`."""
-        self.passage.into(times, rows, far)
+        """See `BatchOutputBlock`."""
+        self.output_block.into(times, rows, far)
 
     def wheels_lifted(self, times: Array, rows: Array) -> list[dict[int, str]]:
         """Warnings of every lane, by wheel, after all outputs (rows as for `into`)."""

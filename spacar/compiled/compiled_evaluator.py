@@ -2,7 +2,8 @@
 
 It has a NumPy evaluator, `general`, for what C cannot do: a start that is far away, states that fail (and are
 explained), and everything that needs element sweeps. It is made when it is asked for: most runs end without. Nothing is
-shared between both: a `Placement` goes from the state in C to the general evaluator (`settled`), or back (`stand`).
+shared between both: a `Placement` goes from the state in C to the general evaluator (`numpy_evaluator`), or back
+(`stand`).
 """
 
 from __future__ import annotations
@@ -17,11 +18,11 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.compiled.compiled_elements import with_compiled_elements
 from spacar.compiled.compiled_model import DOUBTFUL_MASS, EXACT, FAR_AWAY, CompiledModel
+from spacar.compiled.compiled_stepper import CompiledStepper, StepMonitor
 from spacar.compiled.iterating import Iterating
 from spacar.compiled.library import address_of
-from spacar.compiled.marching import Lookout, Marching
 from spacar.compiled.numbers import of_one
-from spacar.compiled.passage import Passage
+from spacar.compiled.output_block import OutputBlock
 from spacar.dynamics.array_evaluator import Dynamics, component_name
 from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, Placement
 from spacar.dynamics.mass_check import is_checked
@@ -70,7 +71,7 @@ class CompiledPositionMatrix(PositionMatrix):
             rcond = self.evaluator.solver.rcond(enough, SMALL)
             if rcond > self.zero:
                 return rcond
-            self.evaluator.settled()
+            self.evaluator.numpy_evaluator()
         return 0.0
 
 
@@ -108,7 +109,7 @@ class CompiledDynamics:
         self.n_positions = n.nddof + n.nk
         self._general = General(model)
         if not n.is_square:
-            self.general.settled()  # raises
+            self.general.numpy_evaluator()  # raises
         scales = mechanism.scale, mechanism.deformation_scale
         users = () if mechanism.user_signal is None else (mechanism.user_signal,)
         self.solver = CompiledModel(n, of_one(model), scales, (model.drive,), users)
@@ -146,7 +147,7 @@ class CompiledDynamics:
             y = self.general.start()
             self.stand(self.general.placement())
         elif self.numbering.nddof and (not checked or status == DOUBTFUL_MASS):
-            self.settled().check_mass()  # a large model is asked by the factors of its equations
+            self.numpy_evaluator().check_mass()  # a large model is asked by the factors of its equations
         return y
 
     def placement(self) -> Placement:
@@ -171,14 +172,14 @@ class CompiledDynamics:
         s.begin(at.x[:, None], at.e[:, None])
         s.xd[:, 0], s.given_e[:, 0] = at.xd, at.e_given
 
-    def settled(self) -> Dynamics:
+    def numpy_evaluator(self) -> Dynamics:
         self.general.stand(self.placement())
         self.general.kinematics.refresh()
         return self.general
 
-    def companion(self, apart: bool = False) -> CompiledDynamics:
-        """Another state of the same model; the general evaluator goes wherever one of them needs it. Or all `apart`."""
-        if apart:
+    def fork(self, independent: bool = False) -> CompiledDynamics:
+        """Another state of the same model; `independent`: with a general evaluator of its own."""
+        if independent:
             model = self.model
             other = CompiledDynamics(model.mechanism, loads=model.loads, drive=model.drive)
         else:
@@ -227,7 +228,7 @@ class CompiledDynamics:
     # -- checks ---------------------------------------------------------------------------------------------------
     def condition(self) -> float:
         if self.numbering.e_class["dynamic"].stop > SMALL or not self.state.c.known:
-            return self.settled().condition()
+            return self.numpy_evaluator().condition()
         rows, columns, values = self.solver.gradient()
         return of_entries(self.model.mechanism, (rows, columns, values[:, 0]))
 
@@ -240,13 +241,13 @@ class CompiledDynamics:
     def component_name(self, i: int) -> str:
         return component_name(self.numbering, i)
 
-    def marching(self, lookout: Lookout, passage: Passage | None = None) -> Marching:
-        """Steps from output to output, or through those of a passage, looked at by `lookout`."""
-        return Marching(self, lookout, passage)
+    def stepper(self, monitor: StepMonitor, output_block: OutputBlock | None = None) -> CompiledStepper:
+        """Steps from output to output, or through those of an output block, inspected by `monitor`."""
+        return CompiledStepper(self, monitor, output_block)
 
-    def passage(self, times: Sequence[float] | Array, ground: Index, singular: float, far: int = 0) -> Passage:
-        """Outputs at `times`, evaluated here many at a time; arguments as `Passage`."""
-        return Passage(self, times, ground, singular, far)
+    def output_block(self, times: Sequence[float] | Array, ground: Index, singular: float, far: int = 0) -> OutputBlock:
+        """Outputs at `times`, evaluated here many at a time; arguments as `OutputBlock`."""
+        return OutputBlock(self, times, ground, singular, far)
 
     # -- evaluation -----------------------------------------------------------------------------------------------
     def _derivative(self, t: float, y: Array, within: float) -> int:

@@ -14,7 +14,7 @@ from spacar.arrays import Array
 from spacar.compiled.element_parameters import GUARD
 from spacar.compiled.library import WIDTH, CState, address_of, engine, why_off
 from spacar.compiled.numbers import Numbers, without_form
-from spacar.compiled.slots import Slots
+from spacar.compiled.user_callbacks import UserCallbacks
 from spacar.kinematics.kinematics import FARTHEST_GUESS, LARGEST_JUMP
 from spacar.mechanism.mechanism import Drive, Mechanism, UserSignal
 from spacar.mechanism.numbering import Numbering
@@ -147,7 +147,7 @@ class CompiledModel:
         x_end = 3 * cases * len(numbers.x_motion)
         self._e_end = e_end = x_end + 3 * cases * len(numbers.e_motion)
         motions = self._values[:x_end].reshape(-1, 3, cases), self._values[x_end:e_end].reshape(-1, 3, cases)
-        self.slots = slots = Slots(numbers.elements, drives, motions, users, (n.nx, n.ne, cases))
+        self.slots = slots = UserCallbacks(numbers.elements, drives, motions, users, (n.nx, n.ne, cases))
         self._called = slots.called()
         self._whole = self._whole_numbers()
         handle: int | None = self.engine.begin(

@@ -45,7 +45,7 @@ typedef struct {
     const real *x0;                       /* (nx) reference configuration: the values of fixed coordinates */
     const real *x_motion, *e_motion;      /* (n, 3): start, rate, acceleration; or value, rate, acceleration at t */
     const User *user;                     /* NULL: no user function */
-    Asking *asking;                       /* NULL where nothing is asked of Python */
+    PythonCallbacks *asking;                       /* NULL where nothing is asked of Python */
 } Spec;
 
 /* The last evaluated state, shared with Python; (nx) or (ne). A model may have several, each on its own path. */

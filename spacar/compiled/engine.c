@@ -1,9 +1,9 @@
-/* One build of the engine, -DBUILD=name -DLANES=n: the table of its functions under that name. levels.c knows all builds. */
+/* One build of the engine, -DBUILD=name -DLANES=n: the table of its functions under that name. cpu_dispatch.c knows all builds. */
 #include "lanes.c"
 #include "memory.c"
 #include "kernels.c"
 #include "sparse.c"
-#include "asking.c"
+#include "python_callbacks.c"
 #include "elements.c"
 #include "motion.c"
 #include "given.c"
@@ -15,10 +15,10 @@
 #include "model.c"
 #include "last_state.c"
 #include "start.c"
-#include "march.c"
+#include "stepper.c"
 #include "adams.c"
 #include "runge_kutta.c"
-#include "passage.c"
+#include "output_block.c"
 #include "radau.c"
 #ifdef ELEMENTS /* the name of the table of what is needed of elements alone: two builds have it */
 #include "derivatives.c"

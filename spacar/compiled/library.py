@@ -1,8 +1,8 @@
 """The compiled engine: a shared library, built when spacar was installed (hatch_build.py) and loaded with ctypes.
 
-It lies in this package and nowhere else: nothing is compiled at run time, and no other place is looked at. `levels.c`
-has builds for several levels of the processor and says which one serves. In a clone the C text lies beside the library;
-a library of another text is not used.
+It lies in this package and nowhere else: nothing is compiled at run time, and no other place is looked at.
+`cpu_dispatch.c` has builds for several levels of the processor and says which one serves. In a clone
+the C text lies beside the library; a library of another text is not used.
 """
 
 from __future__ import annotations
@@ -52,8 +52,8 @@ class CUser(ctypes.Structure):
     ]  # fmt: skip
 
 
-class CAsking(ctypes.Structure):
-    """`Asking` of asking.c."""
+class CPythonCallbacks(ctypes.Structure):
+    """`PythonCallbacks` of python_callbacks.c."""
 
     _fields_ = [
         ("python", ctypes.c_void_p), ("sigma", DOUBLES), ("force", DOUBLES), ("n_sigma", ctypes.c_int),

@@ -1,4 +1,4 @@
-"""The integrators whose steps are made in C (`spacar.compiled.marching`): their arrays and coefficients as C has them.
+"""The integrators whose steps are made in C (`compiled_stepper`): their arrays and coefficients as C has them.
 
 Adams (code 0) and explicit Runge-Kutta (135, 155, 853). C works on the arrays of the objects of `spacar.integrators`.
 """
@@ -12,23 +12,23 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.compiled.batch_output_block import BatchOutputBlock
 from spacar.compiled.library import Engine, address_of
-from spacar.compiled.march_structures import CAdams, CMarch, CRungeKutta
-from spacar.compiled.passage import VALUE, Passage
-from spacar.compiled.passage_of_cases import PassageOfCases
+from spacar.compiled.output_block import VALUE, OutputBlock
+from spacar.compiled.stepper_structures import CAdams, CRungeKutta, CStepper
 from spacar.integrators.adams import GAMMA_STAR, Adams
 from spacar.integrators.runge_kutta import TINY, ExplicitRungeKutta
 
-ARRIVED, AT_OUTPUT, PAUSED, TOO_SMALL, NOT_EVALUATED, INTERRUPTED = range(6)  # as in march.c
+ARRIVED, AT_OUTPUT, PAUSED, TOO_SMALL, NOT_EVALUATED, INTERRUPTED = range(6)  # as in stepper.c
 GAMMA = np.array(GAMMA_STAR)
 GAMMA_AT = address_of(GAMMA)
 
 
 class AdamsInC:
-    """Steps of code 0 with the arrays of its object, for a `March` at an address. C makes the start too."""
+    """Steps of code 0 with the arrays of its object, for a `TakeSteps` at an address. C makes the start too."""
 
-    def __init__(self, engine: Engine, march: int, method: Adams) -> None:
-        self.engine, self.to, self.method, self.y = engine, march, method, method.y
+    def __init__(self, engine: Engine, take_steps: int, method: Adams) -> None:
+        self.engine, self.to, self.method, self.y = engine, take_steps, method, method.y
         self.c = CAdams(address_of(method.memory), GAMMA_AT)
         self.at = ctypes.addressof(self.c)
 
@@ -37,14 +37,14 @@ class AdamsInC:
         status: int = self.engine.adams_begin(self.to, self.at)
         return status
 
-    def march(self) -> int:
+    def take_steps(self) -> int:
         """Steps up to the next output."""
         status: int = self.engine.adams(self.to, self.at)
         return status
 
-    def march_through(self, passage: Passage | PassageOfCases) -> int:
+    def take_steps_through(self, output_block: OutputBlock | BatchOutputBlock) -> int:
         """Steps through many outputs."""
-        status: int = self.engine.pass_adams(self.to, self.at, passage.address)
+        status: int = self.engine.pass_adams(self.to, self.at, output_block.address)
         return status
 
     def taken(self, status: int) -> None:
@@ -64,11 +64,11 @@ class RungeKuttaInC:
     answered."""
 
     def __init__(
-        self, engine: Engine, march: CMarch, method: ExplicitRungeKutta, answered: Callable[..., int]
+        self, engine: Engine, take_steps: CStepper, method: ExplicitRungeKutta, answered: Callable[..., int]
     ) -> None:
         m = method
-        self.engine, self.of, self.method, self.y = engine, march, method, m.y_new
-        self.to, self.answered = ctypes.addressof(march), answered
+        self.engine, self.of, self.method, self.y = engine, take_steps, method, m.y_new
+        self.to, self.answered = ctypes.addressof(take_steps), answered
         c, a, errors, safety = m.coefficients()
         tableau = m.tableau
         self.kept = c, a, errors  # what C points at
@@ -85,17 +85,17 @@ class RungeKuttaInC:
         """Nothing is left to do: the object has been started."""
         return 0
 
-    def march(self) -> int:
+    def take_steps(self) -> int:
         """Steps up to the next output."""
         status: int = self.engine.runge_kutta(self.to, self.at)
         return status
 
-    def march_through(self, passage: Passage | PassageOfCases) -> int:
+    def take_steps_through(self, output_block: OutputBlock | BatchOutputBlock) -> int:
         """Steps through many outputs."""
         call = VALUE(self._value)
-        passage.c.value = address_of_call(call)
-        status: int = self.engine.pass_runge_kutta(self.to, self.at, passage.address)
-        passage.c.value = None
+        output_block.c.value = address_of_call(call)
+        status: int = self.engine.pass_runge_kutta(self.to, self.at, output_block.address)
+        output_block.c.value = None
         return status
 
     def taken(self, status: int) -> None:

@@ -361,7 +361,7 @@ static int read_spec(Model *m, const int *whole, real *numbers, const Foreign *c
 }
 
 /* A model of the arrays of `read_spec`; NULL when there is no memory. */
-static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const *foreign, const User *user, Asking *asking)
+static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const *foreign, const User *user, PythonCallbacks *asking)
 {
     Memory memory = {0};
     Model *m = cleared(&memory, 1, sizeof(Model));

@@ -16,7 +16,7 @@ static void combine(const RungeKutta *p, int n, int count, const double *w, doub
 }
 
 /* A trial step; its error over the tolerance is in `error`. 0, 1, 2 as AskRate. */
-static int rk_trial(March *r, RungeKutta *p)
+static int rk_trial(Stepper *r, RungeKutta *p)
 {
     const int n = r->n;
     const double h = r->h;
@@ -49,7 +49,7 @@ static int rk_trial(March *r, RungeKutta *p)
 }
 
 /* Steps until the next output or the end; y_new and the last row of K are those of the last accepted step. */
-static int spacar_runge_kutta(March *r, RungeKutta *p)
+static int spacar_runge_kutta(Stepper *r, RungeKutta *p)
 {
     const int n = r->n, first_steps = r->n_steps;
     const double h_min = smallest_step(r);

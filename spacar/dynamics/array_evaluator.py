@@ -1,7 +1,7 @@
 """The evaluator on NumPy arrays: the equations of motion with start, frames and checks.
 
-It fulfils the contract of `spacar.dynamics.evaluator`, and it is what `settled` of every evaluator gives: linearized
-equations, transfer functions and diagnoses need the element sweeps and factors at a state.
+It fulfils the contract of `spacar.dynamics.evaluator`, and `numpy_evaluator` of every evaluator
+returns it: linearized equations, transfer functions and diagnoses need the element sweeps and factors at a state.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Dynamics(EquationsOfMotion):
 
     stages = None  # those of a step are asked for one by one
     by_case = None
-    marching = passage = None  # steps and outputs are made one by one
+    stepper = output_block = None  # steps and outputs are made one by one
 
     def __init__(
         self, mechanism: Mechanism, *, loads: Loads | None = None, drive: Drive | None = None, kind: str | None = None
@@ -126,10 +126,10 @@ class Dynamics(EquationsOfMotion):
         self.xd = at.xd.copy()
         self.last = None
 
-    def settled(self) -> Dynamics:
+    def numpy_evaluator(self) -> Dynamics:
         return self
 
-    def companion(self, apart: bool = True) -> Dynamics:
+    def fork(self, independent: bool = True) -> Dynamics:
         """An evaluator of the same mechanism, always apart, which follows its own path from this configuration."""
         other = Dynamics(self.mechanism, kind=self.kind)
         other.use(self.model)

@@ -11,12 +11,12 @@ or what is watched: the driver (`spacar.forward.driver`) does, and hands them ov
                 `newton`, the iteration of a Radau step, where an evaluator has it
     4  frame    everything that is stored of a state, the position solved to rounding
     5  checks   `condition`, `position_matrix`, `in_range` at the last evaluated state
-    6  settled  the NumPy evaluator standing there, with sweeps and factors: for linearization, transfer functions,
-                diagnoses. The evaluator itself goes on undisturbed
-    7  companion  another evaluator of the same model that follows its own path from here, for stored states
+    6  numpy_evaluator  the NumPy evaluator standing there, with sweeps and factors: for linearization, transfer
+                functions, diagnoses. The evaluator itself goes on undisturbed
+    7  fork  another evaluator of the same model that follows its own path from here, for stored states
     8  samples  det V[E, U] of the states evaluated since the last question, for whoever watches what happens in a step
-    9  marching  the steps of an integrator from output to output in one call, or None: then they are made one by one;
-                likewise `passage`, many outputs in one call
+    9  stepper  the steps of an integrator from output to output in one call, or None: then they are made one by one;
+                likewise `output_block`, many outputs in one call
 
 `spacar.dynamics.Dynamics` (NumPy) and `spacar.compiled.CompiledDynamics` (C) fulfil it, and
 `tests/dynamics/test_evaluators.py` compares them duty by duty. Batches of cases have duties 2 and 3 only.
@@ -92,13 +92,13 @@ class Evaluator(Integrable, Protocol):
     def in_range(self) -> bool:
         """Whether it is known already that all elements are in the range of their theory; else ask them."""
 
-    def settled(self) -> Dynamics:
+    def numpy_evaluator(self) -> Dynamics:
         """The NumPy evaluator at the last evaluated state; holds until the next call of this evaluator."""
 
-    def companion(self, apart: bool = ...) -> Evaluator:
-        """Another evaluator of the same model, which follows its own path from the present configuration. `apart`: it
-        shares nothing (factors, expansions) that this one could feel; else only this one's results stay the same to
-        `within`.
+    def fork(self, independent: bool = ...) -> Evaluator:
+        """Another evaluator of the same model, which follows its own path from the present configuration.
+        `independent`: it shares nothing (factors, expansions) that this one could feel; else only
+        this one's results stay the same to `within`.
         """
 
     def sample(self) -> None:
@@ -110,11 +110,11 @@ class Evaluator(Integrable, Protocol):
         """
 
     @property
-    def marching(self) -> Callable[..., Any] | None:
-        """`marching(lookout, passage)` gives an object with `passage`, and with `steps`: `march` of
+    def stepper(self) -> Callable[..., Any] | None:
+        """`stepper(monitor, output_block)` gives an object with `output_block`, and with `steps`: `take_steps` of
         `spacar.integrators.problem.Problem`, which takes the tolerance of positions too."""
 
     @property
-    def passage(self) -> Callable[..., Any] | None:
-        """`passage(times, ground, singular, far)` gives what evaluates many outputs in one call
-        (`spacar.compiled.passage`), or None: frames are asked for one by one."""
+    def output_block(self) -> Callable[..., Any] | None:
+        """`output_block(times, ground, singular, far)` gives what evaluates many outputs in one call
+        (`spacar.compiled.output_block`), or None: frames are asked for one by one."""

@@ -52,7 +52,7 @@ class Limits:
     def check_elements(self, evaluator: Evaluator, frame: Frame) -> None:
         """As `check`, without asking whether the degrees of freedom determine the configuration."""
         if not evaluator.in_range():
-            self._elements(evaluator.settled().sweep, frame)
+            self._elements(evaluator.numpy_evaluator().sweep, frame)
         if len(self.wheels.rows):
             for _, wheel, text in self.wheels.lifted(frame.t, frame.sig[self.wheels.rows, None]):
                 if wheel not in self.warned:

@@ -12,7 +12,7 @@ from spacar.arrays import Array
 from spacar.dynamics.forces import StressLaw
 from spacar.mechanism.mechanism import Drive, Loads, Mechanism
 
-# Which accepted steps are looked at closer, where many are made at a time (LOOK_NEVER ... of march.c)
+# Which accepted steps are looked at closer, where many are made at a time (LOOK_NEVER ... of stepper.c)
 NEVER, AT_DETERMINANTS, AT_VELOCITIES, ALWAYS = range(4)
 SHARE = 0.1  # of a velocity: change that needs no explanation, more than the trapezoidal rule errs (forward.continuity)
 NOISE = 1e-6  # of the largest scaled velocity: what is slower says nothing

@@ -49,7 +49,7 @@ def fail_at(t: float, error: AnalysisError) -> NoReturn:
     raise AnalysisError(f"at t = {t:.9g}: {error}", error.code, **error.data) from error
 
 
-class Watched:
+class SingularityMonitor:
     """Half turns of nodes, the charts of those that may pass them, and the continuity of the motion at dead points."""
 
     def __init__(
@@ -83,7 +83,7 @@ class Watched:
     def closer(
         self, t: float, y: Array, peak: float, before: list[Accepted] | None
     ) -> tuple[float, bool, Accepted | None]:
-        """Look at an accepted step after those `before` it, see `Lookout`."""
+        """Look at an accepted step after those `before` it, see `StepMonitor`."""
         c = self.continuity
         if c is not None and before is not None:
             c.resume(before, peak)
@@ -94,7 +94,9 @@ class Watched:
         return c.peak, c.entered is not None, seen
 
 
-def watched(evaluator: Evaluator, report: Report, charts: ChartWatch | None = None) -> Watched | None:
+def singularity_monitor(
+    evaluator: Evaluator, report: Report, charts: ChartWatch | None = None
+) -> SingularityMonitor | None:
     """What is watched after every accepted step; None where there is nothing."""
     mechanism, matrix = evaluator.model.mechanism, evaluator.position_matrix()
     half_turns = HalfTurns(mechanism.numbering, without=charts.chart.dependent if charts else ())
@@ -106,10 +108,10 @@ def watched(evaluator: Evaluator, report: Report, charts: ChartWatch | None = No
         continuity = Continuity(evaluator, matrix, report, errors, resolved)
     if not half_turns.nodes and continuity is None and charts is None:
         return None
-    return Watched(evaluator, half_turns, continuity, charts)
+    return SingularityMonitor(evaluator, half_turns, continuity, charts)
 
 
-class Trail:
+class StepHistory:
     """The accepted steps of one motion that are remembered; of two at least, of more where continuity is watched.
 
     Outputs inside the last step are placed from the begin of that step. The output before may lie many turns earlier:
@@ -118,7 +120,7 @@ class Trail:
     steps that are too long have turned back.
     """
 
-    def __init__(self, evaluator: Evaluator, watch: Watched | None) -> None:
+    def __init__(self, evaluator: Evaluator, watch: SingularityMonitor | None) -> None:
         self.evaluator, self.watch = evaluator, watch
         self.continuity = None if watch is None else watch.continuity
         self.steps: deque[Accepted] = deque(maxlen=2) if self.continuity is None else self.continuity.steps
@@ -126,7 +128,7 @@ class Trail:
         self.begin: Moving | None = None  # of the last step, where steps are made one by one
         self.n = 0  # steps since the last output
 
-    # -- of many steps at a time: `spacar.compiled.marching.Lookout` ----------------------------------------------
+    # -- of many steps at a time: `spacar.compiled.compiled_stepper.StepMonitor` -----------------------------------
     half, inside, wide, far = HALF, INSIDE, WIDE, FAR_APART
 
     @property

@@ -205,7 +205,7 @@ class Continuity:
         )
 
     def _closer(self) -> Closer:
-        return Closer(self.evaluator.settled().companion(), *self.errors, self.resolved)
+        return Closer(self.evaluator.numpy_evaluator().fork(), *self.errors, self.resolved)
 
 
 def goes_far(a: Moving, b: Moving, scale: Array) -> bool:

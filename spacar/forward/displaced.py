@@ -42,7 +42,7 @@ def displaced(evaluator: Evaluator) -> Array | None:
     columns = np.flatnonzero(most > 1.0)
     if not len(columns):
         return None
-    n, k = mechanism.numbering, evaluator.settled().kinematics
+    n, k = mechanism.numbering, evaluator.numpy_evaluator().kinematics
     first = n.e_class["dynamic"].start
     g = np.ones(len(most))
     known = _by_columns(k, first + columns) if len(columns) <= BLOCK else _by_rows(k, first + columns)

@@ -23,11 +23,11 @@ from spacar.dynamics.loaded_mechanism import (
     LoadedMechanism,
 )
 from spacar.errors import AnalysisError, Report
-from spacar.forward.accepted_steps import FAR, Trail, Watched, at_time, fail_at
+from spacar.forward.accepted_steps import FAR, SingularityMonitor, StepHistory, at_time, fail_at
 from spacar.forward.displaced import displaced
 from spacar.frame import Frame, FramesInRows
 from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
-from spacar.integrators.problem import Jacobian, March, Output, Passed, Step
+from spacar.integrators.problem import BlockOfOutputs, Jacobian, Output, Step, TakeSteps
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import nearly_singular
 from spacar.mechanism.mechanism import Polynomial, SolverSettings
@@ -51,14 +51,14 @@ Times = Sequence[float] | EvenTimes | np.ndarray
 Watch = Callable[[float, Array], None]
 
 
-class Marches(Protocol):
-    """Makes many steps at a time, and passes outputs where it has a `passage`."""
+class BlockStepper(Protocol):
+    """Makes many steps at a time, and passes outputs where it has a `output_block`."""
 
     @property
-    def passage(self) -> Any: ...
+    def output_block(self) -> Any: ...
 
     def steps(self, method: Any, t: float, t_end: float, h: float, longest: float, within: float) -> Iterator[Step]:
-        """`march` of `spacar.integrators.problem.Problem`, which takes the tolerance of positions too."""
+        """`take_steps` of `spacar.integrators.problem.Problem`, which takes the tolerance of positions too."""
 
 
 @dataclass(frozen=True)
@@ -93,8 +93,8 @@ class Integrand:
 
     def __init__(
         self, evaluator: Integrable, within: float, jacobian: Jacobian | None, accepted: Watch | None, report: Report,
-        rejected: Callable[[], None] | None = None, trail: Trail | None = None, marching: Marches | None = None,
-        may_jump: bool = False,
+        rejected: Callable[[], None] | None = None, trail: StepHistory | None = None,
+        stepper: BlockStepper | None = None, may_jump: bool = False,
     ) -> None:  # fmt: skip
         self.rejected = rejected
         self.n_positions, self.by_case = evaluator.n_positions, evaluator.by_case
@@ -108,8 +108,8 @@ class Integrand:
         self.trail = self.starting = trail
         self.continuity = None if trail is None else trail.continuity
         self._iterates: bool = getattr(evaluator, "newton", None) is not None
-        self._steps = None if marching is None else marching.steps
-        self.passes = marching is not None and marching.passage is not None
+        self._steps = None if stepper is None else stepper.steps
+        self.passes = stepper is not None and stepper.output_block is not None
         self.may_jump = may_jump
 
     # Nothing here may hold this object: what a run leaves behind goes away with it, without a search for circles.
@@ -122,7 +122,7 @@ class Integrand:
         return self._newton if self._iterates else None
 
     @property
-    def march(self) -> March | None:
+    def take_steps(self) -> TakeSteps | None:
         return None if self._steps is None else self._march
 
     def _march(self, method: Any, t: float, t_end: float, h: float, longest: float) -> Iterator[Step]:
@@ -136,10 +136,10 @@ class Integrand:
             self.starting = None
         return f
 
-    def beside(self) -> Callable[[float, Array], Array]:
+    def rhs_for_differences(self) -> Callable[[float, Array], Array]:
         """F with a position that is exact enough for differences, by an evaluator that leaves this one where it is."""
         assert self.trail is not None  # without it there is no Jacobian, and nobody asks
-        return partial(self.trail.evaluator.companion(apart=True).rhs, within=ITERATED)
+        return partial(self.trail.evaluator.fork(independent=True).rhs, within=ITERATED)
 
     def _newton(self, method: Any, h: float) -> tuple[bool, float, float] | None:
         found: tuple[bool, float, float] | None = self.evaluator.newton(method, h, self.within)
@@ -173,16 +173,16 @@ class Integrand:
 def integrated(
     evaluator: Integrable, y: Array, times: Times, settings: SolverSettings, tolerances: Tolerances, *,
     breaks: Sequence[float] = (), watch: Watch | None = None, jacobian: Jacobian | None = None,
-    report: Report | None = None, back: Callable[[], None] | None = None, trail: Trail | None = None,
-    marching: Marches | None = None, may_jump: bool = False,
+    report: Report | None = None, back: Callable[[], None] | None = None, trail: StepHistory | None = None,
+    stepper: BlockStepper | None = None, may_jump: bool = False,
 ) -> Iterator[Output]:  # fmt: skip
     """States at the output times, with the work done since the last one. Raises AnalysisError.
 
-    `watch` is called after accepted steps, `back` after rejected ones; `marching`: of an evaluator that makes many
+    `watch` is called after accepted steps, `back` after rejected ones; `stepper`: of an evaluator that makes many
     steps at a time; `may_jump`: forces or inputs may jump at times that nobody has told.
     """
     problem = Integrand(
-        evaluator, tolerances.position, jacobian, watch, report or Report(), back, trail, marching, may_jump
+        evaluator, tolerances.position, jacobian, watch, report or Report(), back, trail, stepper, may_jump
     )
     return integrate(
         problem, y, times, settings.integrator, tolerances.atol, tolerances.rtol, settings.step, breaks=breaks
@@ -191,7 +191,7 @@ def integrated(
 
 def frames(
     evaluator: Evaluator, y: Array, times: Times, settings: SolverSettings, report: Report, *,
-    watch: Watched | None = None, standing: bool = True,
+    watch: SingularityMonitor | None = None, standing: bool = True,
 ) -> Iterator[tuple[Evaluator, Sequence[Frame]]]:  # fmt: skip
     """Frames of the motion that starts with y, one by one, and the evaluator that stands there; where nobody needs it
     `standing` there, in blocks of outputs that are passed together.
@@ -201,9 +201,9 @@ def frames(
     model = evaluator.model
     if not model.mechanism.numbering.nkddof or len(times) == 1:
         limits = Limits(evaluator, report)
-        if not standing and evaluator.passage is not None:
-            for at in evaluator.passage(times, limits.wheels.rows, nearly_singular(model.mechanism)).prescribed(y):
-                yield evaluator, looked_at(evaluator, at, limits)
+        if not standing and evaluator.output_block is not None:
+            for at in evaluator.output_block(times, limits.wheels.rows, nearly_singular(model.mechanism)).prescribed(y):
+                yield evaluator, checked_frames(evaluator, at, limits)
             return
         for t in times:
             yield evaluator, (checked(evaluator, float(t), y, limits),)
@@ -214,29 +214,29 @@ def frames(
         jacobian = partial(_jacobian, evaluator)
     # Outputs are interpolated inside steps that may have passed a dead point: they are placed from the start of their
     # step or the last output in it, not back from its end.
-    shown = evaluator.companion()
+    shown = evaluator.fork()
     limits = Limits(shown, report)
-    trail = Trail(evaluator, watch)
+    trail = StepHistory(evaluator, watch)
     breaks = (*model.drive.breaks, *getattr(model.mechanism.user_signal, "breaks", ()))
     may_jump = not breaks and (model.mechanism.user_signal is not None or not isinstance(model.drive, Polynomial))
-    marching: Marches | None = None
-    passage = None
-    if evaluator.marching is not None:
+    stepper: BlockStepper | None = None
+    output_block = None
+    if evaluator.stepper is not None:
         one_by_one = may_jump and settings.integrator not in (0, AUTOMATIC)  # C looks for jumps in steps of Adams only
-        together = None if standing or one_by_one else shown.passage
+        together = None if standing or one_by_one else shown.output_block
         if together is not None:
-            passage = together(times, limits.wheels.rows, nearly_singular(model.mechanism), FAR)
-        marching = evaluator.marching(trail, passage)
+            output_block = together(times, limits.wheels.rows, nearly_singular(model.mechanism), FAR)
+        stepper = evaluator.stepper(trail, output_block)
     outputs = integrated(
         evaluator, y, times, settings, tolerances,
         breaks=breaks, watch=trail.accepted, jacobian=jacobian,
-        back=trail.rejected if trail.back else None, report=report, trail=trail, marching=marching,
+        back=trail.rejected if trail.back else None, report=report, trail=trail, stepper=stepper,
         may_jump=may_jump,
     )  # fmt: skip
     try:
         for out in outputs:
             if out.passed is not None:
-                block = looked_at(shown, out.passed, limits)
+                block = checked_frames(shown, out.passed, limits)
                 block.counts = WORK, out.passed.work
                 yield shown, block
             else:
@@ -270,7 +270,7 @@ def checked(evaluator: Evaluator, t: float, y: Array, limits: Limits) -> Frame:
     return frame
 
 
-def looked_at(evaluator: Evaluator, passed: Passed, limits: Limits) -> FramesInRows:
+def checked_frames(evaluator: Evaluator, passed: BlockOfOutputs, limits: Limits) -> FramesInRows:
     """The frames of outputs that were passed together: those that nobody has to look at, or what gives a single one."""
     shown: FramesInRows | Callable[[], FramesInRows] = passed.shown
     if isinstance(shown, FramesInRows):

@@ -12,7 +12,7 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.evaluator import Evaluator
 from spacar.dynamics.loaded_mechanism import Moving
 from spacar.errors import AnalysisError
-from spacar.forward.accepted_steps import at_time, watched
+from spacar.forward.accepted_steps import at_time, singularity_monitor
 from spacar.forward.charts import Chart, ChartEnds, ChartWatch, tumbling_nodes
 from spacar.forward.driver import frames
 from spacar.forward.extent import Extent
@@ -32,7 +32,7 @@ def forward(run: Run) -> Iterator[Sequence[Frame]]:
     """Frames of mode 1. Raises AnalysisError; frames that were computed before stay valid."""
     output = TransferOutput(run)
     for evaluator, block in motion(run, own=output.wanted):
-        yield [output.add(frame, evaluator.settled()) for frame in block] if output.wanted else block
+        yield [output.add(frame, evaluator.numpy_evaluator()) for frame in block] if output.wanted else block
 
 
 def motion(run: Run, own: bool = True) -> Iterator[tuple[Evaluator, Sequence[Frame]]]:
@@ -70,7 +70,7 @@ def _moved(
         moved = _tumbling(run, evaluator, y, times, Chart.of(run.mechanism, dict.fromkeys(nodes, 1)), own)
         yield from _at_home(run, moved, nodes) if own else moved
     else:
-        watch = watched(evaluator, run.report)
+        watch = singularity_monitor(evaluator, run.report)
         yield from frames(evaluator, y, times, run.mechanism.settings, run.report, watch=watch, standing=own)
 
 
@@ -98,7 +98,7 @@ def _tumbling(
         watch = ChartWatch(chart)
         ahead = RemainingTimes(times.start, times.end, times.n, t, given) if given else times
         try:
-            looked = watched(evaluator, run.report, watch)
+            looked = singularity_monitor(evaluator, run.report, watch)
             again = bool(given)  # the first frame is the start, which has been given
             for where, block in frames(evaluator, y, ahead, settings, run.report, watch=looked, standing=own):
                 new = block[1:] if again else block

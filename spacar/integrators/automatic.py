@@ -65,9 +65,9 @@ Loop = Callable[[Any, bool], Callable[[float, np.ndarray, float, float], Iterato
 class Automatic:
     """Steps of code 0 and, where that pays, of 595.
 
-    Two more members of a problem are used if present: `beside()` gives F(t, y) to rounding for the differences, which
-    leaves no trace in the problem, and `switched(t, code, omega)` is called at every change; omega is given when 595 is
-    kept.
+    Two more members of a problem are used if present: `rhs_for_differences()` gives F(t, y) to rounding for the
+    differences, which leaves no trace in the problem, and `switched(t, code, omega)` is called at every change;
+    omega is given when 595 is kept.
     """
 
     passes_start = Adams.passes_start
@@ -77,10 +77,10 @@ class Automatic:
         self.explicit = Adams(evaluation, n, tolerance)
         self.implicit: Radau | None = None
         self.stays = False
-        marched = evaluation.march is not None
-        self.gain = max(LEAST_C_GAIN, C_GAIN / sqrt(n)) if marched else NUMPY_GAIN
-        self.of_jacobian = JACOBIAN[marched]
-        self.price = LOOK / n if marched else OF_PYTHON  # of a look
+        in_blocks = evaluation.take_steps is not None
+        self.gain = max(LEAST_C_GAIN, C_GAIN / sqrt(n)) if in_blocks else NUMPY_GAIN
+        self.of_jacobian = JACOBIAN[in_blocks]
+        self.price = LOOK / n if in_blocks else OF_PYTHON  # of a look
         self.looks = 0
         self.lost = 0.0  # by trials in vain, in steps of Adams
         self.done = 0  # accepted steps of Adams
@@ -203,8 +203,8 @@ class Automatic:
     def _frequencies(self, t: float, y: np.ndarray) -> tuple[tuple[float, float], tuple[float, float]]:
         """Highest frequency and largest rate of decay, each with the speed of the motion [1/s], after the last step."""
         problem, counted = self.evaluation.problem, self.evaluation.statistics
-        beside: Callable[[], Rate] | None = getattr(problem, "beside", None)
-        exact: Rate = beside() if beside is not None else problem.rhs
+        rhs_for_differences: Callable[[], Rate] | None = getattr(problem, "rhs_for_differences", None)
+        exact: Rate = rhs_for_differences() if rhs_for_differences is not None else problem.rhs
         f = exact(t, y).copy()
         n = problem.n_positions
         rates = len(y) - n

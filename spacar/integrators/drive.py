@@ -231,8 +231,8 @@ def _one_step(
         if estimate:
             h = min(h, _first_step(evaluation, integrator, t, y, f.copy()))
         h = max(min(h, longest), h_min)
-        if evaluation.march is not None and isinstance(integrator, ExplicitRungeKutta):
-            yield from evaluation.march(integrator, t, t_end, h, longest)
+        if evaluation.take_steps is not None and isinstance(integrator, ExplicitRungeKutta):
+            yield from evaluation.take_steps(integrator, t, t_end, h, longest)
             return
         final = False
         while not final:

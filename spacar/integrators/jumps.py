@@ -10,7 +10,7 @@ which is about the error of the step over its tolerance where F is smooth. Above
 the step and its outputs) and the first that does not are halved down to rounding. When F changes there by CHANGED of
 the difference it is a jump: the step ends before it, and a new start is made behind it. When it does not, d is error of
 the interpolation (a vibration that the method passes over), and only more than MORE times as much is suspect from then
-on, so that smooth motions are located a few times at most. Steps of Adams in C are compared there (passage.c).
+on, so that smooth motions are located a few times at most. Steps of Adams in C are compared there (output_block.c).
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Jumps:
         self.evaluation, self.times, self.tolerance = evaluation, times, tolerance
         evaluation.suspect = SUSPECT
         self.next = 1  # output
-        self.beside: Callable[[float, np.ndarray], np.ndarray] | None = None  # F that leaves no trace
+        self.rhs_for_differences: Callable[[float, np.ndarray], np.ndarray] | None = None  # F that leaves no trace
 
     def within(self, before: float, step: Step) -> tuple[float, float] | None:
         """The times before and behind the first jump that an output in the step from `before` shows, None: none."""
@@ -75,12 +75,13 @@ class Jumps:
         h = step.t - before
         low, high = max(before, t - DIFFERENCE * h), min(step.t, t + DIFFERENCE * h)
         slope = (np.array(step.interpolate(high)) - step.interpolate(low)) / (high - low)
-        if self.beside is None:
-            made: Callable[[], Any] | None = getattr(self.evaluation.problem, "beside", None)
-            self.beside = self.evaluation.rhs if made is None else made()
+        if self.rhs_for_differences is None:
+            made: Callable[[], Any] | None = getattr(self.evaluation.problem, "rhs_for_differences", None)
+            self.rhs_for_differences = self.evaluation.rhs if made is None else made()
         first, window = self.evaluation.problem.n_positions, (self.evaluation.first, self.evaluation.last)
         try:
-            return np.asarray((self.beside(min(max(t, window[0]), window[1]), step.interpolate(t)) - slope)[first:])
+            rate = self.rhs_for_differences(min(max(t, window[0]), window[1]), step.interpolate(t))
+            return np.asarray((rate - slope)[first:])
         except AnalysisError:
             return None
 

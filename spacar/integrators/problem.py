@@ -14,7 +14,7 @@ from spacar.errors import AnalysisError
 Jacobian = Callable[[float, np.ndarray], tuple[np.ndarray, np.ndarray]]
 Counts = tuple[int, int, int, int, int]  # what has been counted, as `IntegrationStatistics.counts`
 # (method, t, t_end, h, longest) -> steps, those without outputs passed over
-March = Callable[[Any, float, float, float, float], "Iterator[Step]"]
+TakeSteps = Callable[[Any, float, float, float, float], "Iterator[Step]"]
 
 
 def counts(numbers: Iterable[int]) -> Counts:
@@ -45,7 +45,7 @@ class Problem(Protocol):
     by_case            the shape (blocks, components, lanes) of a state of many cases, each of which keeps the tolerance
                        (Runge-Kutta codes)
     may_jump           whether F may jump at times that are not told as `breaks` (`spacar.integrators.jumps`)
-    march(method, t, t_end, h, longest)
+    take_steps(method, t, t_end, h, longest)
                        takes the steps of codes 0, 135, 155 and 853 itself, with what `accepted` and `rejected` do, and
                        yields those with an output, or, where it `passes` outputs, the last of many with the outputs in
                        all of them, with code 0 also the start
@@ -74,7 +74,7 @@ class IntegrationStatistics:
         return self.n_steps, self.n_rhs, self.n_jacobian, self.n_rejected, self.newton_iterations
 
 
-class Passed(NamedTuple):
+class BlockOfOutputs(NamedTuple):
     """Outputs that the problem has passed in steps of its own, the last one at `t` with the state `y`, shape (n,): the
     work since the output before each, shape (outputs, 5) in the order of `Counts`, what had been counted where that of
     the first one begins (`begun`) and at the last one (`now`), and what the problem has made of them."""
@@ -98,7 +98,7 @@ class Output(NamedTuple):
     n_jacobian: int
     n_rejected: int
     newton_iterations: int
-    passed: Passed | None
+    passed: BlockOfOutputs | None
 
     @property
     def work(self) -> Counts:
@@ -115,7 +115,7 @@ class Step(NamedTuple):
     y: np.ndarray
     interpolate: Callable[[float], np.ndarray]
     sizes: tuple[float, float] | None = None
-    passed: Sequence[Passed] | None = None
+    passed: Sequence[BlockOfOutputs] | None = None
 
 
 class Tolerance(NamedTuple):
@@ -143,7 +143,6 @@ class Evaluation:
         "first",
         "halt",
         "last",
-        "march",
         "may_jump",
         "newton",
         "passes",
@@ -153,6 +152,7 @@ class Evaluation:
         "statistics",
         "suspect",
         "suspected",
+        "take_steps",
         "times",
     )  # fmt: skip
 
@@ -168,13 +168,13 @@ class Evaluation:
         self.stages: Callable[..., int] | None = getattr(problem, "stages", None)
         self.newton: Callable[..., tuple[bool, float, float] | None] | None = getattr(problem, "newton", None)
         self.by_case: tuple[int, int, int] | None = getattr(problem, "by_case", None)
-        self.march: March | None = getattr(problem, "march", None)
+        self.take_steps: TakeSteps | None = getattr(problem, "take_steps", None)
         self.passes: bool = getattr(problem, "passes", False)
         self.may_jump: bool = getattr(problem, "may_jump", False)
-        # `spacar.integrators.jumps`: difference above which `march` does not pass an output, whether one was left
+        # `spacar.integrators.jumps`: difference above which `take_steps` does not pass an output, whether one was left
         self.suspect, self.suspected = 0.0, False
         self.times: Sequence[float] | np.ndarray = (first, last)
-        # Accepted steps after which `march` gives way at the next output, to whoever looks at the steps.
+        # Accepted steps after which `take_steps` gives way at the next output, to whoever looks at the steps.
         self.halt = float("inf")
         self._next = 0
 

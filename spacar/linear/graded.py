@@ -234,8 +234,8 @@ def _condition(z: complex, v: Complex, M: Array, C: Array, K: Array) -> float:
 
 def _meet(z: Complex) -> bool:
     """Have two come to one value? It may be a double one, or the iteration has lost another."""
-    apart = np.abs(z[:, None] - z) + np.diag(np.full(len(z), np.inf))
-    return bool((apart <= 1e-9 * np.abs(z)).any())
+    independent = np.abs(z[:, None] - z) + np.diag(np.full(len(z), np.inf))
+    return bool((independent <= 1e-9 * np.abs(z)).any())
 
 
 def _keeps_digits(S: Array) -> bool:

@@ -45,7 +45,7 @@ def forward(run: Run) -> Iterator[Sequence[Frame]]:
     output = TransferOutput(run)
     store = _stored_system(run, may_move=True)
     for evaluator, (frame,) in motion(run):
-        dynamics = evaluator.settled()
+        dynamics = evaluator.numpy_evaluator()
         if store.sparse:
             store.add_sparse(frame, dynamics, frame.xdd, frame.sig, frame.t)
             yield (frame,)

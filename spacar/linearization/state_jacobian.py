@@ -29,7 +29,7 @@ def state_jacobian(
         h = np.cbrt(np.finfo(float).eps) * interval
         before = max(t - h, 0.0)
         F_t = (evaluator.rhs(t + h, y, within) - evaluator.rhs(before, y, within)) / (t + h - before)
-    dynamics = evaluator.settled()
+    dynamics = evaluator.numpy_evaluator()
     found = dynamics.accelerate(t, dynamics.place(t, y, within))
     L = linearize(dynamics, found.xdd, found.sigma, t=t)
     return state_matrix(L, *chosen_rows(L, dynamics)), F_t

@@ -23,9 +23,9 @@ from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.contract import Astray, Tangent
 from spacar.stationary.newton import Corrections, Demand, correction
-from spacar.stationary.stationary_equations import Given, Iterate, StationaryEquations
+from spacar.stationary.stationary_equations import Iterate, Prescribed, StationaryEquations
 
-At = Callable[[float], tuple[StationaryEquations, Tangent, Given]]  # puts the loads of a place on the evaluator
+At = Callable[[float], tuple[StationaryEquations, Tangent, Prescribed]]  # puts the loads of a place on the evaluator
 DISTANCE = 0.5  # of the two evaluations of the derivative
 MOST_ARCS = 500
 FIRST_ARC, SMALLEST_ARC, LARGEST_ARC = (1e-3, 0.02), 1e-6, 0.2  # model lengths, or rad

@@ -37,7 +37,7 @@ from spacar.stationary.newton import Converged, Demand
 from spacar.stationary.passed_levels import ELSEWHERE, FARTHEST, FASTER, REMEMBERED, RETURNED, WIDE, Known
 from spacar.stationary.singular import FreeMotion
 from spacar.stationary.stability import STABLE, Stability, critical_motion, is_regular
-from spacar.stationary.stationary_equations import Given, Iterate, StationaryEquations
+from spacar.stationary.stationary_equations import Iterate, Prescribed, StationaryEquations
 
 SMALLEST_PART = 1.0 / 1024.0
 CRITICAL_PART = 1.0 / 256.0  # of a load step, in which a critical state is looked for
@@ -328,7 +328,7 @@ class Continuation:
         """
         e = self.evaluator
 
-        def at(p: float) -> tuple[StationaryEquations, Tangent, Given]:
+        def at(p: float) -> tuple[StationaryEquations, Tangent, Prescribed]:
             e.load(origin.towards(target, p))
             return e.equations, e.tangent, e.given
 

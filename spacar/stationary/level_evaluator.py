@@ -22,7 +22,7 @@ from spacar.stationary.newton import Converged, Demand, newton
 from spacar.stationary.passed_levels import Known, PassedLevels, pass_levels
 from spacar.stationary.resting_tangent import RestingTangent
 from spacar.stationary.stability import CRITICAL, STABLE, Stability, stability
-from spacar.stationary.stationary_equations import Given, Iterate, StationaryEquations
+from spacar.stationary.stationary_equations import Iterate, Prescribed, StationaryEquations
 from spacar.stationary.tangent import SparseTangent
 
 
@@ -54,7 +54,7 @@ class LevelEvaluator:
         self.fading_force: Array | None = None
         self._fades_until = 1.0
         self.whole_from_start = False
-        self._given: Given | None = None
+        self._given: Prescribed | None = None
         self._at: Array | None = None  # where the sweep has to be
         self._factored_in_c = False
         self._forget()
@@ -162,10 +162,10 @@ class LevelEvaluator:
         return self._tangent
 
     @property
-    def given(self) -> Given:
+    def given(self) -> Prescribed:
         """Prescribed values of the level."""
         if self._given is None:
-            self._given = Given(*self.dynamics.prescribed())
+            self._given = Prescribed(*self.dynamics.prescribed())
         return self._given
 
     # -- what stays the same --------------------------------------------------------------------------------------

@@ -31,7 +31,7 @@ from spacar.linear_systems import SingularMatrixError
 from spacar.linear_systems.lost_digits import lost
 from spacar.stationary.contract import NO_DIGITS, SINGULAR, SPREAD, Astray, Tangent
 from spacar.stationary.singular import minimum_norm
-from spacar.stationary.stationary_equations import FLOOR, Given, Iterate, StationaryEquations
+from spacar.stationary.stationary_equations import FLOOR, Iterate, Prescribed, StationaryEquations
 
 FORCES = 1e-9  # out-of-balance work / work of the forces in it
 LENGTHS = 1e-11  # incompatibility / model length, or rad
@@ -188,7 +188,9 @@ class Converged:
     regular: bool
 
 
-def newton(q: StationaryEquations, tangent: Tangent, x: Array, sigma: Array, given: Given, demand: Demand) -> Converged:
+def newton(
+    q: StationaryEquations, tangent: Tangent, x: Array, sigma: Array, given: Prescribed, demand: Demand
+) -> Converged:
     """The state in equilibrium near x (nx,), sigma (ne,).
 
     Raises Astray, SingularMatrixError, AnalysisError of user functions.
@@ -230,7 +232,7 @@ def _correct(
     return *minimum_norm(q, tangent, p, dx, first), False
 
 
-def _projected(q: StationaryEquations, p: Iterate, dx: Array, given: Given) -> Iterate:
+def _projected(q: StationaryEquations, p: Iterate, dx: Array, given: Prescribed) -> Iterate:
     """Wheels: the configuration that the degrees of freedom have after the correction, with the stresses that balance
     it. A wheel's turn is cyclic and large, its Euler parameters must not leave the constraints."""
     d = q.d

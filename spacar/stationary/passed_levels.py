@@ -41,7 +41,7 @@ class PassedLevels(NamedTuple):
 
 
 class CPassed(ctypes.Structure):
-    """`Passed` of walk.c."""
+    """`BlockOfOutputs` of walk.c."""
 
     _fields_ = [
         *((name, DOUBLES) for name in ("levels", "states", "places", "branch", "trial")),

@@ -53,7 +53,7 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class Given:
+class Prescribed:
     """Prescribed values of a load level: x (nx,) at the prescribed coordinates, e (ne,) at prescribed deformations."""
 
     x: Array
@@ -189,7 +189,7 @@ class StationaryEquations:
             offset += np.where(self.active, user.sigma, 0.0)
         return offset
 
-    def point(self, x: Array, sigma: Array, given: Given) -> Iterate:
+    def point(self, x: Array, sigma: Array, given: Prescribed) -> Iterate:
         """Evaluate at x (nx,), sigma (ne,); leaves the sweep there. Raises SingularMatrixError as `motion`."""
         d, sweep, C, nf = self.d, self.d.sweep, self.flexibility, self.nf
         sweep.strain(x)

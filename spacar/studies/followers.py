@@ -32,7 +32,7 @@ from spacar.studies.side_by_side import Cases, start_of
 
 if TYPE_CHECKING:
     from spacar.compiled.cases import InLanes, PlacedStart
-    from spacar.compiled.marching import Marching
+    from spacar.compiled.compiled_stepper import CompiledStepper
     from spacar.mechanism.user_functions import UserLaw
 
 X_INDEX, E_INDEX = ({name: k for k, name in enumerate(of)} for of in (X_FIELDS, E_FIELDS))
@@ -168,7 +168,7 @@ class Follower:
     def __init__(self, of: Followers) -> None:
         self.of = of
         self.block: InLanes | None = None
-        self.marching: Marching | None = None  # of that block
+        self.stepper: CompiledStepper | None = None  # of that block
         self.buffer = np.empty(0)
 
     def follow(self, group: Sequence[Sequence[int]]) -> GroupMotions:
@@ -212,19 +212,19 @@ class Follower:
         settings = of.single.settings
         each = None if of.g is None else np.broadcast_to(of.g, block.by_case[1:]).ravel()
         block.into(of.times, rows, FAR)
-        marching = self.marching
-        if marching is None or marching.evaluator is not block:
-            self.marching = marching = block.marching()
-        marching.anew()
+        stepper = self.stepper
+        if stepper is None or stepper.evaluator is not block:
+            self.stepper = stepper = block.stepper()
+        stepper.anew()
         outputs = integrated(
             block, block.y0, of.asked, settings, Tolerances.of(settings, each),
             breaks=block.breaks, watch=block.watch, back=block.rejected,
-            marching=marching,
+            stepper=stepper,
         )  # fmt: skip
         counted, step = np.empty((len(of.times), len(WORK))), 0
         for out in outputs:
             if out.passed is None:
-                block.passage.show(step, out.y)
+                block.output_block.show(step, out.y)
             made = 1 if out.passed is None else len(out.passed.work)
             counted[step : step + made] = out.work if out.passed is None else out.passed.work
             step += made

@@ -55,7 +55,7 @@ def test_the_start_is_that_of_the_general_path(angle):
     mechanism = build(parse_deck(f"{text[0]}HALT{text[1].replace('END', rows)}", mode=1), 1)
     general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
     np.testing.assert_array_equal(compiled.start(), general.start())
-    for x in (compiled.state.x[:, 0], compiled.settled().kinematics.x):
+    for x in (compiled.state.x[:, 0], compiled.numpy_evaluator().kinematics.x):
         np.testing.assert_allclose(x, general.kinematics.x, atol=1e-14)
     np.testing.assert_allclose(compiled.state.e[:, 0], general.sweep.e, atol=CONVERGED)
     np.testing.assert_allclose(compiled.placement().xd, general.xd, atol=1e-13)
@@ -91,9 +91,9 @@ def test_checks_see_the_state_that_c_evaluated():
     # the position is known to 1e-11 (CONVERGED), the matrix and what depends on it to a hundred times that
     assert found.rcond() == pytest.approx(expected.rcond(), rel=1e-9)
     assert found.determinant() == pytest.approx(expected.determinant(), rel=1e-9)
-    settled = compiled.settled()
-    np.testing.assert_allclose(settled.kinematics.x, general.kinematics.x, atol=1e-10)  # ten times CONVERGED
-    matrices = (d.kinematics.velocity_system.A for d in (settled, general))
+    numpy_evaluator = compiled.numpy_evaluator()
+    np.testing.assert_allclose(numpy_evaluator.kinematics.x, general.kinematics.x, atol=1e-10)  # ten times CONVERGED
+    matrices = (d.kinematics.velocity_system.A for d in (numpy_evaluator, general))
     np.testing.assert_allclose(*matrices, atol=1e-9)
 
 

@@ -43,7 +43,7 @@ def test_links_in_both_forms(n, branches):
             want, got = getattr(a, name), getattr(b, name)
             np.testing.assert_allclose(got, want, atol=1e-10 * max(1.0, np.abs(want).max()), rtol=0, err_msg=name)
     M = compiled.solver.reduced_mass()
-    settled, rates = compiled.settled(), 2 * y[n:]
-    settled.sweep.mass()
-    energy = b.xd @ settled.sweep.mass_times(b.xd)  # kinetic energy, twice
+    numpy_evaluator, rates = compiled.numpy_evaluator(), 2 * y[n:]
+    numpy_evaluator.sweep.mass()
+    energy = b.xd @ numpy_evaluator.sweep.mass_times(b.xd)  # kinetic energy, twice
     assert rates @ M[:, :, 0] @ rates == pytest.approx(energy, rel=1e-12)

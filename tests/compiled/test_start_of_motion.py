@@ -72,7 +72,7 @@ def test_a_dead_point_in_the_first_steps_is_seen(error, monkeypatch):
         except AnalysisError as stopped:
             ended = str(stopped)
         said.append([re.sub(r"(t =|and) [\d.]+", "", text) for text in (*run.report.lines, ended)])
-        monkeypatch.setattr(CompiledDynamics, "marching", None)
+        monkeypatch.setattr(CompiledDynamics, "stepper", None)
     assert said[0] == said[1]
     assert any("singular position" in text for text in said[0])
 
@@ -102,6 +102,6 @@ def test_steps_are_watched_where_there_are_any(given, monkeypatch):
     rows = [("INPUTX", 5, 1, UPRIGHT, -0.1, 0.0), ("TIMESTEP", 1.0, 10)]
     deck = Deck.build([*SLIDER[:-1], ("INPUTX", 5, 1)], rows, mode=1) if given else slider(1.0, 10)
     asked = []
-    monkeypatch.setattr(forward, "watched", lambda *of: asked.append(of))
+    monkeypatch.setattr(forward, "singularity_monitor", lambda *of: asked.append(of))
     assert len(spacar.run(1, deck).frames) == 11
     assert len(asked) == (not given)

@@ -18,7 +18,7 @@ from spacar.compiled.library import unavailable
 from spacar.deck import parse_deck
 from spacar.dynamics import Dynamics
 from spacar.errors import Report
-from spacar.forward.accepted_steps import watched
+from spacar.forward.accepted_steps import singularity_monitor
 from spacar.frame import E_FIELDS, X_FIELDS
 from spacar.mechanism import build
 from tests.compiled.test_tree_motion import CASES
@@ -74,9 +74,9 @@ def test_forces_of_a_hanging_chain():
 
 @pytest.mark.parametrize(("grow", "seed", "links"), CASES[3::9])
 def test_a_state_that_is_there_is_not_evaluated_again(grow, seed, links):
-    """The start is handed on: as derivative, frame and companion; other loads at the same state are seen."""
+    """The start is handed on: as derivative, frame and fork; other loads at the same state are seen."""
     _, compiled, y = started(grow(seed, links))
-    shown = compiled.companion()
+    shown = compiled.fork()
     frames = [e.frame(0.0, y) for e in (compiled, shown)]
     rates = compiled.rhs(0.0, y)
     fresh = CompiledDynamics(compiled.model.mechanism)
@@ -108,7 +108,7 @@ def test_the_bound_of_the_condition_holds_everywhere(grow, seed, links):
         assert bound <= general.position_matrix().rcond()
     assert bound > 1e-6
     assert compiled.position_matrix().regular_everywhere()
-    assert watched(compiled, Report()) is None
+    assert singularity_monitor(compiled, Report()) is None
 
 
 @pytest.mark.parametrize("name", ["crank2", "crankfl"])
@@ -116,4 +116,4 @@ def test_other_mechanisms_have_dead_points(name):
     compiled = CompiledDynamics(spacar.frames(1, DATA / f"{name}.dat").mechanism)
     compiled.start()
     assert not compiled.position_matrix().regular_everywhere()
-    assert watched(compiled, Report()) is not None
+    assert singularity_monitor(compiled, Report()) is not None

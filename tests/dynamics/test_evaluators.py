@@ -54,10 +54,11 @@ def test_every_duty(name):
     assert compiled.condition() == pytest.approx(general.condition(), rel=1e-8)  # 5
     assert compiled.position_matrix().rcond() == pytest.approx(general.position_matrix().rcond(), rel=1e-8)
     for evaluator in (general, compiled):  # 6: its sweeps and factors are those of the state
-        settled = evaluator.settled()
-        same(settled.kinematics.x, a.x)
-        same(settled.xd, a.xd)
-        same(settled.sweep.gradient() @ settled.xd, settled.sweep.rate(a.xd), np.abs(a.xd).max())
+        numpy_evaluator = evaluator.numpy_evaluator()
+        same(numpy_evaluator.kinematics.x, a.x)
+        same(numpy_evaluator.xd, a.xd)
+        sweep = numpy_evaluator.sweep
+        same(sweep.gradient() @ numpy_evaluator.xd, sweep.rate(a.xd), np.abs(a.xd).max())
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -80,10 +81,10 @@ def test_a_companion_goes_its_own_way(name):
     for evaluator in both:
         evaluator.rhs(1e-3, y)
         before = evaluator.placement().x.copy()
-        other = evaluator.companion()
+        other = evaluator.fork()
         other.frame(2e-3, 0.5 * y)
         np.testing.assert_array_equal(evaluator.placement().x, before)
-        same(evaluator.settled().kinematics.x, before)
+        same(evaluator.numpy_evaluator().kinematics.x, before)
 
 
 @pytest.mark.parametrize("name", ["robotsim", "crankfl"])
@@ -92,7 +93,7 @@ def test_settling_does_not_disturb_what_follows(name):
     (_, compiled), y = pair(name)
     (_, undisturbed), _ = pair(name)
     compiled.rhs(1e-3, y)
-    compiled.settled().place(0.0, 0.5 * y)
+    compiled.numpy_evaluator().place(0.0, 0.5 * y)
     undisturbed.rhs(1e-3, y)
     np.testing.assert_array_equal(compiled.rhs(1.1e-3, y), undisturbed.rhs(1.1e-3, y))
 
@@ -107,10 +108,10 @@ def test_the_state_that_c_could_not_do_is_settled_with_its_velocity(name, monkey
     frame = general.frame(1e-3, other)
     monkeypatch.setattr(type(compiled.solver), "evaluate", lambda *arguments: -1)
     same(compiled.frame(1e-3, other).xdd, frame.xdd)
-    settled = compiled.settled()
-    same(settled.xd, frame.xd)
+    numpy_evaluator = compiled.numpy_evaluator()
+    same(numpy_evaluator.xd, frame.xd)
     expected = linearize(general, frame.xdd, frame.sig, t=frame.t)
-    same(linearize(settled, frame.xdd, frame.sig, t=frame.t).c0, expected.c0)
+    same(linearize(numpy_evaluator, frame.xdd, frame.sig, t=frame.t).c0, expected.c0)
 
 
 @pytest.mark.parametrize("name", ["robotsim", "crankfl", "plbeam5"])
@@ -153,7 +154,7 @@ def test_the_jacobian_asks_for_the_position_it_is_given():
     for evaluator in both:
         evaluator.rhs(1e-3, y)
         wide, _ = state_jacobian(evaluator, 1e-3, y + 1e-5, 1.0)
-        assert evaluator.settled().kinematics.iterations <= 1
+        assert evaluator.numpy_evaluator().kinematics.iterations <= 1
         narrow, _ = state_jacobian(evaluator, 1e-3, y + 1e-5)
         np.testing.assert_allclose(wide, narrow, rtol=0, atol=1e-4 * np.abs(narrow).max())
 

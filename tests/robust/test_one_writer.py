@@ -109,10 +109,10 @@ def test_claims(tmp_path, kind):
 
 def test_the_lock_file_of_a_dead_process_does_not_count(tmp_path, monkeypatch):
     monkeypatch.setattr(locks, "fcntl", None)
-    beside = tmp_path / "a.sbd.part.lock"
-    beside.write_text(f"{locks.platform.node()} 4194305\n")  # above the largest process number of Linux
+    rhs_for_differences = tmp_path / "a.sbd.part.lock"
+    rhs_for_differences.write_text(f"{locks.platform.node()} 4194305\n")  # above the largest process number of Linux
     Claim(tmp_path / "a.sbd").release()
-    beside.write_text("another-machine 1\n")
+    rhs_for_differences.write_text("another-machine 1\n")
     with pytest.raises(UsageError, match="another run"):
         Claim(tmp_path / "a.sbd")
 

@@ -1,4 +1,4 @@
-/* Many outputs of one motion in one call (`spacar.compiled.passage`).
+/* Many outputs of one motion in one call (`spacar.compiled.output_block`).
 
    A state of its own is evaluated at every output time, as the driver (spacar/forward/driver.py) does it one by one: from the
    output before, or from the begin of the last step when that was long ago. Its numbers go to a row. The call ends where
@@ -7,7 +7,7 @@
    Rows of several cases have all lanes of a number behind one another. */
 #include <time.h>
 
-/* An output: done; Python looks at it; C cannot evaluate it; F may have jumped before it, it is not done. As in passage.py */
+/* An output: done; Python looks at it; C cannot evaluate it; F may have jumped before it, it is not done. As in output_block.py */
 enum { HARMLESS, LOOKED_AT, NOT_SHOWN, SUSPECT };
 
 /* The state y at a time in the last step: 0, or 2 when Python keeps an error. */
@@ -27,8 +27,8 @@ typedef struct {
     double exact, jump, singular, guard, longest; /* limits of a position, a jump, 1/condition, guards of elements; seconds */
     int n, done, width, since, far, n_exact, n_ground, foreign, steps, n_rates;
     int last, status;          /* how the last output came out, and its evaluation */
-    int counted[5];            /* what March had counted at the last output of this call */
-} Passage;
+    int counted[5];            /* what Stepper had counted at the last output of this call */
+} OutputBlock;
 
 static double seconds(void)
 {
@@ -38,7 +38,7 @@ static double seconds(void)
 }
 
 /* Whether the checks of spacar/dynamics/limits.py surely find nothing at the last evaluated state. */
-static int harmless(Model *m, const Passage *p)
+static int harmless(Model *m, const OutputBlock *p)
 {
     if (p->singular > 0.0 && !(spacar_rcond(m, p->singular, p->n_exact) > p->singular)) return 0;
     if (p->foreign || !(spacar_guard(m, p->shown->x) > p->guard)) return 0;
@@ -46,13 +46,13 @@ static int harmless(Model *m, const Passage *p)
     return 1;
 }
 
-static double *row_of(const Passage *p, int i) { return p->rows + (size_t)i * p->width; }
+static double *row_of(const OutputBlock *p, int i) { return p->rows + (size_t)i * p->width; }
 
 /* The state at the i-th output: at the end of its row, or for itself. */
-static double *state_of(const Model *m, const Passage *p, int i) { return p->y ? p->y : row_of(p, i) + 6 * m->s.nx + 4 * m->s.ne; }
+static double *state_of(const Model *m, const OutputBlock *p, int i) { return p->y ? p->y : row_of(p, i) + 6 * m->s.nx + 4 * m->s.ne; }
 
 /* Evaluate the i-th output, whose y stands at `state_of`; whether the call goes on. */
-static int show(Model *m, Passage *p, int i)
+static int show(Model *m, OutputBlock *p, int i)
 {
     State *s = p->shown;
     const int nx = m->s.nx, ne = m->s.ne;
@@ -67,7 +67,7 @@ static int show(Model *m, Passage *p, int i)
 }
 
 /* Outputs of a motion that is all prescribed, n of them. */
-static int spacar_show(Model *m, Passage *p)
+static int spacar_show(Model *m, OutputBlock *p)
 {
     const double begin = seconds();
     p->done = 0;
@@ -76,8 +76,8 @@ static int spacar_show(Model *m, Passage *p)
     return 0;
 }
 
-/* `Trail.lead`: an output that is far from the last one begins at the begin of its step. */
-static void lead(March *r, Passage *p)
+/* `StepHistory.lead`: an output that is far from the last one begins at the begin of its step. */
+static void lead(Stepper *r, OutputBlock *p)
 {
     if (p->since > p->far && r->recorded > 1 && r->capacity > 1) {
         const double *begin = record(r, r->recorded - 2);
@@ -87,7 +87,7 @@ static void lead(March *r, Passage *p)
 }
 
 /* Does F at the i-th output, which has been evaluated, tell other rates than the polynomial of the step (jumps.py)? */
-static int disagrees(const March *r, const void *adams, const Passage *p, int i)
+static int disagrees(const Stepper *r, const void *adams, const OutputBlock *p, int i)
 {
     const double h = r->sizes[0], t = p->t[i], low = fmax(r->t - h, t - 1e-4 * h), high = fmin(r->t, t + 1e-4 * h);
     const int first = r->n - p->n_rates;
@@ -104,11 +104,11 @@ static int disagrees(const March *r, const void *adams, const Passage *p, int i)
     return sqrt(sum) > p->suspect;
 }
 
-typedef int (*Go)(March *r, void *method);
+typedef int (*Go)(Stepper *r, void *method);
 
 /* Steps, and the outputs in them, those in the step that was made last first. n: room for outputs, of which there is one at
    least. As the calls that make steps; AT_OUTPUT: there may be more of them in the last step. */
-static int pass(March *r, void *method, Go go, const double *end, Passage *p)
+static int pass(Stepper *r, void *method, Go go, const double *end, OutputBlock *p)
 {
     const double begin = seconds();
     p->done = 0;
@@ -143,8 +143,8 @@ static int pass(March *r, void *method, Go go, const double *end, Passage *p)
     }
 }
 
-static int go_adams(March *r, void *method) { return spacar_adams(r, method); }
-static int go_runge_kutta(March *r, void *method) { return spacar_runge_kutta(r, method); }
+static int go_adams(Stepper *r, void *method) { return spacar_adams(r, method); }
+static int go_runge_kutta(Stepper *r, void *method) { return spacar_runge_kutta(r, method); }
 
-static int spacar_pass_adams(March *r, Adams *a, Passage *p) { return pass(r, a, go_adams, a->y, p); }
-static int spacar_pass_runge_kutta(March *r, RungeKutta *k, Passage *p) { return pass(r, k, go_runge_kutta, k->y_new, p); }
+static int spacar_pass_adams(Stepper *r, Adams *a, OutputBlock *p) { return pass(r, a, go_adams, a->y, p); }
+static int spacar_pass_runge_kutta(Stepper *r, RungeKutta *k, OutputBlock *p) { return pass(r, k, go_runge_kutta, k->y_new, p); }

@@ -57,7 +57,7 @@ CODES = (0, 135, 155, 853)
 @pytest.fixture
 def one_by_one(monkeypatch):
     """Lets the steps be made in Python."""
-    return lambda: monkeypatch.setattr(CompiledDynamics, "marching", None)
+    return lambda: monkeypatch.setattr(CompiledDynamics, "stepper", None)
 
 
 def run(source, **options):
@@ -121,9 +121,9 @@ def problem_of(text, trailed):
     """What the integrators see of a model, and its start state; `trailed`: steps are made in C."""
     evaluator = CompiledDynamics(spacar.frames(1, parse_deck(text, mode=1)).mechanism)
     y = evaluator.start()
-    trail = accepted_steps.Trail(evaluator, None) if trailed else None
-    marching = evaluator.marching(trail) if trailed else None
-    return driver.Integrand(evaluator, 1e-11, None, None, Report(), trail=trail, marching=marching), y
+    trail = accepted_steps.StepHistory(evaluator, None) if trailed else None
+    stepper = evaluator.stepper(trail) if trailed else None
+    return driver.Integrand(evaluator, 1e-11, None, None, Report(), trail=trail, stepper=stepper), y
 
 
 def signal(tmp_path, body):

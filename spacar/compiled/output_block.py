@@ -1,4 +1,4 @@
-"""Many outputs of one motion in one call of C (`passage.c`): states at output times, and the frames made of them.
+"""Many outputs of one motion in one call of C (`output_block.c`): states at output times, and the frames made of them.
 
 What an output needs besides its step is the same whoever asks for it: the state at its time, evaluated by an evaluator
 of its own, and the checks of stored states. C does both as long as the checks surely find nothing; an output at which
@@ -24,12 +24,12 @@ from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, CompiledModel, S
 from spacar.compiled.element_parameters import GUARD
 from spacar.compiled.library import DOUBLES, INTEGER, INTEGERS, NUMBER, POINTER, WIDTH, address_of
 from spacar.frame import Frame, FramesInRows
-from spacar.integrators.problem import Counts, Passed, counts
+from spacar.integrators.problem import BlockOfOutputs, Counts, counts
 from spacar.integrators.times import EvenTimes
 from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.mechanism.numbering import Numbering
 
-HARMLESS, LOOKED_AT, NOT_SHOWN, SUSPECT = range(4)  # as in passage.c
+HARMLESS, LOOKED_AT, NOT_SHOWN, SUSPECT = range(4)  # as in output_block.c
 LONGEST = 0.05  # s of one call, unless a single step takes longer
 ROOM = 50_000  # numbers in the rows of one array, so that a frame that is kept does not keep many others: 0.4 MB
 UNLIMITED = 2**31 - 1
@@ -39,8 +39,8 @@ COUNTS = 5 * ctypes.sizeof(ctypes.c_int)  # of an output
 VALUE = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER)
 
 
-class CPassage(ctypes.Structure):
-    """`Passage` of passage.c."""
+class COutputBlock(ctypes.Structure):
+    """`OutputBlock` of output_block.c."""
 
     _fields_ = [
         ("shown", POINTER), ("t", DOUBLES), ("rows", DOUBLES), ("work", INTEGERS),
@@ -55,12 +55,12 @@ class CPassage(ctypes.Structure):
     ]  # fmt: skip
 
 
-def counted(c: CPassage, begun: Counts = NONE) -> Counts:
+def counted(c: COutputBlock, begun: Counts = NONE) -> Counts:
     """What had been counted at the last output of a call, with what was before it."""
     return counts(map(add, begun, c.counted))
 
 
-class ShowsInC(Protocol):
+class OutputEvaluator(Protocol):
     """What is asked of the evaluator of outputs. `largest_exact`: equations up to which C tells the exact condition."""
 
     solver: CompiledModel
@@ -73,7 +73,7 @@ class ShowsInC(Protocol):
         """That of a state that C could not do."""
 
 
-class Passage:
+class OutputBlock:
     """Outputs at `times` that `shown` evaluates.
 
     ground    rows of e whose stresses may press but not pull, and have to be looked at when they do
@@ -82,14 +82,14 @@ class Passage:
     """
 
     def __init__(
-        self, shown: ShowsInC, times: Sequence[float] | Array, ground: Index, singular: float, far: int
+        self, shown: OutputEvaluator, times: Sequence[float] | Array, ground: Index, singular: float, far: int
     ) -> None:
         model, n = shown.solver, shown.numbering
         self.shown, self.times = shown, times
         self.sizes = n.nx, n.ne
         self.of_y = 6 * n.nx + 4 * n.ne  # where it begins in a row
         self.width = self.of_y + shown.n_positions + n.nddof
-        self.c = c = CPassage(ctypes.addressof(shown.state.c))
+        self.c = c = COutputBlock(ctypes.addressof(shown.state.c))
         if len(ground):
             self.ground = np.ascontiguousarray(ground, np.int32)  # C points at it
             c.ground = address_of(self.ground)
@@ -125,7 +125,7 @@ class Passage:
         if not self.held:
             self.shown.solver.slots.outputs.clear()
 
-    def start(self, y: Array) -> list[Passed]:
+    def start(self, y: Array) -> list[BlockOfOutputs]:
         """Evaluate the first output, whose state is y: it goes on with those behind it, if these have room and nobody
         has to look at it."""
         self.begin(0)
@@ -137,7 +137,7 @@ class Passage:
         self.held, self.c.done = 1, 0
         return []
 
-    def outputs(self, begun: Counts = NONE) -> list[Passed]:
+    def outputs(self, begun: Counts = NONE) -> list[BlockOfOutputs]:
         """Those of the last call; `begun`: what the integrator had counted before it. The last one is on its own when
         it has to be looked at."""
         first, n, now = self.used, self.held + self.c.done, counted(self.c, begun)
@@ -152,12 +152,12 @@ class Passage:
         last = last._replace(shown=partial(self._last, last.shown, last.y))
         return [last] if n == 1 else [self._passed(first, slice(0, n - 1), begun, before), last]
 
-    def _passed(self, first: int, which: slice, begun: Counts, now: Counts) -> Passed:
+    def _passed(self, first: int, which: slice, begun: Counts, now: Counts) -> BlockOfOutputs:
         """Some outputs of the last call, whose rows begin with the `first`."""
         at = slice(first + which.start, first + which.stop)
         rows, t = self.rows[at], self.t[at]
         shown = FramesInRows(t, rows, self.sizes, self.shown.solver.slots.outputs[which])
-        return Passed(float(t[-1]), rows[-1, self.of_y :], self.work[at], begun, now, shown)
+        return BlockOfOutputs(float(t[-1]), rows[-1, self.of_y :], self.work[at], begun, now, shown)
 
     def _last(self, block: FramesInRows, y: Array) -> FramesInRows:
         """That of the last output of a call, at which Python looks; or what says why there is none."""
@@ -172,7 +172,7 @@ class Passage:
             block.lost = [frame.lost]
         return block
 
-    def prescribed(self, y: Array) -> Iterator[Passed]:
+    def prescribed(self, y: Array) -> Iterator[BlockOfOutputs]:
         """The outputs of a motion without degrees of freedom, whose state `y` is empty or the same at all times."""
         model, given = self.shown.solver, 0
         while given < len(self.times):

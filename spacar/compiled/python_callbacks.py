@@ -1,9 +1,9 @@
-"""How C asks Python while it evaluates (`asking.c`): through the stable C interface of Python, whose functions ctypes
-finds. A callback of ctypes loses the Ctrl-C that is noticed where it begins, and costs more than many a function; it is
-taken only in a Python that does not have these functions.
+"""How C calls Python while it evaluates (`python_callbacks.c`): through the stable C interface of Python, whose
+functions ctypes finds. A callback of ctypes loses the Ctrl-C that is noticed where it begins, and costs more than many
+a function; it is taken only in a Python that does not have these functions.
 
 The user function of a single case is called by C itself, which takes answers that have the form of an earlier one;
-`Asking.read` reads the others. An exception is kept (`raised`) and ends the evaluation. Behind one that is no
+`PythonCallbacks.read` reads the others. An exception is kept (`raised`) and ends the evaluation. Behind one that is no
 Exception, such as Ctrl-C, nobody is asked until it was raised.
 """
 
@@ -18,10 +18,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from spacar.compiled.library import POINTER, CAsking, CUser
+from spacar.compiled.library import POINTER, CPythonCallbacks, CUser
 from spacar.errors import BY_USERS
 
-# in the order of `Python` in asking.c
+# in the order of `Python` in python_callbacks.c
 FUNCTIONS = (
     "PyGILState_Ensure", "PyGILState_Release", "PyLong_FromLong", "PyFloat_FromDouble", "PyFloat_AsDouble",
     "PyObject_CallFunctionObjArgs", "PyObject_IsTrue", "PyObject_Type", "PyList_Size", "PyTuple_Size",
@@ -35,7 +35,7 @@ Form = list[Any]  # of rows: two numbers and a place each
 
 @lru_cache
 def python() -> ctypes.Array[ctypes.c_void_p] | None:
-    """The table of asking.c, or None in a Python that does not have all of it: then ctypes calls back."""
+    """The table of python_callbacks.c, or None in a Python that does not have all of it: then ctypes calls back."""
     if sys.implementation.name != "cpython":
         return None
     try:
@@ -59,7 +59,7 @@ class AnsweringLaw(Protocol):
     def failed(self, t: float, error: Exception) -> Exception: ...
 
 
-class Asking:
+class PythonCallbacks:
     """What C asks of one model.
 
     law    of the user function of a single case, of which C takes usual answers itself; into what `user` shares
@@ -73,13 +73,13 @@ class Asking:
         self.known: tuple[Form, Form] | None = None  # the forms that C knows, with the objects that it looks for
         table = python()
         if table is None:
-            self.c = CAsking()
+            self.c = CPythonCallbacks()
         elif law is None or user is None:
-            self.c = CAsking(ctypes.addressof(table))
+            self.c = CPythonCallbacks(ctypes.addressof(table))
         else:
             self.law = law
             told = [id(argument) for argument in law.told]
-            self.c = CAsking(ctypes.addressof(table), user.sigma, user.force, -1, id(law.function), *told)
+            self.c = CPythonCallbacks(ctypes.addressof(table), user.sigma, user.force, -1, id(law.function), *told)
 
     def calls(self, answer: Callable[[int, int, float], bool]) -> tuple[Any, ...]:
         """What C calls, for the model to keep (kept here it would be a circle of references). `answer` is given what is
@@ -129,7 +129,7 @@ class Asking:
 
 
 def _guarded(
-    answer: Callable[[int, int, float], bool], keep: Callable[[BaseException], None], c: CAsking
+    answer: Callable[[int, int, float], bool], keep: Callable[[BaseException], None], c: CPythonCallbacks
 ) -> Callable[[int, int, float], int]:
     """For a callback of ctypes, through which no exception may pass."""
 

@@ -1,4 +1,4 @@
-"""Many outputs of several cases in one call of C (`passage.c`), into rows that are given.
+"""Many outputs of several cases in one call of C (`output_block.c`), into rows that are given.
 
 Outputs at which somebody has to look, or that C cannot evaluate, end the motion: a single run says what it is.
 """
@@ -13,22 +13,22 @@ from spacar.arrays import Array
 from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, CompiledModel, State
 from spacar.compiled.element_parameters import GUARD
 from spacar.compiled.library import WIDTH, address_of
-from spacar.compiled.passage import COUNTS, HARMLESS, LONGEST, NONE, NOT_SHOWN, UNLIMITED, CPassage, counted
+from spacar.compiled.output_block import COUNTS, HARMLESS, LONGEST, NONE, NOT_SHOWN, UNLIMITED, COutputBlock, counted
 from spacar.errors import AnalysisError
-from spacar.integrators.problem import Counts, Passed
+from spacar.integrators.problem import BlockOfOutputs, Counts
 from spacar.kinematics.kinematics import LARGEST_JUMP
 
 SHOWN = "shown"  # of outputs that stand in their rows
 
 
-class PassageOfCases:
+class BatchOutputBlock:
     """Outputs of the lanes of a model at `times` (n,), evaluated by `shown`, into `rows` (n, 6 nx + 4 ne, lanes);
     the first one is the start, which stands in `begun`. `size`: numbers of a state of the integrators."""
 
     def __init__(self, solver: CompiledModel, begun: State, shown: State, size: int) -> None:
         self.solver, self.begun, self.shown = solver, begun, shown
         self.y = np.empty(size)
-        self.c = c = CPassage(ctypes.addressof(shown.c))
+        self.c = c = COutputBlock(ctypes.addressof(shown.c))
         c.y, c.exact, c.jump, c.guard, c.longest = self.y.ctypes.data, EXACT, LARGEST_JUMP, GUARD, LONGEST
         c.foreign = solver.slots.has_limits
         self.address = ctypes.addressof(c)
@@ -49,7 +49,7 @@ class PassageOfCases:
         c.n = len(self.times) - output
         c.steps = int(min(max(steps, 0), UNLIMITED))
 
-    def outputs(self, begun: Counts = NONE) -> list[Passed]:
+    def outputs(self, begun: Counts = NONE) -> list[BlockOfOutputs]:
         """Those of the last call; `begun`: what the integrator had counted before it. Raises AnalysisError, and what a
         user function raised."""
         self._check()
@@ -58,9 +58,9 @@ class PassageOfCases:
         if first == end:
             return []
         work, now = self.work[first:end], counted(self.c, begun)
-        return [Passed(float(self.times[end - 1]), self.y, work, begun, now, SHOWN)]
+        return [BlockOfOutputs(float(self.times[end - 1]), self.y, work, begun, now, SHOWN)]
 
-    def start(self, y: Array) -> list[Passed]:
+    def start(self, y: Array) -> list[BlockOfOutputs]:
         """The first output, whose state is y; it is handed on with those behind it. Raises as `outputs`."""
         self.show(0, y)
         self.output = self.held = 1

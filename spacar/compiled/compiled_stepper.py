@@ -1,8 +1,8 @@
-"""Steps of an integrator in C, from output to output, or through many of them (`Passage`).
+"""Steps of an integrator in C, from output to output, or through many of them (`OutputBlock`).
 
 The methods stay those of `spacar.integrators`: C works on the arrays of their objects and with their coefficients, so
 that interpolation, failures and messages are theirs too. Python is called back where C cannot give a derivative, and
-at the accepted steps that have to be looked at (`Lookout`).
+at the accepted steps that have to be looked at (`StepMonitor`).
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.compiled.batch_output_block import BatchOutputBlock, not_followed
 from spacar.compiled.compiled_model import CompiledModel, State
 from spacar.compiled.library import INTEGER, NUMBER, POINTER, WIDTH, address_of
-from spacar.compiled.march_structures import CMarch
 from spacar.compiled.methods_in_c import (
     ARRIVED,
     INTERRUPTED,
@@ -29,8 +29,8 @@ from spacar.compiled.methods_in_c import (
     address_of_call,
     vector,
 )
-from spacar.compiled.passage import SUSPECT, Passage
-from spacar.compiled.passage_of_cases import PassageOfCases, not_followed
+from spacar.compiled.output_block import SUSPECT, OutputBlock
+from spacar.compiled.stepper_structures import CStepper
 from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, STILL, Accepted, LoadedMechanism, Moving
 from spacar.errors import AnalysisError
 from spacar.integrators.adams import Adams
@@ -46,7 +46,7 @@ MOST, COMPONENTS = 1000, 20_000  # steps in one call, and steps times components
 ASK = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER, POINTER)
 
 
-class Lookout(Protocol):
+class StepMonitor(Protocol):
     """Who looks at accepted steps (`spacar.forward.driver`).
 
     look      which of them: NEVER, AT_DETERMINANTS, AT_VELOCITIES, ALWAYS
@@ -95,31 +95,33 @@ class InC(Protocol):
     def model(self) -> LoadedMechanism: ...
 
 
-class Marching:
-    """The steps of one motion. `passage`: outputs that are passed many at a time; None: a call ends at each."""
+class CompiledStepper:
+    """The steps of one motion. `output_block`: outputs that are passed many at a time; None: a call ends at each."""
 
-    def __init__(self, evaluator: InC, lookout: Lookout, passage: Passage | PassageOfCases | None = None) -> None:
+    def __init__(
+        self, evaluator: InC, monitor: StepMonitor, output_block: OutputBlock | BatchOutputBlock | None = None
+    ) -> None:
         model = evaluator.solver
         self.lanes = lanes = model.cases
         nx, ne = evaluator.numbering.nx * lanes, evaluator.numbering.ne * lanes
         n = (evaluator.n_positions + evaluator.numbering.nddof) * lanes
-        self.evaluator, self.lookout, self.passage = evaluator, lookout, passage
+        self.evaluator, self.monitor, self.output_block = evaluator, monitor, output_block
         self.engine = model.engine
         self.shape = n, nx
-        width, capacity = 4 + n + 3 * nx + ne, lookout.capacity
+        width, capacity = 4 + n + 3 * nx + ne, monitor.capacity
         memory = np.empty(capacity * width + n)
         self.records, self.atol = memory[:-n].reshape(-1, width), memory[-n:]  # a row is read after it is written
         self.scale = evaluator.model.mechanism.scale
         first = address_of(memory)
         self.error: BaseException | None = None
         most = max(1, min(MOST, COMPONENTS // (nx + ne)))
-        self.c = CMarch(
+        self.c = CStepper(
             model.handle, evaluator.state.address, None, first, address_of(self.scale),
-            first + WIDTH * capacity * width, n, capacity, width, lookout.look, lookout.back, most,
+            first + WIDTH * capacity * width, n, capacity, width, monitor.look, monitor.back, most,
             MAX_REDUCTIONS, REDUCTION,
         )  # fmt: skip
         self.c.jump, self.c.share, self.c.noise, self.c.still = LARGEST_JUMP, SHARE, NOISE, STILL
-        self.c.half, self.c.inside, self.c.wide, self.c.far = lookout.half, lookout.inside, lookout.wide, lookout.far
+        self.c.half, self.c.inside, self.c.wide, self.c.far = monitor.half, monitor.inside, monitor.wide, monitor.far
         if lanes > 1:
             self.near = np.ascontiguousarray(HalfTurns(evaluator.numbering).lambda0, np.int32)
             self.c.lambda0, self.c.n_lambda0, self.c.half_turn = self.near.ctypes.data, len(self.near), HALF_TURN
@@ -132,9 +134,9 @@ class Marching:
     def steps(
         self, method: Adams | ExplicitRungeKutta, t: float, t_end: float, h: float, longest: float, within: float
     ) -> Iterator[Step]:
-        """Steps of a method that has been started at t, at least those with an output or where a passage ends, up to
+        """Steps of a method that has been started at t, at least those with an output or where a block ends, up to
         t_end; positions `within` that tolerance."""
-        c, evaluation, passage = self.c, method.evaluation, self.passage
+        c, evaluation, output_block = self.c, method.evaluation, self.output_block
         self.atol[:], c.rtol = method.tolerance
         c.t, c.t_end, c.h, c.longest = t, t_end, h, longest
         c.earliest, c.latest = evaluation.first, evaluation.last
@@ -149,39 +151,42 @@ class Marching:
         )  # fmt: skip
         counted = evaluation.statistics
         output, status, first = evaluation.next_output(t), PAUSED, not c.recorded
-        if passage is not None and method.passes_start and not counted.n_steps and (alone := passage.start(by.y)):
+        block = output_block if method.passes_start and not counted.n_steps else None
+        if block is not None and (alone := block.start(by.y)):
             yield Step(t, by.y, by.value, None, alone)
         try:
             begun = by.begin()
             if begun:
-                if passage is not None and passage.held:
-                    yield Step(t, by.y, by.value, None, passage.outputs())
+                if output_block is not None and output_block.held:
+                    yield Step(t, by.y, by.value, None, output_block.outputs())
                 self._failed(NOT_EVALUATED if begun == 1 else INTERRUPTED, method, started=False)
             c.converged = within  # the start of the motion is solved to rounding
             if not (first and c.recorded):
-                self._go_on(self.lookout.started(t, by.y))
+                self._go_on(self.monitor.started(t, by.y))
             while status != ARRIVED:
-                if passage is None:
+                if output_block is None:
                     c.until = float(evaluation.times[evaluation.next_output(c.t)])
-                    status = by.march()
+                    status = by.take_steps()
                 else:
-                    passage.begin(output, evaluation.halt - counted.n_steps)
-                    passage.c.since, passage.c.suspect = self.lookout.n, evaluation.suspect
-                    status = by.march_through(passage)
-                    output += passage.c.done
+                    output_block.begin(output, evaluation.halt - counted.n_steps)
+                    output_block.c.since, output_block.c.suspect = self.monitor.n, evaluation.suspect
+                    status = by.take_steps_through(output_block)
+                    output += output_block.c.done
                 by.taken(status)
                 known, failed = counted.counts(), status in (TOO_SMALL, NOT_EVALUATED, INTERRUPTED)
-                if failed and (passage is None or not passage.held + passage.c.done):
+                if failed and (output_block is None or not output_block.held + output_block.c.done):
                     self._failed(status, method)
-                made = passage.c.counted if failed and passage is not None else (c.n_steps, c.n_rhs, 0, c.n_rejected)
+                made = (c.n_steps, c.n_rhs, 0, c.n_rejected)
+                if failed and output_block is not None:
+                    made = output_block.c.counted
                 c.n_steps = c.n_rhs = c.n_rejected = 0
                 counted.n_steps += made[0]
                 counted.n_rhs += made[1]
                 counted.n_rejected += made[3]
-                self.lookout.n = self.lookout.n + made[0] if passage is None else passage.c.since
-                self.lookout.passed(self._last)
-                passed = None if passage is None else passage.outputs(known)
-                evaluation.suspected = passage is not None and passage.c.last == SUSPECT
+                self.monitor.n = self.monitor.n + made[0] if output_block is None else output_block.c.since
+                self.monitor.passed(self._last)
+                passed = None if output_block is None else output_block.outputs(known)
+                evaluation.suspected = output_block is not None and output_block.c.last == SUSPECT
                 yield Step(c.t, by.y, by.value, (c.sizes[1], c.sizes[0]), passed)
                 if failed:  # behind the outputs that came before it
                     self._failed(status, method)
@@ -243,10 +248,10 @@ class Marching:
         c = self.c
         try:
             before = None
-            if self.lookout.look != ALWAYS:
-                first = max(0, c.recorded - self.lookout.capacity)
+            if self.monitor.look != ALWAYS:
+                first = max(0, c.recorded - self.monitor.capacity)
                 before = [self._seen(k) for k in range(first, c.recorded - 1)]
-            c.peak, c.entered, seen = self.lookout.closer(t, vector(y, self.shape[0]).copy(), c.peak, before)
+            c.peak, c.entered, seen = self.monitor.closer(t, vector(y, self.shape[0]).copy(), c.peak, before)
             if seen is None and not self.evaluator.state.c.known:
                 c.recorded -= 1
             elif seen is not None:

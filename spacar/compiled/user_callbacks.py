@@ -19,14 +19,14 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.asking import AnsweringLaw, Asking
 from spacar.compiled.library import WIDTH, CForeign, CUser, address_of
 from spacar.compiled.numbers import Elements
+from spacar.compiled.python_callbacks import AnsweringLaw, PythonCallbacks
 from spacar.elements.family import Configuration, Family
 from spacar.mechanism.mechanism import Drive, Polynomial, UserSignal
 from spacar.mechanism.placed_vectors import PlacedVector, placed
 
-MOTION, STRESS, STRAIN, CONVECTIVE, INERTIA, OUTPUT = range(6)  # as ASK_MOTION ... in asking.c
+MOTION, STRESS, STRAIN, CONVECTIVE, INERTIA, OUTPUT = range(6)  # as ASK_MOTION ... in python_callbacks.c
 
 
 class ForeignBatch:
@@ -77,7 +77,7 @@ def law(
     return answer
 
 
-class Slots:
+class UserCallbacks:
     """The answers for one model. `motions` are the arrays (n, 3, lanes) of prescribed coordinates and deformations.
 
     drives, users   of every case; with fewer cases than lanes, the last one has the others too
@@ -99,7 +99,7 @@ class Slots:
         self.failed: int | None = None  # the case whose function did not answer the last question
         self.lost: list[dict[int, str]] = [{}] * max(len(users), 1)  # sentences by row of e, of every case
         self.first_lost: list[dict[int, str]] = [{} for _ in users]  # the first ones of all outputs of several cases
-        self.outputs: list[dict[int, str]] = []  # those of the outputs of one call, see `spacar.compiled.passage`
+        self.outputs: list[dict[int, str]] = []  # those of the outputs of one call, see `spacar.compiled.output_block`
         self.told: set[int] = set()  # rows of their sentences
         self.laws: tuple[Callable[[float], dict[int, str]], ...] = ()
         self.foreign_c: ctypes.Array[ctypes.c_void_p] | None = None  # addresses of the foreign batches, by batch
@@ -124,10 +124,10 @@ class Slots:
                 )
                 for lane, user in enumerate(users)
             ])  # fmt: skip
-        self.asking: Asking | None = None
+        self.asking: PythonCallbacks | None = None
         if users or self.foreign or not self.polynomial:
             alone = self.laws[0] if lanes == 1 and users and hasattr(users[0], "answering") else None
-            self.asking = Asking(alone, self.user_c, self.lost)
+            self.asking = PythonCallbacks(alone, self.user_c, self.lost)
 
     def called(self) -> tuple[Any, ...]:
         """What C calls, for the model to keep (kept here it would be a circle of references)."""

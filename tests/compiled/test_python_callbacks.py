@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.compiled import asking
+from spacar.compiled import python_callbacks
 from spacar.compiled.compiled_evaluator import CompiledDynamics
 from spacar.compiled.library import why_off
 from spacar.deck import read_deck
@@ -63,7 +63,7 @@ def tip(path: Path) -> Any:
 @pytest.fixture
 def called_back(monkeypatch: pytest.MonkeyPatch) -> None:
     """A Python without the functions that C calls."""
-    monkeypatch.setattr("spacar.compiled.asking.python", lambda: None)
+    monkeypatch.setattr("spacar.compiled.python_callbacks.python", lambda: None)
 
 
 def asked(path: Path, times: int = 8) -> list[Any]:
@@ -115,18 +115,19 @@ def outcomes(path: Path) -> Any:
 @pytest.mark.parametrize("which", BODIES)
 def test_answers_are_those_that_are_called_back(tmp_path: Path, which: str, monkeypatch: pytest.MonkeyPatch) -> None:
     path = model(tmp_path, BODIES[which])
-    assert asking.python() is not None
+    assert python_callbacks.python() is not None
     found = outcomes(path)
     assert isinstance(found, list) or found[1].startswith("user-function.")
-    monkeypatch.setattr("spacar.compiled.asking.python", lambda: None)
+    monkeypatch.setattr("spacar.compiled.python_callbacks.python", lambda: None)
     assert found == outcomes(path)
 
 
 def test_python_reads_only_the_first_of_usual_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Else C would be asking for nothing."""
+    """Else C would call Python for nothing."""
     times: list[float] = []
-    read = asking.Asking.read
-    monkeypatch.setattr(asking.Asking, "read", lambda self, t, given: (times.append(t), read(self, t, given))[1])
+    read = python_callbacks.PythonCallbacks.read
+    seen = lambda self, t, given: (times.append(t), read(self, t, given))[1]  # noqa: E731
+    monkeypatch.setattr(python_callbacks.PythonCallbacks, "read", seen)
     spacar.run(1, model(tmp_path, USUAL))
     assert times == [0.0]
 
@@ -144,7 +145,7 @@ def test_sentences_come_and_go_as_when_called_back(tmp_path: Path, monkeypatch: 
     sentences = [sentence for block in found for sentence in block]
     assert [bool(s) for s in sentences] == [False, False, True, True, False, False]
     assert sum("has no effect" in line for line in report) == 1
-    monkeypatch.setattr("spacar.compiled.asking.python", lambda: None)
+    monkeypatch.setattr("spacar.compiled.python_callbacks.python", lambda: None)
     assert (found, report) == lost()
 
 
@@ -297,7 +298,7 @@ def test_a_run_without_the_functions_of_python_is_the_same(tmp_path: Path, monke
 
 
 def test_a_python_that_lacks_a_function(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(asking, "FUNCTIONS", (*asking.FUNCTIONS, "PyNothing_OfTheKind"))
-    asking.python.cache_clear()
-    assert asking.python() is None
-    asking.python.cache_clear()
+    monkeypatch.setattr(python_callbacks, "FUNCTIONS", (*python_callbacks.FUNCTIONS, "PyNothing_OfTheKind"))
+    python_callbacks.python.cache_clear()
+    assert python_callbacks.python() is None
+    python_callbacks.python.cache_clear()

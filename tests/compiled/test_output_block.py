@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.compiled import passage
+from spacar.compiled import output_block
 from spacar.compiled.compiled_evaluator import CompiledDynamics
 from spacar.compiled.library import why_off
 from spacar.deck import Deck, parse_deck
@@ -104,9 +104,9 @@ def same(source, **options):
 def calls(request, monkeypatch):
     """How many outputs a call of C takes at most: many, one, three."""
     if request.param == "each":
-        monkeypatch.setattr(passage, "LONGEST", 0.0)
+        monkeypatch.setattr(output_block, "LONGEST", 0.0)
     elif request.param == "little room":
-        monkeypatch.setattr(passage, "ROOM", 300)
+        monkeypatch.setattr(output_block, "ROOM", 300)
     return request.param
 
 
@@ -131,7 +131,7 @@ def test_examples(name, code):
 
 def test_only_python_looks_where_somebody_needs_the_evaluator(monkeypatch):
     asked = []
-    monkeypatch.setattr(CompiledDynamics, "passage", lambda self, *a: asked.append(a))
+    monkeypatch.setattr(CompiledDynamics, "output_block", lambda self, *a: asked.append(a))
     spacar.run(1, parse_deck(FREE.replace("END\nHALT", "OUTLEVEL 0 1\nEND\nHALT"), mode=1))
     assert not asked
 
@@ -244,7 +244,7 @@ def test_a_frame_keeps_few_others():
     kept = some[1].x
     while kept.base is not None:
         kept = kept.base
-    assert kept.nbytes <= 8 * passage.ROOM
+    assert kept.nbytes <= 8 * output_block.ROOM
 
 
 @pytest.mark.parametrize("model", [FREE, DRIVEN], ids=["free", "driven"])
@@ -275,7 +275,7 @@ def test_the_bound_of_the_condition_never_lies_and_is_of_use(name):
     evaluator.frame(0.0, y)
     exact = evaluator.position_matrix().rcond()
     for singular, harmless in ((exact * (1.0 + 1e-9), False), (exact * 1e-5, True)):
-        many = evaluator.passage(np.zeros(1), np.zeros(0, np.int64), singular)
+        many = evaluator.output_block(np.zeros(1), np.zeros(0, np.int64), singular)
         many.c.n_exact, many.c.guard = 0, -1.0
         (out,) = many.prescribed(y)
         assert isinstance(out.shown, StoredFrames) == (harmless and not many.c.foreign)

@@ -1,10 +1,10 @@
-/* Questions to Python (spacar/compiled/asking.py).
+/* Questions to Python (spacar/compiled/python_callbacks.py).
 
    The engine is not built against any version of Python: it is given the addresses of functions of Python's stable C interface, and
    of a few types. The user function of a single case is called from here: an answer with the form of an earlier one, almost every one
    of a run, is taken here; Python reads the others.
    Nothing that is raised passes through C: it is handed to `keep`, and the evaluation ends. */
-enum { ASK_MOTION, ASK_STRESS, ASK_STRAIN, ASK_CONVECTIVE, ASK_INERTIA, ASK_OUTPUT }; /* as in slots.py */
+enum { ASK_MOTION, ASK_STRESS, ASK_STRAIN, ASK_CONVECTIVE, ASK_INERTIA, ASK_OUTPUT }; /* as in user_callbacks.py */
 
 typedef struct {
     int (*ensure)(void);
@@ -39,7 +39,7 @@ typedef struct {
     double t;                   /* of the last question to `function` */
     int n_force;
     int within, stopped;        /* whether `function` itself has raised; set by what is no Exception: nobody is asked any more */
-} Asking;
+} PythonCallbacks;
 
 /* Types live as long as the object. */
 static void *type_of(const Python *py, void *object)
@@ -72,7 +72,7 @@ static double take_rows(const Python *py, void *rows, const Row *known, int n, d
 }
 
 /* Whether time, stresses, forces were taken. */
-static int is_taken(const Asking *a, void *given)
+static int is_taken(const PythonCallbacks *a, void *given)
 {
     const Python *py = a->python;
     if (a->n_sigma < 0 || type_of(py, given) != py->tuple_type || py->tuple_size(given) != 3) return 0;
@@ -81,7 +81,7 @@ static int is_taken(const Asking *a, void *given)
 }
 
 /* Hand what was raised to Python, with its traceback. */
-static void keep_raised(Asking *a)
+static void keep_raised(PythonCallbacks *a)
 {
     const Python *py = a->python;
     void *type, *value, *traceback;
@@ -98,7 +98,7 @@ static void keep_raised(Asking *a)
 }
 
 /* OK, or NOT_ANSWERED: Python keeps an error, or wants to look. `batch` of a question about elements. */
-static int ask(Asking *a, int what, int batch, double t)
+static int ask(PythonCallbacks *a, int what, int batch, double t)
 {
     if (a->stopped) return NOT_ANSWERED;
     const Python *py = a->python;
@@ -116,7 +116,7 @@ static int ask(Asking *a, int what, int batch, double t)
 }
 
 /* The user function: OK, or NOT_ANSWERED as above. Values are zeros before. */
-static int ask_stresses(Asking *a, double t)
+static int ask_stresses(PythonCallbacks *a, double t)
 {
     if (!a->function) return ask(a, ASK_STRESS, 0, t);
     if (a->stopped) return NOT_ANSWERED;

@@ -1,4 +1,4 @@
-"""The structures of march.c, adams.c and runge_kutta.c, which `spacar.compiled.marching` fills."""
+"""The structures of stepper.c, adams.c and runge_kutta.c, which `spacar.compiled.compiled_stepper` fills."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from spacar.compiled.library import DOUBLES, INTEGER, NUMBER, POINTER
 from spacar.integrators.adams import MAX_ORDER
 
 
-class CMarch(ctypes.Structure):
-    """`March` of march.c."""
+class CStepper(ctypes.Structure):
+    """`TakeSteps` of stepper.c."""
 
     _fields_ = [
         ("model", POINTER), ("at", POINTER), ("ask", POINTER), ("records", DOUBLES),

@@ -1,4 +1,4 @@
-/* Steps of an integrator in one call, up to the next output (`spacar.compiled.marching`).
+/* Steps of an integrator in one call, up to the next output (`spacar.compiled.compiled_stepper`).
 
    The methods are those of spacar/integrators, on the same arrays and with the same coefficients, which Python gives; only
    sums may be rounded in another order. Python is asked for derivatives that the model in C cannot give, and told of accepted
@@ -28,12 +28,12 @@ typedef struct {
     const int *lambda0;      /* of several cases: coordinates that may not come to zero, here nearer than half_turn */
     double half_turn, signs[8]; /* signs of the determinants at the last accepted step */
     int n_lambda0;
-} March;
+} Stepper;
 
-static double *record(const March *r, int k) { return r->records + (size_t)(k % r->capacity) * r->width; }
+static double *record(const Stepper *r, int k) { return r->records + (size_t)(k % r->capacity) * r->width; }
 
 /* F at a time inside the window: 0, 1, 2 as AskRate. */
-static int derivative(March *r, double t, const double *y, double *f)
+static int derivative(Stepper *r, double t, const double *y, double *f)
 {
     t = fmin(fmax(t, r->earliest), r->latest);
     if (spacar_rhs(r->model, r->at, t, (const real *)y, (real *)f, r->converged, r->jump) >= 0) {
@@ -47,7 +47,7 @@ static int derivative(March *r, double t, const double *y, double *f)
 static inline real size_of(real a) { return lanes_larger(EVERY(0.0), a); }
 
 /* `unexplained` of spacar/dynamics/loaded_mechanism.py, of any coordinate of a case. */
-static int unexplained(const March *r, const double *a, const double *b)
+static int unexplained(const Stepper *r, const double *a, const double *b)
 {
     const int nx = r->model->s.nx;
     const double h = b[0] - a[0];
@@ -65,7 +65,7 @@ static int unexplained(const March *r, const double *a, const double *b)
 }
 
 /* Does a coordinate go farther in the step than the watch sees with the states inside alone? */
-static int goes_far(const March *r, const double *a, const double *b)
+static int goes_far(const Stepper *r, const double *a, const double *b)
 {
     const int nx = r->model->s.nx;
     const double *va = a + 4 + r->n + nx, *vb = b + 4 + r->n + nx;
@@ -76,7 +76,7 @@ static int goes_far(const March *r, const double *a, const double *b)
 
 #if LANES > 1
 /* Does one of the cases come to a dead point or half a turn, or do its velocities jump? */
-static int has_to_be_alone(March *r, const double *before, const double *now)
+static int has_to_be_alone(Stepper *r, const double *before, const double *now)
 {
     int alone = !r->at->known;
     for (int i = 0; i < r->n_lambda0; i++) EACH_LANE alone |= fabs(LANE(r->at->x[r->lambda0[i]], w)) < r->half_turn;
@@ -93,7 +93,7 @@ static int has_to_be_alone(March *r, const double *before, const double *now)
 #endif
 
 /* Record the step that the state stands at. */
-static double *recorded(March *r, const double *y)
+static double *recorded(Stepper *r, const double *y)
 {
     const State *s = r->at;
     const int nx = r->model->s.nx * LANES;
@@ -112,7 +112,7 @@ static double *recorded(March *r, const double *y)
 }
 
 /* Record the start of a motion where it stands; Python does where it remembers the steps itself, or knows the state alone. */
-static void started(March *r, const double *y)
+static void started(Stepper *r, const double *y)
 {
     if (LANES > 1 || r->recorded || r->look == LOOK_ALWAYS || !r->at->known) return;
     double *now = recorded(r, y);
@@ -124,7 +124,7 @@ static void started(March *r, const double *y)
 }
 
 /* Record the accepted step that the state stands at, and tell of it if it has to be looked at; 0, or 2 when all has to end. */
-static int seen(March *r, double t, const double *y)
+static int seen(Stepper *r, double t, const double *y)
 {
     const Model *m = r->model;
     const State *s = r->at;
@@ -155,7 +155,7 @@ static int seen(March *r, double t, const double *y)
 #endif
 }
 
-static int accepted(March *r, double t, const double *y)
+static int accepted(Stepper *r, double t, const double *y)
 {
     const int status = seen(r, t, y);
     clear_samples(r->at);
@@ -163,7 +163,7 @@ static int accepted(March *r, double t, const double *y)
 }
 
 /* Let a state be the recorded one again; `known` as there. */
-static void stand_at(const March *r, const double *record, State *s, int known)
+static void stand_at(const Stepper *r, const double *record, State *s, int known)
 {
     const double *x = record + 4 + r->n;
     const int nx = r->model->s.nx * LANES;
@@ -177,7 +177,7 @@ static void stand_at(const March *r, const double *record, State *s, int known)
 }
 
 /* After a rejected step: its stages may have led the state far away. */
-static void rejected(March *r)
+static void rejected(Stepper *r)
 {
     r->n_rejected++;
     clear_samples(r->at);
@@ -189,13 +189,13 @@ static void rejected(March *r)
 
 /* A step could be evaluated. Of several cases the failures of the whole motion are counted: one that creeps along a dead point,
    failing every few steps, is followed alone. */
-static void evaluated(March *r)
+static void evaluated(Stepper *r)
 {
     if (LANES == 1) r->reductions = 0;
 }
 
 /* The step from t cannot be evaluated: 0 when a shorter one is to be tried. */
-static int reduced(March *r, double h_min)
+static int reduced(Stepper *r, double h_min)
 {
     rejected(r);
     if (++r->reductions > r->max_reductions || r->h * r->reduction < h_min) return NOT_EVALUATED;
@@ -204,7 +204,7 @@ static int reduced(March *r, double h_min)
 }
 
 /* What ends the call after an accepted step to t, or -1. */
-static int pause(March *r, double t, int final, int first_steps)
+static int pause(Stepper *r, double t, int final, int first_steps)
 {
     r->begin = r->t;
     r->sizes[1] = r->sizes[0];
@@ -215,7 +215,7 @@ static int pause(March *r, double t, int final, int first_steps)
     return r->n_steps - first_steps >= r->most ? PAUSED : -1;
 }
 
-static double smallest_step(const March *r)
+static double smallest_step(const Stepper *r)
 {
     return 4.0 * DBL_EPSILON * fmax(fmax(fabs(r->t), fabs(r->t_end)), r->t_end - r->t);
 }
