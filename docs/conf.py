@@ -40,7 +40,7 @@ CONTENTS = {
         "symbolic/tutorial",
     ),
     "Understand": (
-        "theory", "theory-linear", "limits", "symbolic/theory", "decisions", "performance", "promises",
+        "theory", "limits", "symbolic/theory", "decisions", "performance", "promises",
     ),
     "Reference": (
         "reference/index", "reference/theory-system", "reference/theory-planar", "reference/theory-spatial",

@@ -1,6 +1,6 @@
 """What is stored of a large model instead of dense matrices and transfer functions (reference/files.md section 5).
 
-ktan  (entries, 3): row, column (from 1) and value of the tangent in mixed form, theory-linear.md "Large systems":
+ktan  (entries, 3): row, column (from 1) and value of the tangent in mixed form, theory-system.md 6.7:
       unknowns dx of the calculable and dynamic coordinates, in the order of x, then all stresses over the typical
       stiffness. Of its inverse the rows and columns of the coordinates are dx/df: the compliance.
 mtan  the same of the mass matrix of these coordinates.

@@ -1,4 +1,4 @@
-"""Mixed matrices of frames and lattices, solved by their condensed matrix (theory-linear.md, "Large systems").
+"""Mixed matrices of frames and lattices, solved by their condensed matrix (theory-system.md 6.7).
 
     [ K  V^T ] [ x ]   [ f ]        C = 0 in the rows of constraints, blocks of elements in the others
     [ V  -C  ] [ y ] = [ g ]

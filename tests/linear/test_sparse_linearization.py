@@ -1,6 +1,6 @@
 """Modes 4 and 9 of a large model: what is stored, and that every command which reads it gives what the dense one gives.
 
-The dense matrices lose digits to the condition of the degrees of freedom squared (theory-linear.md "Large systems"),
+The dense matrices lose digits to the condition of the degrees of freedom squared (theory-system.md 6.7),
 hence 1e-6 for low frequencies.
 """
 
