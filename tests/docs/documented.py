@@ -1,6 +1,6 @@
 """Names that the pages document, one a line: `python -m tests.docs.documented [BEFORE]`.
 
-Keywords, modes, options, codes of messages, names in back quotes (file variables, functions, settings), numbered formulas,
+Keywords, modes, options, codes of messages, names in back quotes (file variables, functions, settings), formulas,
 sections and notes of the reference. With a list of an earlier revision only what is not documented any more is printed.
 The page of keywords is made from the table and not counted.
 """

@@ -1,45 +1,43 @@
-"""docs/limits.md names every file in which a small number decides something."""
+"""docs/limits.md is made by docs/limits.py: every limit of the program with its present number."""
 
 from __future__ import annotations
 
-import ast
+import importlib.util
 import re
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-SMALL = 1e-3
-GUARD = 1e-200  # a divisor that shall not be zero: it decides nothing
-NO_LIMIT = {
-    "table_sections.py": "a unit",
-    "table_solvers.py": "defaults of ERROR and ITERSTEP, in docs/keywords.md",
-    "mechanism.py": "the same defaults",
-    "dop853.py": "coefficients of the method",
-    "symbolic_run.py": "defaults of options",
-    "trade.py": "the default of --target",
-    "work_precision.py": "the least error that a picture shows",
-}
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+PAGE = (DOCS / "limits.md").read_text(encoding="utf-8")
+MAKE = "run: python docs/limits.py > docs/limits.md"
 
 
-WRITTEN_SMALL = re.compile(r"[0-9.]e-|[.]000", re.IGNORECASE)  # every text with such a number has this
+def load():
+    spec = importlib.util.spec_from_file_location("docs_limits", DOCS / "limits.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
-def small_numbers(source: str) -> list[float]:
-    if not WRITTEN_SMALL.search(source):
-        return []
-    values = [n.value for n in ast.walk(ast.parse(source)) if isinstance(n, ast.Constant)]
-    return [v for v in values if isinstance(v, float) and GUARD < abs(v) < SMALL]
+LIMITS = load()
 
 
-def test_every_file_with_a_small_number_stands_in_the_table() -> None:
-    table = (ROOT / "docs" / "limits.md").read_text()
-    missing = [
-        str(file.relative_to(ROOT))
-        for room in ("spacar", "formats", "cli/spacar_cli")
-        for file in sorted((ROOT / room).rglob("*.py"))
-        if file.name not in NO_LIMIT and f"{file.name}`" not in table and small_numbers(file.read_text())
-    ]
-    assert not missing, f"say in docs/limits.md what these decide: {missing}"
+def rows(text: str) -> set[tuple[str, str, str]]:
+    """File, name and number; comments may change without the page."""
+    files = re.split(r"^- `(.*)`\n", text, flags=re.MULTILINE)[1:]
+    limit = re.compile(r"^  - `(.+?)` ([^:\n]+)", re.MULTILINE)
+    return {(file, *found) for file, part in zip(files[::2], files[1::2], strict=True) for found in limit.findall(part)}
 
 
-def test_a_limit_is_found() -> None:
-    assert small_numbers("x = 1.0\nif x < 1e-9 * y: pass\nz = 1e-300") == [1e-9]
+def test_the_page_has_the_limits_of_the_program() -> None:
+    now = LIMITS.page()
+    assert len(rows(now)) > 100
+    assert rows(PAGE) == rows(now), MAKE
+
+
+def test_a_limit_is_found(tmp_path, monkeypatch) -> None:
+    """A constant with its comment, one inside a function, and no divisor that shall not be zero."""
+    source = tmp_path / "x.py"
+    source.write_text("A = 1e-9  # rounding\nB = 1e-300\nC = 2.0\n\ndef f(x):\n    return x < 1e-6\n")
+    monkeypatch.setattr(LIMITS, "HOUSE", tmp_path)
+    found = list(LIMITS.limits(source))
+    assert found == [("x.py", "A", "1e-09", "rounding"), ("x.py", "f", "1e-06", "")]
