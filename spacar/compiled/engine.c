@@ -29,7 +29,6 @@
 #include "rest_equations.c"
 #include "rest_newton.c"
 #include "definite.c"
-#include "walk.c"
 #include "linearized.c"
 #include "pencil.c"
 
@@ -40,7 +39,7 @@ const void *const ELEMENTS[] = {
     spacar_elements_rates, spacar_elements_transport, spacar_elements_inertia_gradient, spacar_elements_guard,
     spacar_equilibrium_begin, spacar_equilibrium_end, spacar_equilibrium_newton, spacar_equilibrium_point,
     spacar_equilibrium_factor, spacar_equilibrium_sign, spacar_equilibrium_definite,
-    spacar_equilibrium_walk, spacar_equilibrium_linearize,
+    spacar_equilibrium_linearize,
     spacar_pencil_reduce, spacar_pencil_back, spacar_pencil_error, spacar_compliances,
 };
 #endif

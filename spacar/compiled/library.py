@@ -119,7 +119,7 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
 }  # fmt: skip
 
 # in the order of the second table in engine.c: batches.c, equilibrium.c, rest_newton.c,
-# definite.c, walk.c, linearized.c, pencil.c
+# definite.c, linearized.c, pencil.c
 ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "strain": (None, *[POINTER] * 5),
     "convective": (None, *[POINTER] * 4),
@@ -136,7 +136,6 @@ ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "equilibrium_factor": (INTEGER, POINTER),
     "equilibrium_sign": (NUMBER, POINTER),
     "equilibrium_definite": (INTEGER, POINTER),
-    "equilibrium_walk": (None, POINTER, POINTER),
     "equilibrium_linearize": (INTEGER, POINTER, POINTER),
     "pencil_reduce": (INTEGER, POINTER),
     "pencil_back": (None, POINTER, POINTER),
@@ -179,7 +178,6 @@ class ElementFunctions:
     equilibrium_factor: Any
     equilibrium_sign: Any
     equilibrium_definite: Any
-    equilibrium_walk: Any
     equilibrium_linearize: Any
     pencil_reduce: Any
     pencil_back: Any

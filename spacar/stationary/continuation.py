@@ -20,8 +20,9 @@ displacement alone it goes on, and says so: the state at the prescribed value is
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from math import prod
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,17 +35,30 @@ from spacar.stationary.contract import Astray, Tangent
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.loading import LoadLevel, loads_grow
 from spacar.stationary.newton import Converged, Demand
-from spacar.stationary.passed_levels import ELSEWHERE, FARTHEST, FASTER, REMEMBERED, RETURNED, WIDE, Known
 from spacar.stationary.singular import FreeMotion
-from spacar.stationary.stability import STABLE, Stability, critical_motion, is_regular
+from spacar.stationary.stability import Stability, critical_motion, is_regular
 from spacar.stationary.stationary_equations import Iterate, Prescribed, StationaryEquations
 
+REMEMBERED = 4  # states that the prediction uses: a cubic polynomial
+FARTHEST = 16.0  # weight of a state in the prediction: 6 for equal parts, more when the parts have grown
+FASTER = 2.0  # change of x over that of the loading, against the part before, from which a part is walked back
+ELSEWHERE = 0.1  # of the motion of a part: states that differ by more are not the same
+RETURNED = 0.02  # of the motion of a part: last correction on the way back; it leaves an error of three times that
+WIDE = 0.01  # model lengths or rad: shorter parts are not walked back
 SMALLEST_PART = 1.0 / 1024.0
 CRITICAL_PART = 1.0 / 256.0  # of a load step, in which a critical state is looked for
 STILL = 1e-6  # model lengths or rad: parts that move less (a straight column at its critical load) keep their branch
 LARGE = 600  # unknowns; above, the count costs more than an iteration: see `Continuation._odd`
 NEARLY, TAKEN_BACK = 1e-4, 8  # of the loading: what a state that is passed only may be off; times it is doubled
 EASY = 6  # iterations after which the next part of a step may be twice as large
+
+
+class Known(NamedTuple):
+    """A state of the path: its place on the way (0 to 1 initial, 1 to 2 additional loading), x, sigma."""
+
+    path: float
+    x: Array
+    sigma: Array
 
 
 class Bifurcation(Exception):
@@ -141,26 +155,6 @@ class Continuation:
         self.iterations = 0
         self._accept(target.path, Converged(self.point, 0, 0.0, regular=False))
         self._reach(target)
-
-    @property
-    def has_direction(self) -> bool:
-        """Are there states from which the next one can be predicted?"""
-        return len(self.path) > 1
-
-    def pass_by(self, levels: Sequence[LoadLevel]) -> int:
-        """Along levels, of which the last one may be stored, as many as C passes in one call
-        (`spacar.stationary.passed_levels`)."""
-        e = self.evaluator
-        if self.stable != STABLE or self._arbitrary or self._large or not e.mechanism.numbering.nddof:
-            return 0
-        passed = e.pass_levels(levels, self.path, self.limit, self.tolerance)
-        if passed is None:
-            return 0
-        self.path, self.point, self.noise = passed.path, passed.point, passed.noise
-        self.iterations = passed.iterations
-        self._regular, self._factored = True, False
-        self._reach(levels[passed.levels - 1])
-        return passed.levels
 
     def _reach(self, level: LoadLevel) -> None:
         self.level = level

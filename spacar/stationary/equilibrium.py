@@ -146,12 +146,6 @@ class Equilibrium:
             return None
         raise self._astray(status)
 
-    def walk(self, passed: ctypes.Structure, limit: int) -> Iterate:
-        """As `spacar.stationary.passed_levels` describes; the state of the last level that was passed."""
-        self.c.limit = min(limit, len(self._sizes))
-        self._call.equilibrium_walk(self.address, ctypes.addressof(passed))
-        return self._iterate()
-
     def _astray(self, status: int) -> Astray:
         sizes = self._sizes[: self.c.iterations].tolist()
         if status == TOO_LARGE:

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
-
-import numpy as np
 
 from spacar.arrays import Array
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
@@ -19,7 +16,6 @@ from spacar.stationary.level_dynamics import LevelDynamics
 from spacar.stationary.loading import WITHOUT_N0, LoadLevel, SteadyDrive, loads_at, with_flow
 from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import Converged, Demand, newton
-from spacar.stationary.passed_levels import Known, PassedLevels, pass_levels
 from spacar.stationary.resting_tangent import RestingTangent
 from spacar.stationary.stability import CRITICAL, STABLE, Stability, stability
 from spacar.stationary.stationary_equations import Iterate, Prescribed, StationaryEquations
@@ -215,21 +211,6 @@ class LevelEvaluator:
                 self._at = found.point.x
                 return found
         return newton(self.equations, self.tangent, x, sigma, self.given, demand)
-
-    def pass_levels(
-        self, levels: Sequence[LoadLevel], path: Sequence[Known], limit: int, tolerance: float
-    ) -> PassedLevels | None:
-        """As `spacar.stationary.passed_levels`; stands at the last level that was passed. None where C cannot."""
-        if self._engine is None:
-            return None
-        table = np.array(
-            [(self._acting(v).initial, v.additional, max(0.0, self._held(v)), v.path, v.store) for v in levels]
-        )
-        passed = pass_levels(self._engine, table, path, limit, tolerance)
-        self._at = (path[-1] if passed is None else passed.point).x
-        if passed is not None:
-            self.load(levels[passed.levels - 1])
-        return passed
 
     def point(self, x: Array, sigma: Array) -> Iterate:
         """Evaluate at x (nx,), sigma (ne,). Raises SingularMatrixError as `StationaryEquations.motion`."""

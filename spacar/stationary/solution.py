@@ -24,7 +24,6 @@ from spacar.stationary.stability import Stability, critical_motion
 from spacar.stationary.stationary_equations import Iterate, Motion, StationaryEquations
 from spacar.stationary.tangent import SparseTangent
 
-MOST_PASSED = 64  # levels in one call of C: an interruption waits for no more
 SINGULAR_SLIP = 1e-8  # relative: the stress of a slip that its law does not give
 
 
@@ -123,34 +122,13 @@ class StationarySolver:
     def stored(self, program: Iterable[LoadLevel]) -> Iterator[tuple[LoadLevel, int]]:
         """The levels of a program that are stored, one after the other, each solved, with the iterations that led there
         from the one before. Raises AnalysisError as the class says."""
-        ahead, iterations = list[LoadLevel](), 0
+        iterations = 0
         for level in program:
-            ahead.append(level)
-            if len(ahead) < MOST_PASSED and not level.store:
-                continue
-            iterations += self._go_along(ahead)
-            ahead.clear()
+            self.solve(level)
+            iterations += self.iterations
             if level.store:
                 yield level, iterations
                 iterations = 0
-
-    def _go_along(self, levels: list[LoadLevel]) -> int:
-        """Solve levels, as many as possible in one call; the number of iterations. Only the last one may be stored."""
-        iterations = passed = 0
-        hopeful = not self._idle
-        while passed < len(levels):
-            walk = self._begun(levels[passed])
-            many, directed = walk.pass_by(levels[passed:]) if hopeful else 0, walk.has_direction
-            if many:
-                iterations += walk.iterations
-                if passed + many == len(levels) and levels[-1].store:
-                    self._place(walk.point, levels[-1])
-            else:  # where C passes none another trial would cost as much as the solution
-                hopeful = hopeful and not directed
-                self.solve(levels[passed])
-                iterations += self.iterations
-            passed += many or 1
-        return iterations
 
     def solve(self, target: LoadLevel) -> None:
         """Go to a load level. Raises AnalysisError as the class says."""
