@@ -9,6 +9,7 @@ from __future__ import annotations
 COMMANDS = {
     "help": "options of a mode or a command, as MODE --help prints",
     "check": "read an input file and report, without running it",
+    "edit": "write an input file and see it, in a browser",
     "keywords": "the keywords of the input language",
     "examples": "list or copy the example models",
     "sweep": "parameter study: many values, one row of quantities each",

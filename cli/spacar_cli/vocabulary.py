@@ -44,6 +44,8 @@ VOCABULARY: Mapping[str, OptionRow] = {
     "form": OptionRow("--format", "Text of the equations", "KIND"),
     "language": OptionRow("--language", "Language of the program", "NAME"),
     "show": OptionRow("--show", "Open a window; without it none is opened"),
+    "no_browser": OptionRow("--no-browser", "Print the address of the page only"),
+    "watch": OptionRow("--watch", "Draw again whenever the file changes, until Ctrl-C"),
     "quiet": OptionRow("-q --quiet", "Print errors, and what was asked for, only"),
     "verbose": OptionRow("-v --verbose", "Print warnings, information and a summary"),
     "as_list": OptionRow("--list", "Print the modes instead of drawing them"),

@@ -1,36 +1,16 @@
-// The page of `spacar view`: one mesh whose frames move from picture to picture (viewer_mesh.py), drawn with WebGL 2.
-// Data come as text of the element "data" and reach the page as numbers and as text content only.
+// The picture of `spacar view` and `spacar edit`: one mesh whose frames move from picture to picture (viewer_mesh.py),
+// drawn with WebGL 2. A model comes as numbers and as text that only becomes text content.
 "use strict";
-(function () {
-  const $ = (id) => document.getElementById(id);
-  const model = JSON.parse($("data").textContent);
-
-  function bytes(text) {
-    const raw = atob(text), out = new Uint8Array(raw.length);
-    for (let i = 0; i < raw.length; i++) out[i] = raw.charCodeAt(i);
-    return out.buffer;
-  }
-  const a = model.arrays;
-  const P = new Float32Array(bytes(a.p)), AXES = new Int16Array(bytes(a.axes));
-  const nodeP = new Float32Array(bytes(a.nodes)), corner = new Uint32Array(bytes(a.frame));
-  const place = new Float32Array(bytes(a.place)), normal = new Int8Array(bytes(a.normal));
-  const colour = new Uint8Array(bytes(a.colour)), element = new Uint32Array(bytes(a.element));
-  const triangles = new Uint32Array(bytes(a.triangles)), paths = new Float32Array(bytes(a.paths));
-  const field = model.field ? new Uint16Array(bytes(a.field)) : null; // 65535: the frame has no stress
-  const shades = model.field ? model.field.palette.length : 2;
-  const values = a.values ? new Float32Array(bytes(a.values)) : null;
-  const frames = model.frames, pictures = model.times.length, nodes = model.nodes.length;
-  const elementOfFrame = new Uint32Array(frames);
-  for (let i = 0; i < corner.length; i++) elementOfFrame[corner[i]] = element[i];
-
-  const canvas = $("view"), over = $("over");
+function makeViewer(canvas, over) {
+  const SHADES = 9; // of the palette of stresses
   const gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
-  if (!gl) {
-    $("note").textContent = "This browser has no WebGL 2; use spacar draw for pictures.";
-    document.body.dataset.state = "no-webgl";
-    return;
-  }
+  if (!gl) return null;
   const pen = over.getContext("2d");
+  const state = { k: 0, playing: false, azimuth: 0, elevation: 0, zoom: 1, shift: [0, 0], node: -1, element: 0,
+    numbers: false, marks: true, field: true };
+  const viewer = { state, gl, model: null, load, draw, later, pick, look, numbersOfChosen,
+    drawn: () => {}, picked: () => {} }; // are called after a picture, and after a choice by the pointer
+  let model, scene; // scene: typed arrays, buffers and sizes of the model that is shown
 
   function program(vertex, fragment) {
     const made = gl.createProgram();
@@ -57,16 +37,17 @@
   const solids = program(`#version 300 es
     precision highp float; precision highp int; precision highp sampler2D;
     layout(location = 0) in uint a_frame; layout(location = 1) in vec3 a_place;
-    layout(location = 2) in vec3 a_normal; layout(location = 3) in vec3 a_colour; layout(location = 4) in uint a_element;
+    layout(location = 2) in vec3 a_normal; layout(location = 3) in vec3 a_colour;
+    layout(location = 4) in uint a_element;
     uniform sampler2D u_frames; uniform int u_width; uniform uint u_chosen;
-    uniform vec3 u_palette[${shades}]; uniform bool u_field;
+    uniform vec3 u_palette[${SHADES}]; uniform bool u_field;
     out vec3 v_at; out vec3 v_normal; out vec3 v_colour;
     ${CAMERA}
     vec4 four(int i) { return texelFetch(u_frames, ivec2(i % u_width, i / u_width), 0); }
     vec3 texel(int i) { return four(i).xyz; }
     vec3 shade(float part) {
-      float s = clamp(part, 0.0, 1.0) * ${shades - 1}.0;
-      int k = min(int(s), ${shades - 2});
+      float s = clamp(part, 0.0, 1.0) * ${SHADES - 1}.0;
+      int k = min(int(s), ${SHADES - 2});
       return mix(u_palette[k], u_palette[k + 1], s - float(k));
     }
     void main() {
@@ -101,56 +82,96 @@
       colour = vec4(v_colour, 1.0);
     }`);
 
+  function bytes(text) {
+    const raw = atob(text), out = new Uint8Array(raw.length);
+    for (let i = 0; i < raw.length; i++) out[i] = raw.charCodeAt(i);
+    return out.buffer;
+  }
+  function kept(buffer) { scene.made.push(() => gl.deleteBuffer(buffer)); return buffer; }
+  function vertices() {
+    const made = gl.createVertexArray();
+    scene.made.push(() => gl.deleteVertexArray(made));
+    gl.bindVertexArray(made);
+    return made;
+  }
   function attribute(where, data, size, type, whole, norm, stride) {
-    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+    gl.bindBuffer(gl.ARRAY_BUFFER, kept(gl.createBuffer()));
     gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
     gl.enableVertexAttribArray(where);
     if (whole) gl.vertexAttribIPointer(where, size, type, stride, 0);
     else gl.vertexAttribPointer(where, size, type, norm, stride, 0);
   }
-  const mesh = gl.createVertexArray();
-  gl.bindVertexArray(mesh);
-  attribute(0, corner, 1, gl.UNSIGNED_INT, true, false, 4);
-  attribute(1, place, 3, gl.FLOAT, false, false, 12);
-  attribute(2, normal, 3, gl.BYTE, false, true, 4);
-  attribute(3, colour, 3, gl.UNSIGNED_BYTE, false, true, 4);
-  attribute(4, element, 1, gl.UNSIGNED_INT, true, false, 4);
-  gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
-  gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, triangles, gl.STATIC_DRAW);
   function points(data) {
-    const made = gl.createVertexArray(), buffer = gl.createBuffer();
-    gl.bindVertexArray(made);
+    const made = vertices(), buffer = kept(gl.createBuffer());
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     gl.bufferData(gl.ARRAY_BUFFER, data, gl.DYNAMIC_DRAW);
     gl.enableVertexAttribArray(0);
     gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 12, 0);
     return { made, buffer };
   }
-  const dots = points(nodeP.subarray(0, 3 * nodes)), trails = points(paths);
-  const [lo, hi] = [model.low, model.high];
-  const edges = [];
-  for (let k = 0; k < 3; k++) for (const u of [0, 1]) for (const v of [0, 1]) for (const w of [0, 1]) {
-    const pick = [0, 0, 0];
-    pick[k] = w; pick[(k + 1) % 3] = u; pick[(k + 2) % 3] = v;
-    edges.push(...pick.map((one, i) => (one ? hi : lo)[i]));
+
+  // Show another model; `keep`: from where it is seen, and what is chosen, stay.
+  function load(given, keep) {
+    if (scene) scene.made.forEach((free) => free());
+    const chosen = state.node >= 0 ? parseInt(model.nodes[state.node], 10) : 0, { fit } = state;
+    viewer.model = model = given;
+    const a = model.arrays;
+    const field = model.field ? new Uint16Array(bytes(a.field)) : null; // 65535: the frame has no stress
+    scene = { made: [], loaded: -1, frames: model.frames, pictures: model.times.length, nodes: model.nodes.length,
+      P: new Float32Array(bytes(a.p)), AXES: new Int16Array(bytes(a.axes)), nodeP: new Float32Array(bytes(a.nodes)),
+      field, values: a.values ? new Float32Array(bytes(a.values)) : null };
+    const corner = new Uint32Array(bytes(a.frame)), element = new Uint32Array(bytes(a.element));
+    const triangles = new Uint32Array(bytes(a.triangles));
+    scene.elementOfFrame = new Uint32Array(scene.frames);
+    for (let i = 0; i < corner.length; i++) scene.elementOfFrame[corner[i]] = element[i];
+    scene.mesh = vertices();
+    attribute(0, corner, 1, gl.UNSIGNED_INT, true, false, 4);
+    attribute(1, new Float32Array(bytes(a.place)), 3, gl.FLOAT, false, false, 12);
+    attribute(2, new Int8Array(bytes(a.normal)), 3, gl.BYTE, false, true, 4);
+    attribute(3, new Uint8Array(bytes(a.colour)), 3, gl.UNSIGNED_BYTE, false, true, 4);
+    attribute(4, element, 1, gl.UNSIGNED_INT, true, false, 4);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, kept(gl.createBuffer()));
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, triangles, gl.STATIC_DRAW);
+    scene.corners = triangles.length;
+    scene.dots = points(scene.nodeP.subarray(0, 3 * scene.nodes));
+    scene.trails = points(new Float32Array(bytes(a.paths)));
+    const { low, high } = model, edges = [];
+    for (let k = 0; k < 3; k++) for (const u of [0, 1]) for (const v of [0, 1]) for (const w of [0, 1]) {
+      const one = [0, 0, 0];
+      one[k] = w; one[(k + 1) % 3] = u; one[(k + 2) % 3] = v;
+      edges.push(...one.map((on, i) => (on ? high : low)[i]));
+    }
+    scene.box = points(new Float32Array(edges));
+    // the frames of one picture as a texture: three texels a frame
+    scene.width = Math.min(2048, gl.getParameter(gl.MAX_TEXTURE_SIZE));
+    scene.height = Math.max(1, Math.ceil((3 * scene.frames) / scene.width));
+    scene.texels = new Float32Array(4 * scene.width * scene.height);
+    const texture = gl.createTexture();
+    scene.made.push(() => gl.deleteTexture(texture));
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    for (const [name, value] of [[gl.TEXTURE_MIN_FILTER, gl.NEAREST], [gl.TEXTURE_MAG_FILTER, gl.NEAREST],
+      [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE], [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE]])
+      gl.texParameteri(gl.TEXTURE_2D, name, value);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, scene.width, scene.height, 0, gl.RGBA, gl.FLOAT, null);
+    scene.middle = low.map((v, i) => 0.5 * (v + high[i]));
+    scene.reach = 0.5 * Math.hypot(...low.map((v, i) => high[i] - v)) || 1;
+    state.k = 0;
+    if (keep) {
+      state.node = chosen ? model.nodes.findIndex((name) => parseInt(name, 10) === chosen) : -1;
+      if (!model.elements[state.element]) state.element = 0;
+      state.fit = fit;
+      if (scene.reach < 0.8 * state.reach || scene.reach > 1.25 * state.reach) measureView();
+    } else {
+      Object.assign(state, { azimuth: model.azimuth, elevation: model.elevation, zoom: 1, shift: [0, 0], node: -1,
+        element: 0 });
+      measureView();
+    }
+    later();
   }
-  const box = points(new Float32Array(edges));
 
-  // the frames of one picture as a texture: three texels a frame
-  const width = Math.min(2048, gl.getParameter(gl.MAX_TEXTURE_SIZE)), height = Math.max(1, Math.ceil((3 * frames) / width));
-  const texels = new Float32Array(4 * width * height);
-  gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
-  for (const [name, value] of [[gl.TEXTURE_MIN_FILTER, gl.NEAREST], [gl.TEXTURE_MAG_FILTER, gl.NEAREST],
-    [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE], [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE]]) gl.texParameteri(gl.TEXTURE_2D, name, value);
-  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, width, height, 0, gl.RGBA, gl.FLOAT, null);
-
-  const state = { k: 0, loaded: -1, playing: false, azimuth: model.azimuth, elevation: model.elevation, zoom: 1,
-    shift: [0, 0], node: -1, element: 0, numbers: false, marks: true, field: Boolean(field) };
-  const middle = lo.map((v, i) => 0.5 * (v + hi[i]));
-  const reach = 0.5 * Math.hypot(...lo.map((v, i) => hi[i] - v)) || 1;
-
-  function load() {
-    if (state.loaded === state.k) return;
+  function pose() {
+    const { frames, nodes, P, AXES, nodeP, field, texels, width, height, dots } = scene;
+    if (scene.loaded === state.k) return;
     const p = 3 * frames * state.k, q = 6 * frames * state.k, unit = 1 / 32767;
     for (let i = 0; i < frames; i++) {
       const t = 12 * i, r = p + 3 * i, s = q + 6 * i;
@@ -165,24 +186,27 @@
     gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, width, height, gl.RGBA, gl.FLOAT, texels);
     gl.bindBuffer(gl.ARRAY_BUFFER, dots.buffer);
     gl.bufferSubData(gl.ARRAY_BUFFER, 0, nodeP.subarray(3 * nodes * state.k, 3 * nodes * (state.k + 1)));
-    state.loaded = state.k;
+    scene.loaded = state.k;
   }
 
   // half of the width and height [m] of the box as it is seen now: what has to fit at zoom 1
-  function fit() {
-    const view = axes(), half = lo.map((v, i) => 0.5 * (hi[i] - v));
-    state.fit = [view.right, view.up].map((u) => Math.max(half.reduce((sum, h, i) => sum + h * Math.abs(u[i]), 0), 0.05 * reach));
+  function measureView() {
+    const view = axes(), half = model.low.map((v, i) => 0.5 * (model.high[i] - v)), { reach } = scene;
+    state.reach = reach;
+    const along = (u) => half.reduce((sum, h, i) => sum + h * Math.abs(u[i]), 0);
+    state.fit = [view.right, view.up].map((u) => Math.max(along(u), 0.05 * reach));
   }
 
   function axes() {
     const A = (state.azimuth * Math.PI) / 180, B = (state.elevation * Math.PI) / 180;
     const near = [Math.cos(B) * Math.cos(A), Math.cos(B) * Math.sin(A), Math.sin(B)];
     const right = [-Math.sin(A), Math.cos(A), 0];
-    const up = [near[1] * right[2] - near[2] * right[1], near[2] * right[0] - near[0] * right[2], near[0] * right[1] - near[1] * right[0]];
+    const turned = (i, j) => near[i] * right[j] - near[j] * right[i], up = [turned(1, 2), turned(2, 0), turned(0, 1)];
     return { right, up, near };
   }
 
   function camera() {
+    const { middle, reach } = scene;
     const { right, up, near } = axes();
     const s = state.zoom * Math.min((0.46 * canvas.width) / state.fit[0], (0.46 * canvas.height) / state.fit[1]);
     const scale = [(2 * s) / canvas.width, (2 * s) / canvas.height];
@@ -208,10 +232,12 @@
   }
 
   function draw() {
+    if (!model) return;
+    const { nodes, dots, trails, box, mesh, field, width, corners } = scene;
     const ratio = window.devicePixelRatio || 1;
-    const w = Math.max(1, Math.round(canvas.clientWidth * ratio)), h = Math.max(1, Math.round(canvas.clientHeight * ratio));
+    const [w, h] = [canvas.clientWidth, canvas.clientHeight].map((size) => Math.max(1, Math.round(size * ratio)));
     if (canvas.width !== w || canvas.height !== h) { canvas.width = over.width = w; canvas.height = over.height = h; }
-    load();
+    pose();
     const view = camera();
     gl.viewport(0, 0, w, h);
     gl.clearColor(1, 1, 1, 1);
@@ -233,16 +259,17 @@
     gl.uniform1i(solids.names.u_frames, 0);
     gl.uniform1i(solids.names.u_width, width);
     gl.uniform1ui(solids.names.u_chosen, state.element);
-    gl.uniform1i(solids.names.u_field, state.field ? 1 : 0);
+    gl.uniform1i(solids.names.u_field, state.field && field ? 1 : 0);
     if (field) gl.uniform3fv(solids.names["u_palette[0]"], model.field.palette.flat().map((c) => c / 255));
-    gl.drawElements(gl.TRIANGLES, triangles.length, gl.UNSIGNED_INT, 0);
+    gl.drawElements(gl.TRIANGLES, corners, gl.UNSIGNED_INT, 0);
     overlay(view, ratio);
   }
 
   // what the colours mean: a strip with the range, above the axes
   function legend(ratio) {
     const { low, high, name, unit, palette } = model.field;
-    const x = 20 * ratio, wide = 12 * ratio, tall = Math.min(180 * ratio, 0.4 * over.height), top = 0.5 * (over.height - tall);
+    const x = 20 * ratio, wide = 12 * ratio, tall = Math.min(180 * ratio, 0.4 * over.height);
+    const top = 0.5 * (over.height - tall);
     const strip = pen.createLinearGradient(0, top + tall, 0, top);
     palette.forEach((c, i) => strip.addColorStop(i / (palette.length - 1), `rgb(${c.join(",")})`));
     pen.fillStyle = strip;
@@ -257,6 +284,7 @@
   }
 
   function overlay(view, ratio) {
+    const { nodes, nodeP } = scene;
     pen.clearRect(0, 0, over.width, over.height);
     pen.font = `${12 * ratio}px sans-serif`;
     pen.lineWidth = 1.5 * ratio;
@@ -272,11 +300,12 @@
     for (const m of [5, 2]) if (length * m * view.pixels <= 160 * ratio) { length *= m; break; }
     const x1 = over.width - 24 * ratio, x0 = x1 - length * view.pixels, y0 = over.height - 20 * ratio;
     pen.strokeStyle = pen.fillStyle = "#4d565e";
-    pen.beginPath(); pen.moveTo(x0, y0 - 4 * ratio); pen.lineTo(x0, y0); pen.lineTo(x1, y0); pen.lineTo(x1, y0 - 4 * ratio); pen.stroke();
+    pen.beginPath(); pen.moveTo(x0, y0 - 4 * ratio); pen.lineTo(x0, y0);
+    pen.lineTo(x1, y0); pen.lineTo(x1, y0 - 4 * ratio); pen.stroke();
     pen.textAlign = "center";
     pen.fillText(`${+(length / model.metre).toPrecision(3)} ${model.unit}`, 0.5 * (x0 + x1), y0 - 6 * ratio);
     pen.textAlign = "left";
-    if (state.field) legend(ratio);
+    if (state.field && scene.field) legend(ratio);
     if (state.numbers) {
       pen.fillStyle = "#33414d";
       const step = Math.max(1, Math.ceil(nodes / 300));
@@ -291,41 +320,11 @@
       pen.lineWidth = 2.5 * ratio;
       pen.beginPath(); pen.arc(x, y, 9 * ratio, 0, 2 * Math.PI); pen.stroke();
     }
-    $("time").textContent = model.times[state.k];
-    tell();
-  }
-
-  const number = (v) => (v === 0 ? "0" : Math.abs(v) >= 1e-3 && Math.abs(v) < 1e5 ? String(+v.toPrecision(6)) : v.toExponential(4));
-  // coordinates are kept with 24 bits: nothing smaller than that is shown
-  const grain = Math.pow(10, Math.floor(Math.log10(reach)) - 6);
-  const rounded = (v) => Math.round(v / grain) * grain;
-  function tell() {
-    const rows = [];
-    if (state.node >= 0) {
-      const now = 3 * (nodes * state.k + state.node), start = 3 * state.node;
-      rows.push(["node", model.nodes[state.node]]);
-      for (let c = 0; c < (model.planar ? 2 : 3); c++) {
-        const here = rounded(nodeP[now + c] + model.centre[c]) / model.metre, first = rounded(nodeP[start + c] + model.centre[c]) / model.metre;
-        rows.push(["xyz"[c] + ` (${model.unit})`, number(here)]);
-        rows.push(["\u0394" + "xyz"[c], number(here - first)]);
-      }
-    } else if (state.element) {
-      const e = model.elements[state.element];
-      if (e) {
-        rows.push(["element", `${e.keyword} ${state.element}`], ["nodes", e.nodes]);
-        if (values) e.values.forEach(([name, column]) => rows.push([name, number(values[model.columns * state.k + column])]));
-      }
-    }
-    const body = $("picked");
-    body.replaceChildren(...rows.map(([name, text]) => {
-      const row = document.createElement("tr"), head = document.createElement("th"), cell = document.createElement("td");
-      head.textContent = name; cell.textContent = text; row.append(head, cell);
-      return row;
-    }));
-    $("hint").hidden = rows.length > 0;
+    viewer.drawn();
   }
 
   function pick(x, y) {
+    const { frames, nodes, nodeP, P, elementOfFrame } = scene;
     const view = camera(), ratio = window.devicePixelRatio || 1;
     const nearest = (data, first, count, within, wanted) => {
       let best = -1, size = within * ratio;
@@ -351,6 +350,7 @@
         if (d < best) { best = d; state.element = elementOfFrame[i]; }
       }
     }
+    viewer.picked();
     draw();
   }
 
@@ -358,108 +358,36 @@
   function later() {
     if (!asked) { asked = true; requestAnimationFrame(() => { asked = false; draw(); }); }
   }
-  function show(k) {
-    state.k = Math.max(0, Math.min(pictures - 1, k));
-    $("step").value = state.k;
-    later();
-  }
-  let last = 0;
-  function tick(now) {
-    if (!state.playing) return;
-    if (now - last >= 1000 / model.fps) { last = now; state.k = (state.k + 1) % pictures; $("step").value = state.k; draw(); }
-    requestAnimationFrame(tick);
-  }
-  function play(on) {
-    state.playing = on && pictures > 1;
-    $("play").textContent = state.playing ? "pause" : "play";
-    if (state.playing) requestAnimationFrame(tick);
-  }
   function look(azimuth, elevation) {
     Object.assign(state, { azimuth, elevation, zoom: 1, shift: [0, 0] });
-    fit();
+    measureView();
     later();
   }
-
-  let drag = null;
-  canvas.addEventListener("pointerdown", (e) => {
-    drag = { x: e.clientX, y: e.clientY, moved: false, pan: e.shiftKey || e.button !== 0,
-      azimuth: state.azimuth, elevation: state.elevation, shift: state.shift.slice() };
-    try { canvas.setPointerCapture(e.pointerId); } catch (error) { /* a pointer that is gone already */ }
-  });
-  canvas.addEventListener("pointermove", (e) => {
-    if (!drag) return;
-    const dx = e.clientX - drag.x, dy = e.clientY - drag.y;
-    if (Math.hypot(dx, dy) > 3) drag.moved = true;
-    if (!drag.moved) return;
-    if (drag.pan) state.shift = [drag.shift[0] + (2 * dx) / canvas.clientWidth, drag.shift[1] - (2 * dy) / canvas.clientHeight];
-    else {
-      state.azimuth = drag.azimuth - 0.4 * dx;
-      state.elevation = Math.max(-90, Math.min(90, drag.elevation + 0.4 * dy));
+  // rows of [name, value, name of the coordinate] about the chosen node or element, as it is in this picture
+  function numbersOfChosen() {
+    const { nodes, nodeP, values } = scene, rows = [];
+    // coordinates are kept with 24 bits: nothing smaller than that is shown
+    const grain = Math.pow(10, Math.floor(Math.log10(scene.reach)) - 6);
+    const e = model.elements[state.element];
+    if (state.node >= 0) {
+      const number = parseInt(model.nodes[state.node], 10);
+      rows.push(["node", model.nodes[state.node], ""]);
+      for (let c = 0; c < (model.planar ? 2 : 3); c++) {
+        const [now, first] = [nodes * state.k + state.node, state.node].map((i) =>
+          (Math.round((nodeP[3 * i + c] + model.centre[c]) / grain) * grain) / model.metre);
+        rows.push([`${"xyz"[c]} (${model.unit})`, now, `x[${number},${c + 1}]`]);
+        rows.push([`\u0394${"xyz"[c]}`, now - first, ""]);
+      }
+    } else if (e) {
+      rows.push(["element", `${e.keyword} ${state.element}`, ""], ["nodes", e.nodes, ""]);
+      if (values) e.values.forEach(([name, column]) => {
+        const [, letter, mode] = /^(.)(\d+)/.exec(name);
+        const asked = `${letter === "e" ? "e" : "sig"}[${state.element},${mode}]`;
+        rows.push([name, values[model.columns * state.k + column], asked]);
+      });
     }
-    later();
-  });
-  canvas.addEventListener("pointerup", (e) => {
-    if (drag && !drag.moved) {
-      const ratio = window.devicePixelRatio || 1, r = canvas.getBoundingClientRect();
-      pick((e.clientX - r.left) * ratio, (e.clientY - r.top) * ratio);
-    }
-    drag = null;
-  });
-  canvas.addEventListener("pointercancel", () => { drag = null; });
-  canvas.addEventListener("contextmenu", (e) => e.preventDefault());
-  canvas.addEventListener("wheel", (e) => {
-    e.preventDefault();
-    const factor = Math.exp(-0.0012 * e.deltaY), r = canvas.getBoundingClientRect();
-    const x = (2 * (e.clientX - r.left)) / r.width - 1, y = 1 - (2 * (e.clientY - r.top)) / r.height;
-    state.shift = [x + (state.shift[0] - x) * factor, y + (state.shift[1] - y) * factor]; // what is under the pointer stays
-    state.zoom *= factor;
-    later();
-  }, { passive: false });
-  canvas.addEventListener("dblclick", () => look(model.azimuth, model.elevation));
-  $("play").addEventListener("click", () => play(!state.playing));
-  $("step").addEventListener("input", () => { play(false); show(+$("step").value); });
-  $("numbers").addEventListener("change", () => { state.numbers = $("numbers").checked; later(); });
-  $("marks").addEventListener("change", () => { state.marks = $("marks").checked; later(); });
-  $("fields").hidden = !field;
-  $("field").addEventListener("change", () => { state.field = $("field").checked; later(); });
-  for (const button of document.querySelectorAll("[data-view]"))
-    button.addEventListener("click", () => look(...button.dataset.view.split(",").map(Number)));
-  document.addEventListener("keydown", (e) => {
-    if (e.target.tagName === "INPUT" && e.key !== " ") return;
-    if (e.key === " ") { e.preventDefault(); play(!state.playing); }
-    else if (e.key === "ArrowRight") show(state.k + 1);
-    else if (e.key === "ArrowLeft") show(state.k - 1);
-  });
+    return rows;
+  }
   window.addEventListener("resize", later);
-  $("step").max = pictures - 1;
-  $("controls").hidden = pictures < 2;
-  fit();
-  draw();
-
-  const wanted = new URLSearchParams(location.hash.slice(1)); // #step=3&node=5&measure=30: for tests and links
-  if (wanted.has("step")) { state.k = Math.max(0, Math.min(pictures - 1, +wanted.get("step") || 0)); $("step").value = state.k; }
-  if (wanted.has("node")) state.node = model.nodes.findIndex((name) => parseInt(name, 10) === +wanted.get("node"));
-  if (wanted.has("at")) { draw(); pick(...wanted.get("at").split(",").map(Number)); }
-  draw();
-  if (wanted.has("ink")) { // share of the picture that is not white
-    const all = new Uint8Array(4 * canvas.width * canvas.height);
-    gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, all);
-    let dark = 0;
-    for (let i = 0; i < all.length; i += 4) if (all[i] + all[i + 1] + all[i + 2] < 600) dark++;
-    document.body.dataset.ink = ((4 * dark) / all.length).toFixed(5);
-  }
-  if (wanted.has("measure")) {
-    const count = Math.max(1, +wanted.get("measure") || 1), begun = performance.now(), probe = new Uint8Array(4);
-    let script = 0;
-    for (let i = 0; i < count; i++) {
-      state.k = i % pictures; state.azimuth += 1;
-      const start = performance.now();
-      draw();
-      script += performance.now() - start;
-      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, probe); // waits until the picture is there
-    }
-    document.body.dataset.script = (script / count).toFixed(2);
-    document.body.dataset.ms = ((performance.now() - begun) / count).toFixed(2);
-  }
-  document.body.dataset.state = gl.getError() === gl.NO_ERROR ? "ready" : "gl-error";
-})();
+  return viewer;
+}

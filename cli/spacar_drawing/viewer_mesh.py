@@ -139,8 +139,8 @@ def rigid_motion(corners: Array) -> RigidMotion:
     return RigidMotion(centre, turn, every - first @ np.swapaxes(turn, 1, 2))
 
 
-def mesh_of(scene: Scene, xs: Array, look: Look) -> TriangleMesh:
-    """The mechanism at the configurations xs (pictures, nx)."""
+def mesh_of(scene: Scene, xs: Array, look: Look, more: Sequence[Draw] = ()) -> TriangleMesh:
+    """The mechanism at the configurations xs (pictures, nx), and what `more` draws."""
     mesh = TriangleMesh(look.size)
     poses = [Pose.of(scene, x) for x in xs]
     seen = [e for e in scene.elements if e.number not in look.settings.hidden]
@@ -163,6 +163,8 @@ def mesh_of(scene: Scene, xs: Array, look: Look) -> TriangleMesh:
         _shapes(mesh, poses, lambda pose: wound_arcs(scene, pose, look), 0)
     if look.supports:
         _shapes(mesh, poses, lambda pose: support_shapes(scene, pose, look), 0)
+    for draw in more:
+        _shapes(mesh, poses, draw, 0)
     return mesh
 
 

@@ -1,6 +1,6 @@
 """The page of `spacar view`: a self-contained HTML page that turns, zooms and plays a result with WebGL 2.
 
-Nothing is loaded from elsewhere. The script is the file viewer.js as it stands, the only one that the page's security
+Nothing is loaded from elsewhere. The script is that of SCRIPTS as they stand, the only one that the page's security
 policy admits (by its digest); the model is data beside it, written so that no text of a model can end its element.
 """
 
@@ -31,11 +31,12 @@ from spacar_drawing.placement import attachments
 from spacar_drawing.scene import positions
 from spacar_drawing.step_pictures import step_text
 from spacar_drawing.viewer_colours import field_colours
-from spacar_drawing.viewer_mesh import TriangleMesh, mesh_of
+from spacar_drawing.viewer_mesh import Draw, TriangleMesh, mesh_of
 
 BUDGET = 24e6  # bytes of the moving part; of longer results fewer pictures are kept
 MOST_VALUES = 4e6  # bytes of deformations and stresses
 MOST_PICTURES = 150
+SCRIPTS = ("viewer.js", "viewer_controls.js", "viewer_start.js")
 STYLE = """
 *{box-sizing:border-box}html,body{margin:0;height:100%;font:14px/1.4 system-ui,sans-serif;color:#1d262e;background:#fff}
 body{display:flex;flex-direction:column}header,#bar{display:flex;gap:.6em;align-items:center;padding:.45em .9em;
@@ -59,24 +60,36 @@ def view_page(
     Raises UsageError for a view that is none, for a stress that is none or that the model does not have, and for a
     result without anything to draw.
     """
-    data = json.dumps(_model(source, frames, view, fps, stress), separators=(",", ":"), allow_nan=False)
+    data = json.dumps(view_model(source, frames, view, fps, stress), separators=(",", ":"), allow_nan=False)
     data = data.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
-    script = files("spacar_drawing").joinpath("viewer.js").read_text("utf-8")
+    script = "\n".join(script_text(name) for name in SCRIPTS)
     digest = b64encode(sha256(script.encode()).digest()).decode()
     style = b64encode(sha256(STYLE.encode()).digest()).decode()
     policy = f"default-src 'none'; script-src 'sha256-{digest}'; style-src 'sha256-{style}'"
     title = escape(source.scene.title)
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
+        '<meta name="viewport" content="width=device-width">\n'
+        f"<title>{title}: spacar view</title>\n<style>{STYLE}</style>\n</head>\n<body>\n"
+        f'<header><h1>{title}</h1><span id="time"></span><p id="note"></p></header>\n{stage_html()}'
+        f'<script type="application/json" id="data">{data}</script>\n<script>{script}</script>\n</body>\n</html>\n'
+    )
+
+
+def script_text(name: str) -> str:
+    """One of the scripts of the page."""
+    return files("spacar_drawing").joinpath(name).read_text("utf-8")
+
+
+def stage_html() -> str:
+    """The elements that viewer_controls.js works with."""
     names = {"iso": "iso", "top": "xy", "xz": "xz", "yz": "yz"}
     buttons = "".join(
         f'<button type="button" data-view="{a:g},{b:g}">{text}</button>'
         for text, (a, b) in ((text, view_angles(name)) for name, text in names.items())
     )
     return (
-        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
-        '<meta name="viewport" content="width=device-width">\n'
-        f"<title>{title}: spacar view</title>\n<style>{STYLE}</style>\n</head>\n<body>\n"
-        f'<header><h1>{title}</h1><span id="time"></span><p id="note"></p></header>\n'
         '<div id="stage"><canvas id="view"></canvas><canvas id="over"></canvas>'
         '<div id="panel"><table><tbody id="picked"></tbody></table>'
         '<p id="hint">drag: turn; shift and drag: move; wheel: zoom; click: numbers of a node or element</p>'
@@ -87,11 +100,14 @@ def view_page(
         '<label><input type="checkbox" id="numbers"> numbers</label>'
         '<label><input type="checkbox" id="marks" checked> nodes</label>'
         '<label id="fields" hidden><input type="checkbox" id="field" checked> stress</label></div>\n'
-        f'<script type="application/json" id="data">{data}</script>\n<script>{script}</script>\n</body>\n</html>\n'
     )
 
 
-def _model(source: PictureSource, frames: int, view: str, fps: float, stress: str | None) -> dict[str, Any]:
+def view_model(
+    source: PictureSource, frames: int = MOST_PICTURES, view: str = "iso", fps: float = 25.0, stress: str | None = None,
+    more: Sequence[Draw] = (),
+) -> dict[str, Any]:  # fmt: skip
+    """What makeViewer (viewer.js) shows: see `view_page`; `more` draws shapes beside the mechanism."""
     scene = source.scene
     look = look_of(scene, np.stack([source.x(k) for k in evenly(1, source.steps, 24)]), source.settings)
     first = mesh_of(scene, source.x(1)[None], look)
@@ -100,7 +116,7 @@ def _model(source: PictureSource, frames: int, view: str, fps: float, stress: st
     per_picture = (24 if stress is None else 26) * first.frames + 12 * len(scene.position_nodes)
     chosen = evenly(1, source.steps, max(2, min(frames, int(BUDGET / max(per_picture, 1)))))
     xs = np.stack([source.x(k) for k in chosen])
-    mesh = mesh_of(scene, xs, look)
+    mesh = mesh_of(scene, xs, look, more)
     rows = scene.position_nodes - 1
     places = np.stack([positions(scene, x)[rows] for x in xs])
     low, high = _box(source, xs, look)

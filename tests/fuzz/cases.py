@@ -40,7 +40,8 @@ VALUES = ["0", "1", "-1", "2", "3", "99", "1e3", "1e-3", "nan", "inf", "-inf", "
 COMMANDS: dict[str, tuple[int, tuple[str, ...]]] = {  # arguments, options; never those that open windows
     "1": (1, ("--steps", "--time", "--atol", "--rtol", "--integrator", "--output-dir", "-v!", "--json!")),
     "0": (1, ("-v!", "--json!", "--output-dir")), "7": (1, ("--json!",)), "9": (1, ("--json!",)),
-    "3": (1, ("--setpoints",)), "check": (1, ("--mode", "--json!")), "keywords": (1, ("--json!",)),
+    "3": (1, ("--setpoints",)), "check": (1, ("--mode", "--json!")), "keywords": (1, ("--json!", "--to")),
+    "edit": (3, ()),  # too many words: with one it serves until it is ended
     "examples": (1, ("--output-dir", "--overwrite!")), "help": (1, ()),
     "sweep": (1, ("--set", "--from", "--result", "--mode", "--steps", "--time", "--output", "--zip!", "--batch!", "--json!")),
     "trade": (1, ("--integrators", "--tolerances", "--substeps", "--elements", "--target", "--steps", "--time", "-o")),

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from spacar.errors import InputError
 from spacar.modes import find_mode
 from spacar_cli import vocabulary as words
+from spacar_cli.deck_checking import checked_deck
 from spacar_cli.environment import Environment
 from spacar_cli.input_files import PIPED, STANDARD_INPUT, input_file, parse_piped, piped_text
 from spacar_cli.status import ExitStatus, tell_error, tell_messages
@@ -35,47 +35,32 @@ def command(environment: Environment, file: Path, mode: int | None, expand: bool
     Nothing is run: user functions (USERSIG, USERINP, USERTRAJ) are listed, not imported. With --expand the plain input
     goes to standard output instead of the counts; it gives the same results.
     """
-    from spacar_drawing.settings_check import check_settings
-
     from spacar.deck import read_deck
-    from spacar.kinematics.lost_stiffness import lost_stiffness
-    from spacar.mechanism import build
-    from spacar.mechanism.user_files import listed_functions, without_functions
+    from spacar.mechanism.user_files import without_functions
 
     number = None if mode is None else find_mode(mode).number
     piped = str(file) == STANDARD_INPUT
     source = PIPED if piped else input_file(file)
     text = piped_text(environment) if piped else None
-    messages: list = []
-    status = ExitStatus.DONE
-    deck = None
-    try:
-        deck = read_deck(source, number) if text is None else parse_piped(text, number)
-        messages = list(deck.messages)
-        messages += listed_functions(deck)
-        # the start geometry of every element
-        mechanism = build(without_functions(deck), 1 if number is None else number)
-        messages += lost_stiffness(deck, mechanism)
-    except InputError as error:
-        messages = list(error.messages)
-        status = ExitStatus.WRONG
-        if not as_json:
-            tell_error(environment, error)
-    else:
-        if not as_json:
-            tell_messages(environment, messages, ("warning", "information"))
-    drawing = check_settings(source, deck, text)
-    messages += drawing
+    found = checked_deck(
+        lambda: read_deck(source, number) if text is None else parse_piped(text, number), source, number, text
+    )
+    deck, status = found.deck, ExitStatus.DONE if found.error is None else ExitStatus.WRONG
+    messages = found.messages + found.drawing
     if not as_json:
-        tell_messages(environment, drawing, ("warning",))
+        if found.error is not None:
+            tell_error(environment, found.error)
+        else:
+            tell_messages(environment, found.messages, ("warning", "information"))
+        tell_messages(environment, found.drawing, ("warning",))
     severities = [m.severity for m in messages]
     if expand and deck is not None and status is ExitStatus.DONE:
         environment.say(deck.to_text().rstrip("\n"))
     elif as_json:
         environment.say(json.dumps({"input": str(source), "messages": [dataclasses.asdict(m) for m in messages]}))
     else:
-        found = (f"{severities.count(s)} {s}{'s' * (severities.count(s) != 1)}" for s in ("error", "warning"))
-        environment.wrote(f"{source}: {', '.join(found)}")
+        counts = (f"{severities.count(s)} {s}{'s' * (severities.count(s) != 1)}" for s in ("error", "warning"))
+        environment.wrote(f"{source}: {', '.join(counts)}")
         if environment.verbose and deck is not None and status is ExitStatus.DONE:
             for line in freedom(without_functions(deck)):
                 environment.say(line)

@@ -2,127 +2,32 @@
 
 from __future__ import annotations
 
-import textwrap
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+import json
 
 import click
 
-from spacar.deck.findings import alternatives
-from spacar.deck.keyword_table import ALIASES, KEYWORDS, blocks_of
-from spacar.deck.table_types import BlockKind, Keyword, Variant
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
-
-if TYPE_CHECKING:
-    from spacar_drawing.settings_table import Rule
-
-WIDTH = 100
-PICTURES = "VISUALIZATION section behind the blocks, or NAME.spv; each setting on a line of its own"
+from spacar_cli.keyword_help import explanation, overview
 
 
 @words.command("keywords")
 @click.argument("name", required=False)
+@words.option("formats", ": all of them in JSON, or a grammar for editors", type=click.Choice(["json", "textmate"]))
 @click.pass_obj
-def command(environment: Environment, name: str | None) -> None:
+def command(environment: Environment, name: str | None, formats: str | None) -> None:
     """List all keywords by block, or explain NAME: its arguments, units, defaults and forms.
 
     The blocks of a simulation (.sim files) are listed and explained too.
     """
+    if formats is not None:
+        from spacar_cli.keyword_json import keywords_json, textmate_grammar
+
+        if name is not None:
+            raise UsageError("--to writes the whole table: without NAME", "usage")
+        record = keywords_json() if formats == "json" else textmate_grammar()
+        environment.say(json.dumps(record, indent=1))
+        return
     for line in overview() if name is None else explanation(name):
         environment.say(line)
-
-
-def overview() -> Iterator[str]:
-    """One line for every keyword, block by block."""
-    from spacar_formats.sim_blocks import BLOCKS
-
-    for block in BlockKind:
-        rows = [k for (_, b), k in KEYWORDS.items() if b is block]
-        width = max(len(k.name) for k in rows)
-        yield f"{block.value}:"
-        yield from (f"  {k.name:<{width}}  {k.help}" for k in rows)
-        yield ""
-    from spacar_drawing.settings_table import RULES
-
-    width = max(map(len, RULES))
-    yield f"{PICTURES}:"
-    yield from (f"  {name:<{width}}  {rule.help}" for name, rule in RULES.items())
-    yield ""
-    width = max(len(b.name) for b in BLOCKS)
-    yield "blocks of a simulation (.sim):"
-    yield from (f"  {b.name:<{width}}  {b.text}" for b in BLOCKS)
-    yield ""
-
-
-def explanation(name: str) -> Iterator[str]:
-    """All meanings of a keyword or setting, one for each block where it may stand. Raises UsageError."""
-    from spacar_drawing.settings_table import RULES, SPELLINGS
-    from spacar_formats import sim_blocks
-
-    if name.lower() in sim_blocks.BY_NAME:
-        yield from sim_blocks.explanation(name.lower())
-        yield ""
-        if not blocks_of(ALIASES.get(name.upper(), name.upper())):
-            return
-    wanted = ALIASES.get(name.upper(), name.upper())
-    setting = SPELLINGS.get(wanted, wanted)
-    blocks = blocks_of(wanted)
-    if not blocks and setting not in RULES:
-        from difflib import get_close_matches
-
-        near = get_close_matches(wanted, {keyword for keyword, _ in KEYWORDS} | set(RULES), 3)
-        hint = f"; nearest: {', '.join(near)}" if near else "; `spacar keywords` lists them"
-        raise UsageError(f"there is no keyword {name.upper()}{hint}", "usage.keyword")
-    for block in blocks:
-        yield from _keyword(KEYWORDS[wanted, block])
-    if setting in RULES:
-        yield from _setting(setting)
-
-
-def _setting(name: str) -> Iterator[str]:
-    """A setting of the pictures."""
-    from spacar_drawing.settings_table import NEEDS_GROUP, RULES, SPELLINGS
-
-    rule = RULES[name]
-    yield f"{name}: {rule.help}"
-    yield f"  {PICTURES}"
-    others = [given for given, meant in SPELLINGS.items() if meant == name]
-    if others:
-        yield f"  also written {', '.join(others)}"
-    if name in NEEDS_GROUP:
-        yield f"  behind a line {' or '.join(NEEDS_GROUP[name])}"
-    yield f"  {_behind(rule)}; nothing else stands on the line"
-    yield ""
-
-
-def _behind(rule: Rule) -> str:
-    if rule.how_many == 0:
-        return "no arguments"
-    return f"{rule.what}" if rule.how_many is None else f"{rule.how_many} {rule.what}"
-
-
-def _keyword(keyword: Keyword) -> Iterator[str]:
-    yield f"{keyword.name}: {keyword.help}"
-    yield f"  {keyword.block.value}"
-    if keyword.aliases:
-        yield f"  also written {', '.join(keyword.aliases)}"
-    for variant in keyword.variants:
-        yield ""
-        yield f"  {_scope(variant)}{alternatives(variant.counts)} argument{'s' * (set(variant.counts) != {1})}"
-        width = max(len(p.text) for p in variant.parameters)
-        for position, p in enumerate(variant.parameters, 1):
-            default = "" if p.default is None else f"  default {p.default:g}"
-            yield f"    {position:>2}  {p.text:<{width}}  {p.kind:<7}{default}".rstrip()
-    for note in keyword.notes:
-        yield ""
-        yield from (f"  {line}" for line in textwrap.wrap(note, WIDTH - 2))
-    yield ""
-
-
-def _scope(variant: Variant) -> str:
-    """For which models, nodes or elements a form is; empty when for all."""
-    words = [variant.space, f"{variant.role} node" if variant.role else "", ", ".join(variant.types)]
-    scope = ", ".join(word for word in words if word)
-    return f"{scope}: " if scope else ""

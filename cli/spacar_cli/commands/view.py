@@ -20,6 +20,8 @@ from spacar_cli.environment import Environment
 @words.option("stress", ", as spacar visual does", type=click.Choice(QUANTITIES, case_sensitive=False))
 @words.option("show", ": here the page in the browser")
 @words.option("stale_ok")
+@words.option("watch", ": the start position of the input file, and its result where it has one")
+@words.option("no_browser", ", with --watch")
 @click.pass_obj
 def command(
     environment: Environment,
@@ -32,11 +34,20 @@ def command(
     stress: str | None,
     show: bool,
     stale_ok: bool,
+    watch: bool,
+    no_browser: bool,
 ) -> None:
     """Write one HTML page with the moving mechanism: turn it, zoom, play, click a node or an element for its numbers.
 
     The page holds everything it shows, needs no network and any browser with WebGL 2; thousands of beams move smoothly.
+    With --watch nothing is written: the page shows FILE.dat while it is changed in any editor, with its errors.
     """
+    if watch:
+        from spacar_cli.editor.serving import serve
+        from spacar_cli.input_files import input_file
+
+        serve(environment, input_file(Path(file)), True, not no_browser)
+        return
     from spacar_drawing.picture_source import open_source
     from spacar_drawing.viewer_page import view_page
     from spacar_formats.safety import write_text

@@ -1,0 +1,151 @@
+"""The server of `spacar edit` and `spacar view --watch`: one file, one page, the loopback interface only.
+
+A page of another origin must not read or change the file (threats: requests of other sites to 127.0.0.1, DNS names
+that are made to point there, other users of the machine): every address begins with a random token, the Host header
+must be our own, so must Origin be where it is given and always in calls, which are JSON. The policy of the page admits
+our own scripts only; `style` of the editor component has a nonce.
+"""
+
+from __future__ import annotations
+
+import json
+import secrets
+from html import escape
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, ClassVar
+from urllib.parse import urlsplit
+
+from spacar_drawing.viewer_page import STYLE, script_text, stage_html
+
+from spacar.errors import SpacarError
+from spacar_cli.editor.page_calls import PageCalls
+from spacar_cli.keyword_json import keywords_json
+
+HOST = "127.0.0.1"
+LARGEST = 32_000_000  # bytes of a call
+JAVASCRIPT = "text/javascript; charset=utf-8"
+OF_VIEWER = ("viewer.js", "viewer_controls.js")
+SCRIPTS = ("codemirror.js", "language.js", "editor.js", "results.js", "curves.js", *OF_VIEWER)
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self' 'nonce-{nonce}'; connect-src 'self'; "
+    "img-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+
+
+def page_file(name: str) -> str:
+    """The text of a script or style of the page."""
+    if name in OF_VIEWER:
+        return script_text(name)
+    return files("spacar_cli.editor").joinpath("page", name).read_text("utf-8")
+
+
+class PageServer(ThreadingHTTPServer):
+    """Serves `calls` (what the page may ask) until its `shutdown`."""
+
+    daemon_threads = True
+
+    def __init__(self, calls: PageCalls, port: int = 0) -> None:
+        super().__init__((HOST, port), PageHandler)
+        self.calls = calls
+        self.token = secrets.token_urlsafe(24)
+        self.hosts = {f"{name}:{self.server_port}" for name in (HOST, "localhost")}
+
+    @property
+    def address(self) -> str:
+        return f"http://{HOST}:{self.server_port}/{self.token}/"
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A browser that goes away is no error."""
+
+
+class PageHandler(BaseHTTPRequestHandler):
+    """One request; everything but the page, its files and its calls is refused."""
+
+    server: PageServer
+    server_version, sys_version = "spacar", ""
+    protocol_version = "HTTP/1.1"
+    timeout = 60
+    kinds: ClassVar = {".js": JAVASCRIPT, ".css": "text/css; charset=utf-8"}
+
+    def do_GET(self) -> None:
+        name = self._name(False)
+        if name is None:
+            return
+        if name == "":
+            nonce = secrets.token_urlsafe(16)
+            self._send(HTTPStatus.OK, self._page(nonce), "text/html; charset=utf-8", nonce)
+        elif name in SCRIPTS or name == "editor.css":
+            self._send(HTTPStatus.OK, page_file(name), self.kinds[Path(name).suffix])
+        elif name == "keywords.json":
+            self._send(HTTPStatus.OK, json.dumps(keywords_json()), "application/json")
+        else:
+            self._refuse(HTTPStatus.NOT_FOUND, "there is nothing here")
+
+    def do_POST(self) -> None:
+        name = self._name(True)
+        if name is None:
+            return
+        length = self.headers.get("Content-Length", "")
+        if self.headers.get_content_type() != "application/json" or not length.isdecimal() or int(length) > LARGEST:
+            self._refuse(HTTPStatus.BAD_REQUEST, "a call is JSON of limited size")
+            return
+        try:
+            arguments = json.loads(self.rfile.read(int(length)))
+            answer = self.server.calls.call(name.removeprefix("call/"), arguments)
+        except (ValueError, TypeError, KeyError):
+            self._refuse(HTTPStatus.BAD_REQUEST, "a call that cannot be understood")
+            return
+        except SpacarError as error:
+            answer = json.dumps({"error": str(error), "code": error.code})
+        self._send(HTTPStatus.OK, answer, "application/json")
+
+    def _name(self, call: bool) -> str | None:
+        """What is asked for, behind the token; None when it was refused."""
+        ours = {f"http://{host}" for host in self.server.hosts}
+        origin, site = self.headers.get("Origin"), self.headers.get("Sec-Fetch-Site", "same-origin")
+        if self.headers.get("Host") not in self.server.hosts:
+            reason = "the Host header is not that of this server"
+        elif (origin not in ours) if call or origin is not None else site not in ("same-origin", "none"):
+            reason = "the request comes from another site"
+        else:
+            _, token, name = (*urlsplit(self.path).path.split("/", 2), "", "")[:3]
+            if secrets.compare_digest(token.encode("utf-8", "replace"), self.server.token.encode()):
+                return name
+            reason = "the address has not the token that spacar printed"
+        self._refuse(HTTPStatus.FORBIDDEN, reason)
+        return None
+
+    def _page(self, nonce: str) -> str:
+        text = page_file("index.html")
+        named = {
+            "title": escape(self.server.calls.file.path.name), "nonce": nonce, "stage": stage_html(),
+            "style": STYLE, "watch": "watch" if self.server.calls.watch else "edit",
+        }  # fmt: skip
+        for name, value in named.items():
+            text = text.replace(f"[[{name}]]", value)
+        return text
+
+    def _refuse(self, status: HTTPStatus, text: str) -> None:
+        self.close_connection = True
+        self._send(status, f"{text}\n", "text/plain; charset=utf-8")
+
+    def _send(self, status: HTTPStatus, text: str, kind: str, nonce: str = "") -> None:
+        data = text.encode("utf-8", "replace")
+        self.send_response(status)
+        for name, value in {
+            "Content-Type": kind, "Content-Length": str(len(data)), "Cache-Control": "no-store",
+            "Content-Security-Policy": POLICY.format(nonce=nonce or "none"), "X-Content-Type-Options": "nosniff",
+            "Referrer-Policy": "no-referrer", "Cross-Origin-Resource-Policy": "same-origin",
+            "Cross-Origin-Opener-Policy": "same-origin", "X-Frame-Options": "DENY",
+        }.items():  # fmt: skip
+            self.send_header(name, value)
+        if self.close_connection:
+            self.send_header("Connection", "close")
+        self.end_headers()
+        self.wfile.write(data)
+
+    def log_message(self, format: str, *args: Any) -> None:
+        """Nothing is told about requests."""
