@@ -82,14 +82,12 @@ class CEquilibrium(ctypes.Structure):
 class Equilibrium:
     """The equations of one mechanism in C. They keep `arrays` alive, which a sweep of its elements may share.
 
-    Raises NotCompiled where the engine does not take the mechanism, or a stiffness is singular.
+    Raises NotCompiled where the band is wide, or a stiffness is singular.
     """
 
     def __init__(self, m: Mechanism) -> None:
         from spacar.compiled.library import address_of, element_functions
 
-        if not takes(m):
-            raise NotCompiled
         self._call, n = element_functions(), m.numbering
         self.mechanism, self.arrays = m, SweepArrays.of(m)
         xs, es = n.x_class["input"], n.e_class["input"]
@@ -261,8 +259,10 @@ class NotCompiled(Exception):
 
 
 def takes(m: Mechanism) -> bool:
-    """Does the engine take a mechanism at rest without user functions?"""
+    """Does the engine take a mechanism, if nothing moves?"""
     if m.x0.dtype != float or m.x0.ndim > 1:  # complex steps, cases side by side
+        return False
+    if not m.numbering.holonomic or m.user_signal is not None or not m.layout.strained:
         return False
     parts = [m.loads] if m.additional is None else [m.loads, m.additional]
     if any(loads.moment_rows.size or loads.flow for loads in parts) or any(map(is_tube, m.layout.moving)):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import replace
 
 from spacar.arrays import Array
@@ -10,14 +9,13 @@ from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.mechanism.mechanism import Loads, Mechanism
 from spacar.stationary.about_rest import AboutRest
 from spacar.stationary.contract import Tangent
-from spacar.stationary.equilibrium import Equilibrium, NotCompiled
 from spacar.stationary.flexibility import Flexibility
 from spacar.stationary.level_dynamics import LevelDynamics
 from spacar.stationary.loading import WITHOUT_N0, LoadLevel, SteadyDrive, loads_at, with_flow
 from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import Converged, Demand, newton
 from spacar.stationary.resting_tangent import RestingTangent
-from spacar.stationary.stability import CRITICAL, STABLE, Stability, stability
+from spacar.stationary.stability import Stability, stability
 from spacar.stationary.stationary_equations import Iterate, Prescribed, StationaryEquations
 from spacar.stationary.tangent import SparseTangent
 
@@ -28,10 +26,6 @@ class LevelEvaluator:
     `y` (state vector) holds the kinematic values and the rates that non-holonomic systems keep; `fading_force` (nx +
     ne,), forces and misfits of deformations, holds a start which is no equilibrium, and fades on the way to the first
     level. The initial loading grows, or acts as a whole from the start on (`whole_from_start`).
-
-    Where C has the equations (`spacar.stationary.equilibrium`) iterations and proofs of stability run there. What
-    Python needs of loads and elements is made, or put in place, when it asks for one of the three; the elements share
-    deformations and V with C.
     """
 
     def __init__(self, mechanism: Mechanism) -> None:
@@ -51,14 +45,7 @@ class LevelEvaluator:
         self._fades_until = 1.0
         self.whole_from_start = False
         self._given: Prescribed | None = None
-        self._at: Array | None = None  # where the sweep has to be
-        self._factored_in_c = False
         self._forget()
-        self._engine: Equilibrium | None = None
-        if self.plain and mechanism.layout.strained:
-            with suppress(NotCompiled):
-                self._engine = Equilibrium(mechanism)
-                self._dynamics.arrays = self._engine.arrays
 
     def _forget(self) -> None:
         """What NumPy evaluates is made when it is asked for."""
@@ -88,10 +75,7 @@ class LevelEvaluator:
         """Put the loads of a level on the evaluator. Where the flow in tubes changes, `dynamics`, `equations` and
         `tangent` are made anew."""
         self._level, self._given = level, None
-        if self._engine is None:
-            self._settle()
-        else:
-            self._engine.load(self._acting(level), self.fading_force, self._held(level))
+        self._settle()
 
     def _acting(self, level: LoadLevel) -> LoadLevel:
         """The level with the part of the initial loading that acts."""
@@ -103,9 +87,6 @@ class LevelEvaluator:
         if (level.initial, level.additional) != self._in_place:
             self._in_place = level.initial, level.additional
             self._use(loads_at(self.mechanism, level), SteadyDrive.at_level(self.mechanism, level))
-        if self._at is not None:
-            x, self._at = self._at, None
-            self._dynamics.evaluate(x)
 
     def _use(self, loads: Loads, drive: SteadyDrive) -> None:
         mechanism = with_flow(self.mechanism, loads)
@@ -168,12 +149,12 @@ class LevelEvaluator:
     @property
     def e(self) -> Array:
         """The deformations that were evaluated last, (ne,)."""
-        return self._dynamics.sweep.e if self._engine is None else self._engine.arrays.e
+        return self._dynamics.sweep.e
 
     @property
     def branch(self) -> Array:
         """What the branch of the next state is chosen by, (ne,)."""
-        return self._dynamics.sweep.branch if self._engine is None else self._engine.arrays.branch
+        return self._dynamics.sweep.branch
 
     def follow(self, x: Array) -> None:
         """The next state is on the branch of the one at x (nx,), which was evaluated last."""
@@ -192,7 +173,6 @@ class LevelEvaluator:
 
     def stand_at(self, x: Array) -> LevelDynamics:
         """`dynamics` under the loads of the level, at its solution x (nx,)."""
-        self._at = None
         self._settle()
         self._dynamics.stand_at(x)
         return self._dynamics
@@ -203,58 +183,30 @@ class LevelEvaluator:
 
         Raises Astray, SingularMatrixError, AnalysisError of user functions.
         """
-        if self._engine is not None:
-            self._at = x
-            found = self._engine.newton(x, sigma, demand)
-            self._factored_in_c = found is not None
-            if found is not None:
-                self._at = found.point.x
-                return found
         return newton(self.equations, self.tangent, x, sigma, self.given, demand)
 
     def point(self, x: Array, sigma: Array) -> Iterate:
         """Evaluate at x (nx,), sigma (ne,). Raises SingularMatrixError as `StationaryEquations.motion`."""
-        if self._engine is None:
-            return self.equations.point(x, sigma, self.given)
-        self._at = x
-        return self._engine.point(x, sigma)
+        return self.equations.point(x, sigma, self.given)
 
     def set_state(self, p: Iterate) -> None:
         """Evaluate at a state of this level again, and factor its matrix. Raises SingularMatrixError."""
-        if self._engine is not None:
-            self._at = p.x
-            self._factored_in_c = self._engine.sign(p) is not None
-            if self._factored_in_c:
-                return
         self.tangent.factor(self.equations.point(p.x, p.sigma, self.given))
 
     def stability(self, p: Iterate, noise: float, regular: bool, before: Stability | None) -> Stability | None:
         """As `stability`, at a state of this level that was evaluated last."""
-        hopeful = noise <= CRITICAL and (before is None or before.negative == 0) and self.mechanism.numbering.nddof
-        engine = self._engine if hopeful else None
-        if engine is not None and engine.is_definite(p) and (regular or engine.sign(p) is not None):
-            return STABLE
         return stability(self.equations, self.tangent, p, noise, regular, before)
 
     def sign(self, p: Iterate, factored: bool) -> float:
         """Sign of the determinant of the tangent stiffness at a state of this level; `factored`: where the last matrix
         was factored, near it. Raises SingularMatrixError."""
-        if factored and self._factored_in_c:
-            assert self._engine is not None
-            return self._engine.last_sign()
         if not factored:
-            sign = None if self._engine is None else self._engine.sign(p)
-            if sign is not None:
-                return sign
             self.tangent.factor(p)
         return self.tangent.sign()
 
     def about(self, x: Array, sigma: Array) -> AboutRest | None:
         """The linearized equations at a state of this level, where C has them."""
-        found = None if self._engine is None else AboutRest.of(self._engine, x, sigma)
-        if found is not None:
-            self._dynamics.guard = found.guard
-        return found
+        return None
 
     def place(self) -> None:
         """A mechanism without dynamic degrees of freedom: the configuration of the prescribed values."""

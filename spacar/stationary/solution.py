@@ -14,9 +14,9 @@ from spacar.errors import AnalysisError, Report
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stationary.about_rest import AboutRest
+from spacar.stationary.compiled_levels import level_evaluator
 from spacar.stationary.continuation import Continuation
 from spacar.stationary.contract import Tangent
-from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.loading import LoadLevel
 from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import LENGTHS
@@ -59,7 +59,7 @@ class StationarySolver:
         start = m.drive.at(0.0) if n.ndof > n.nddof else None
         if start is not None and (start.xdd.any() or start.edd.any()):
             self.report.add("warning: prescribed accelerations are ignored in a stationary solution")
-        self._evaluator = e = LevelEvaluator(m)
+        self._evaluator = e = level_evaluator(m)
         if e.leaves_rates:
             self.report.add("warning: start rates of dynamic degrees of freedom are ignored in a stationary solution")
         # When the loading does nothing, all levels have the solution of the first one.

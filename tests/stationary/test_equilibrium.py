@@ -14,6 +14,7 @@ from spacar.deck import parse_deck, read_deck
 from spacar.errors import AnalysisError, Report
 from spacar.mechanism import build
 from spacar.stationary import LoadLevel, StationarySolver, equilibrium, load_program
+from spacar.stationary.compiled_levels import CompiledLevelEvaluator, level_evaluator
 from spacar.stationary.contract import Astray
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.newton import Demand, newton
@@ -75,13 +76,11 @@ END
 TEXTS = {"cantilever": cantilever(6), "long": cantilever(90), "prescribed": PRESCRIBED, "spatial": SPATIAL}
 
 
-def evaluator(text: str) -> LevelEvaluator:
-    e = LevelEvaluator(with_compiled_elements(build(parse_deck(text, mode=7), 7)))
-    assert e._engine is not None
-    return e
+def evaluator(text: str) -> CompiledLevelEvaluator:
+    return CompiledLevelEvaluator(with_compiled_elements(build(parse_deck(text, mode=7), 7)))
 
 
-def near_start(e: LevelEvaluator) -> tuple[np.ndarray, np.ndarray]:
+def near_start(e: CompiledLevelEvaluator) -> tuple[np.ndarray, np.ndarray]:
     """A state that is no equilibrium."""
     rng, n = np.random.default_rng(3), e.mechanism.numbering
     x, sigma = e.mechanism.x0.copy(), np.where(e._equations.passive, 0.0, rng.normal(size=n.ne))
@@ -151,11 +150,10 @@ def test_the_sign_of_the_determinant(name):
     e = evaluator(TEXTS[name])
     e.load(LoadLevel(0.3, 0.0))
     p = e.point(*near_start(e))
-    assert e._engine is not None
-    sign = e._engine.sign(p)
+    sign = e.equilibrium.sign(p)
     assert isinstance(e.tangent, RestingTangent)
     e.tangent.factor(p)
-    assert sign == e._engine.last_sign() == e.tangent.sign()
+    assert sign == e.equilibrium.last_sign() == e.tangent.sign()
     assert sign == np.sign(np.linalg.slogdet(e.tangent.dense())[0]) * (-1.0) ** e.tangent.t.ne
 
 
@@ -166,8 +164,7 @@ def test_the_proof_of_stability_is_that_of_the_general_path(name, pressed):
     e.load(LoadLevel(0.3, 0.0))
     x, sigma = near_start(e)
     p = e.point(x, -pressed * np.abs(sigma))
-    assert e._engine is not None
-    proved = e._engine.is_definite(p)
+    proved = e.equilibrium.is_definite(p)
     assert isinstance(e.tangent, RestingTangent)
     assert proved == e.tangent.is_definite(p)
     if proved:
@@ -178,10 +175,9 @@ def test_a_singular_matrix_is_left_to_python():
     """A free rotation: the motion of minimum norm is that of the general path."""
     text = "PLTRUSS 1 1 2\nX 2 1. 0.\nFIX 1\nDYNE 1 1\nDYNX 2 2\nEND\nHALT\nESTIFF 1 100.\nXF 2 3. 0.\nEND\nEND\n"
     e = evaluator(text)
-    assert e._engine is not None
     e.load(LoadLevel(1.0, 0.0))
     n = e.mechanism.numbering
-    assert e._engine.newton(e.mechanism.x0.copy(), np.zeros(n.ne), Demand.of(20, 1e-8, True)) is None
+    assert e.equilibrium.newton(e.mechanism.x0.copy(), np.zeros(n.ne), Demand.of(20, 1e-8, True)) is None
     found = e.newton(e.mechanism.x0.copy(), np.zeros(n.ne), Demand.of(20, 1e-8, True))
     assert found.point.x == pytest.approx([0.0, 0.0, 1.03, 0.0], abs=1e-12)
     assert found.point.sigma == pytest.approx([3.0])
@@ -197,23 +193,24 @@ def test_a_stiffness_that_is_singular_to_working_precision_is_left_to_python():
         S[1, 2] = S[2, 1] = S[1, 1] = 1.0
         S[2, 2] = 1.0 + part
         family.general.__dict__["constitutive"] = S, damping
-        assert (LevelEvaluator(m)._engine is not None) == taken
+        assert isinstance(level_evaluator(m), CompiledLevelEvaluator) == taken
     with pytest.raises(AnalysisError, match="singular to working precision"):
         _ = LevelEvaluator(m).equations
 
 
 def test_what_has_no_form_in_c_is_left_to_python(monkeypatch):
-    def engine_of(text: str) -> object:
-        return LevelEvaluator(with_compiled_elements(build(parse_deck(text, mode=7), 7)))._engine
+    def taken(text: str) -> bool:
+        m = with_compiled_elements(build(parse_deck(text, mode=7), 7))
+        return isinstance(level_evaluator(m), CompiledLevelEvaluator)
 
     spatial = TEXTS["spatial"]
-    assert engine_of(spatial) is not None
-    assert engine_of(spatial.replace("XF 5 3. 2. 1.", "XF 6 0.1 0.2 0.3")) is None  # a moment follows the orientation
-    assert engine_of(TEXTS["prescribed"].replace("INPUTX 5 2 0.15 0. 0.", "INPUTX 5 2 0.15 1. 0.")) is None  # motion
-    assert engine_of(TEXTS["long"]) is not None
+    assert taken(spatial)
+    assert not taken(spatial.replace("XF 5 3. 2. 1.", "XF 6 0.1 0.2 0.3"))  # a moment follows the orientation
+    assert not taken(TEXTS["prescribed"].replace("INPUTX 5 2 0.15 0. 0.", "INPUTX 5 2 0.15 1. 0."))  # motion
+    assert taken(TEXTS["long"])
     monkeypatch.setattr(equilibrium, "BAND_LIMIT", 20)
-    assert engine_of(TEXTS["long"]) is None
-    assert engine_of(TEXTS["cantilever"]) is not None  # dense in Python
+    assert not taken(TEXTS["long"])
+    assert taken(TEXTS["cantilever"])  # dense in Python
 
 
 @pytest.mark.parametrize("name", ["lateral4", "robotsim", "plbeam5", "massspring", "crankfl", "cardan", "finger"])
