@@ -34,7 +34,7 @@ from spacar.inverse.nominal import Nominal, NominalDrive
 from spacar.inverse.ports import ACCELERATIONS, NominalInputs, Ports, rigidified
 from spacar.inverse.trajectory import Leg, groups, loaded
 from spacar.kinematics.constraint_condition import Conditioning
-from spacar.linear.linear_modes import LARGE
+from spacar.linear import form
 from spacar.linear.sparse_linearization import SparseLinearization
 from spacar.linear.state_space import Signal, state_space
 from spacar.linearization.coefficients import Coefficients, coefficients
@@ -68,12 +68,11 @@ class Along:
             *(Signal("INPUTS", int(i), f"sigma0 {n.e_name(int(i))}") for i in self.rigid),
         ]
         self.outputs = [Signal(_output_kind(s.kind), s.index, s.name) for s in self.ports.outputs]
-        modes, level = mechanism.settings.modes, mechanism.settings.sbd_level
-        self.sparse = n.ndof > LARGE and level is None and modes != 0
+        self.sparse = form.stores_sparse(n.ndof, mechanism.settings, 0)
         self._descriptor: SparseLinearization | None = None
         if self.sparse:
             report.add(
-                f"{n.ndof} degrees of freedom (more than {LARGE}): sparse linearized equations are computed, no"
+                f"{n.ndof} degrees of freedom (more than {form.LARGE}): sparse linearized equations are computed, no"
                 " matrices of the degrees of freedom and no second order expressions; --modes 0 or MODES 0 asks for"
                 " everything"
             )

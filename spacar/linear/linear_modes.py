@@ -17,6 +17,7 @@ from spacar.frame import Frame
 from spacar.kinematics.constraint_condition import Conditioning
 from spacar.kinematics.output import TransferOutput
 from spacar.kinematics.regularity import Regularity
+from spacar.linear import form
 from spacar.linear.buckling import NO_STRESS, BucklingModes, buckling_modes, directional_compliances
 from spacar.linear.eigen import Modes, vibration_modes
 from spacar.linear.internal_unknowns import buckling_matrices
@@ -32,9 +33,6 @@ from spacar.stationary import LoadLevel, StationarySolver, load_program
 from spacar.stationary.tangent import SparseTangent
 from spacar.stream import Run
 
-# Dynamic degrees of freedom above which no dense matrices are formed: measured, docs/performance.md "Sizes".
-LARGE = 200
-SHARE = 4  # all modes together cost less than the lowest ones if these are more than one in four
 MASS_AND_DAMPING, STIFFNESS = ("m0", "c0", "d0"), ("k0", "n0", "g0")
 EPS = float(np.finfo(float).eps)
 LOST = 1e-6  # chosen: relative error of the matrices above which there is a warning
@@ -99,7 +97,8 @@ def state_space_matrices(run: Run) -> Iterator[Sequence[Frame]]:
 
 @dataclass(frozen=True)
 class LinearizedSolution:
-    """A stored stationary solution with its linearization L, or for large systems the sparse tangent instead.
+    """A stored stationary solution with its linearization L, for large systems the sparse tangent instead, and both
+    where modes take less work with the tangent.
 
     `wanted`: number of lowest modes; `reduced`: no dense matrices at any step of the run; `compiled`: L comes from C,
     which also serves its small matrices.
@@ -119,22 +118,22 @@ def _stored_system(run: Run, may_move: bool) -> StoredSystem:
     """What modes 4 and 9 store, by the size of the model and what is asked for."""
     settings, n = run.mechanism.settings, run.mechanism.numbering.nddof
     wanted = settings.modes or 0
-    sparse = n > LARGE and settings.sbd_level is None and settings.modes != 0 and wanted * SHARE <= n
+    sparse = form.stores_sparse(n, settings, wanted)
     if sparse:
         lowest = f"the {wanted} lowest modes with their motions and " if wanted else ""
         run.report.add(
-            f"{n} dynamic degrees of freedom (more than {LARGE}): {lowest}sparse linearized equations are computed, no"
-            " reduced matrices, no A, B, C, D and no transfer functions; --modes N or MODES N asks for the N lowest"
-            " modes, 0 for everything"
+            f"{n} dynamic degrees of freedom (more than {form.LARGE}): {lowest}sparse linearized equations are"
+            " computed, no reduced matrices, no A, B, C, D and no transfer functions; --modes N or MODES N asks for"
+            " the N lowest modes, 0 for everything"
         )
     return StoredSystem(run, sparse, wanted, may_move)
 
 
 def stationary(
-    run: Run, reducible: bool = True, store: StoredSystem | None = None
+    run: Run, few: int | None = None, store: StoredSystem | None = None
 ) -> Iterator[LinearizedSolution]:
-    """The stored stationary solutions. `reducible`: no dense matrices for large systems unless OUTLEVEL asks for them.
-    A `store` in sparse form makes the linearizations itself.
+    """The stored stationary solutions, in the form that `spacar.linear.form` decides. `few`: so many lowest modes are
+    looked for, whatever the file asks for. A `store` in sparse form makes the linearizations itself.
     """
     from spacar.compiled.compiled_elements import mechanism_of
 
@@ -143,16 +142,20 @@ def stationary(
     run.n_frames = settings.stored_levels
     solver = StationarySolver(mechanism, run.report)
     descriptor = store is not None and store.sparse
-    reducible = reducible and store is None
-    reduced = reducible and n.nddof > LARGE and settings.sbd_level is None and solver.sparse
-    wanted = n.nddof if settings.modes == 0 else settings.modes or (WANTED if reduced else n.nddof)
-    reduced = reduced and (settings.modes is None or wanted * SHARE <= n.nddof)
+    reducible = store is None and solver.sparse
+    wanted = settings.modes or n.nddof
+    reduced = reducible and form.stores_sparse(n.nddof, settings, settings.modes or 0)
     if reduced:
+        wanted = settings.modes or WANTED
         run.report.add(
-            f"{n.nddof} dynamic degrees of freedom (more than {LARGE}): only the {wanted} lowest modes, their motions"
-            " and sparse matrices are computed, no reduced matrices and no transfer functions; --modes N or MODES N"
-            " changes the number, 0 asks for everything"
+            f"{n.nddof} dynamic degrees of freedom (more than {form.LARGE}): only the {wanted} lowest modes, their"
+            " motions and sparse matrices are computed, no reduced matrices and no transfer functions; --modes N or"
+            " MODES N changes the number, 0 asks for everything"
         )
+    few = few or wanted
+    by_tangent = reduced or (reducible and form.computes_sparse(n.nddof, few, solver.sparse_tangent))
+    if by_tangent and not reduced:
+        run.report.add(f"the {few} lowest of {n.nddof} modes are computed with the sparse tangent: less work")
     output = TransferOutput(run)
     limits: Limits | None = None
     for stored, (level, iterations) in enumerate(solver.stored(load_program(settings))):
@@ -171,7 +174,8 @@ def stationary(
         else:
             frame = about.frame(float(stored), state.sigma, dynamics.loads)
         limits.check_elements(dynamics, frame)
-        singular = not _is_surely_regular(solver, condition) and _is_dead_point(run, solver, level, frame.t, reducible)
+        singular = not _is_surely_regular(solver, condition)
+        singular = singular and _is_dead_point(run, solver, level, frame.t, store is None)
         frame.statistics = {"iterations": iterations, "residual": state.norm}
         if store is not None and descriptor:
             if solver.sparse:
@@ -189,7 +193,12 @@ def stationary(
         frame.lost = {**frame.lost, **_doubts(L)}
         _store_matrices(frame, L, dynamics)
         frame = output.add(frame, dynamics, L)
-        yield LinearizedSolution(frame, dynamics, L, None, wanted, reduced, condition, about is not None)
+        helping = solver.sparse_tangent() if by_tangent else None
+        if helping is not None:
+            helping.sigma = state.sigma
+        yield LinearizedSolution(frame, dynamics, L, helping, wanted, reduced, condition, about is not None)
+    if by_tangent:
+        run.report.add(f"storage of the sparse tangent: {solver.sparse_tangent().storage}")
 
 
 def lost_digits(condition: float) -> float:
@@ -214,9 +223,10 @@ def say_lost_digits(run: Run, reduced: bool) -> None:
 
 
 def _say_doubtful_inertia(run: Run, solution: LinearizedSolution) -> None:
-    """Warn of motions whose inertia is rounding, at the first step."""
+    """Warn of motions whose inertia is rounding of the reduced mass matrix, if modes come from it, at the first step.
+    """
     L, dynamic = solution.L, run.mechanism.numbering.dynamic
-    if L is None or not len(dynamic) or solution.frame.t:
+    if L is None or solution.tangent is not None or not len(dynamic) or solution.frame.t:
         return
     M = selected(L.m0, dynamic, dynamic)
     masses = L.M.diagonal()

@@ -59,7 +59,7 @@ class CondensedSystem:
         self._C: Array | None = None
         self._pivots: Array | None = None
         self._part: float | None = None
-        self._mixed = False  # is the mixed matrix factored instead?
+        self._mixed = self.was_mixed = False  # is, and was once, the mixed matrix factored instead?
         self.lu: Any = None
 
     def factor(self, entries: Array) -> None:
@@ -78,7 +78,7 @@ class CondensedSystem:
         self._entries = entries.copy()
 
     def _use_mixed(self, entries: Array) -> None:
-        self._mixed = True
+        self._mixed = self.was_mixed = True
         self._whole.factor(entries)
 
     # -- condensation ---------------------------------------------------------------------------------------------

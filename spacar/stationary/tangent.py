@@ -32,6 +32,7 @@ from spacar.stationary.contract import NO_DIGITS, SINGULAR
 from spacar.stationary.flexibility import Flexibility, is_tube
 
 if TYPE_CHECKING:
+    from spacar.linear_systems.banded import BandedSystem
     from spacar.linear_systems.condensed import CondensedSystem
 
 
@@ -181,6 +182,24 @@ class SparseTangent:
     def static_system(self) -> LinearSystem:
         """Of the static problem, for `entries(STATIC)`."""
         return self._system(tuple(STATIC))
+
+    def factor_entries(self, fill: float) -> tuple[float, bool]:
+        """Entries of the factors of the static problem, or an estimate, `fill` times those of the matrix; and is it
+        condensed?"""
+        system = self.static_system()
+        if system.kind == "banded":
+            return float(system.n * cast("BandedSystem", system).height), False
+        return fill * len(self.pattern(tuple(STATIC))[0]), system.kind == "condensed"
+
+    @property
+    def storage(self) -> str:
+        """How its matrices are stored and factored."""
+        system = self.static_system()
+        if system.kind == "banded":
+            return f"band of {cast('BandedSystem', system).height} diagonals"
+        if system.kind == "condensed" and cast("CondensedSystem", system).was_mixed:
+            return "condensed matrix; where its factors were not accurate, the mixed matrix"
+        return f"{system.kind} matrix"
 
     def displacement(self, system: LinearSystem, force: Array) -> Array:
         """Coordinates (nx,) or (nx, k) that the force (nx,) or (nx, k) on F produces, the constraint rows kept."""

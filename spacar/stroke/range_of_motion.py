@@ -17,7 +17,7 @@ from spacar.arrays import Array
 from spacar.calls import frames
 from spacar.deck import Deck
 from spacar.errors import AnalysisError, Report, UsageError
-from spacar.linear.linear_modes import LARGE, stationary
+from spacar.linear.linear_modes import stationary
 from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
 from spacar.options import checked_options
@@ -139,7 +139,7 @@ def _side(
     turned = at_drive if move.pushed else None
     tangents: DriveTangents | None = None
     with np.errstate(all="ignore"):
-        for k, solution in enumerate(stationary(run, reducible=n.nddof > LARGE)):
+        for k, solution in enumerate(stationary(run, modes)):
             C, d = None, solution.dynamics
             if solution.tangent is not None:
                 if tangents is None or tangents.dynamics is not d:

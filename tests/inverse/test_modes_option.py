@@ -8,7 +8,7 @@ from spacar_formats.ltvfile import read_ltv
 
 import spacar
 from spacar.errors import UsageError
-from spacar.inverse import along
+from spacar.linear import form
 from tests.simulation.test_commands import run
 
 BEAMS = 3
@@ -29,7 +29,7 @@ def text(*blocks: list[str]) -> str:
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """A turning arm in three beams, linearized along its motion as a large model is."""
-    monkeypatch.setattr(along, "LARGE", 0)
+    monkeypatch.setattr(form, "LARGE", 0)
     (tmp_path / "arm.dat").write_text(text(ARM, MASSES, [*TURN, *PORTS]))
     (tmp_path / "armlin.dat").write_text(text([*ARM, *BENDING], [*MASSES, *STIFF], PORTS))
     assert run(tmp_path, monkeypatch, 2, "arm")[0] == 0

@@ -11,7 +11,7 @@ import pytest
 import spacar
 from spacar import Deck
 from spacar.errors import AnalysisError, UsageError
-from spacar.inverse import along
+from spacar.linear import form
 from spacar.simulation.time_varying import TimeVarying
 from tests.dynamics.test_mass_check import in_line
 
@@ -24,7 +24,7 @@ def test_the_sparse_form_is_that_of_the_full_matrices(first, second, monkeypatch
     """A, B, C after elimination; set-points and stresses are the same numbers."""
     nominal = spacar.run(2, DATA / f"{first}.dat")
     full = spacar.run(3, DATA / f"{second}.dat", nominal=nominal)
-    monkeypatch.setattr(along, "LARGE", 0)
+    monkeypatch.setattr(form, "LARGE", 0)
     sparse = spacar.run(3, DATA / f"{second}.dat", nominal=nominal)
     assert any("sparse linearized equations" in line for line in sparse.report)
     assert "A" not in sparse.frames[0].state_space

@@ -11,7 +11,7 @@ from scipy.special import jn_zeros
 
 import spacar
 from spacar.deck import parse_deck
-from spacar.linear import linear_modes
+from spacar.linear import form, linear_modes
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 from models import pendulum
@@ -25,7 +25,7 @@ def test_lowest_modes_of_a_hanging_chain_of_rods(monkeypatch):
     """The same as with dense matrices; the lowest ones are those of the hanging rope, j_0k sqrt(g/l)/2, to 1/n^2."""
     text, n = pendulum(40, 1.0, 10), 40
     dense = frequencies(text)
-    monkeypatch.setattr(linear_modes, "LARGE", 5)
+    monkeypatch.setattr(form, "LARGE", 5)
     sparse = frequencies(text, 10)
     assert len(sparse) == linear_modes.WANTED
     assert sparse == pytest.approx(dense[: len(sparse)], rel=1e-9)
@@ -34,7 +34,7 @@ def test_lowest_modes_of_a_hanging_chain_of_rods(monkeypatch):
 
 
 def test_a_chain_without_gravity_has_no_frequency(monkeypatch):
-    monkeypatch.setattr(linear_modes, "LARGE", 5)
+    monkeypatch.setattr(form, "LARGE", 5)
     free = frequencies(pendulum(20, 1.0, 10).replace("GRAVITY 0. -9.81\n", ""))
     assert np.all(free < 1e-7)  # the shift is 1 rad/s, of whose square eps is 1.5e-8 rad/s
 

@@ -10,7 +10,7 @@ import pytest
 
 import spacar
 from spacar.deck import parse_deck
-from spacar.linear import linear_modes
+from spacar.linear import form
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "stationary"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
@@ -69,7 +69,7 @@ def test_singular_stiffness_of_large_systems(monkeypatch):
     """Hanging rods have no stiffness but that of their weight: every multiplier is zero, as with dense matrices."""
     text = pendulum(12, 1.0, 10)
     dense = run(text, 8)["lmult"][0]
-    monkeypatch.setattr(linear_modes, "LARGE", 5)
+    monkeypatch.setattr(form, "LARGE", 5)
     sparse = run(text, 8)["lmult"][0]
     assert not dense.any()
     assert np.abs(sparse).max() <= 1e-8  # of the shift

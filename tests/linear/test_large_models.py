@@ -17,7 +17,7 @@ from spacar_formats.compliance import node_compliance
 import spacar
 from spacar.deck import parse_deck
 from spacar.errors import UsageError
-from spacar.linear import linear_modes
+from spacar.linear import form
 from spacar.linear_systems import assemble, matrix
 from spacar.linear_systems.selected_inverse import inverse_diagonal
 from spacar.linearization import contractions, linearize
@@ -36,7 +36,7 @@ def pair(request, monkeypatch):
     """Results of mode 10 with sparse and with dense matrices, 6 modes."""
     deck = parse_deck(MODELS[request.param](), mode=10)
     dense = spacar.run(10, deck, modes=0)
-    monkeypatch.setattr(linear_modes, "LARGE", 5)
+    monkeypatch.setattr(form, "LARGE", 5)
     return spacar.run(10, deck, modes=6), dense
 
 

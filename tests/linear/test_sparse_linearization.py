@@ -23,7 +23,7 @@ from spacar_formats.vibration import read_vibrations
 import spacar
 from spacar.deck import parse_deck
 from spacar.errors import SpacarError, UsageError
-from spacar.linear import descriptor, linear_modes
+from spacar.linear import descriptor, form
 from spacar.simulation.propagation import simulate_ltv
 from spacar.simulation.reduction import reduce_modes
 from spacar.simulation.time_varying import TimeVarying
@@ -85,7 +85,7 @@ def both(request, tmp_path_factory):
     deck = parse_deck(MODELS[name](), mode=mode)
     dense = spacar.run(mode, deck, modes=0)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(linear_modes, "LARGE", 3)
+        patch.setattr(form, "LARGE", 3)
         sparse = spacar.run(mode, deck)
     for result, where in ((sparse, "sparse"), (dense, "dense")):
         result.save(folder / where)
@@ -96,7 +96,7 @@ def both(request, tmp_path_factory):
 @pytest.fixture
 def pair(both, monkeypatch):
     """The results, while models are large from three unknowns on."""
-    monkeypatch.setattr(linear_modes, "LARGE", 3)
+    monkeypatch.setattr(form, "LARGE", 3)
     return both
 
 
@@ -134,7 +134,7 @@ def test_frequencies(pair):
 
 def test_lowest_modes_are_stored_when_they_are_asked_for(pair, monkeypatch):
     sparse, dense, _ = pair
-    monkeypatch.setattr(linear_modes, "SHARE", 1)
+    monkeypatch.setattr(form, "SHARE", 1)
     found = spacar.run(sparse.mode, sparse.mechanism.deck, modes=2)
     for k, pair_values in enumerate(found["eigval"]):
         ours = np.hypot(*pair_values.T)
@@ -198,7 +198,7 @@ def test_time_varying_system(pair):
 @pytest.fixture
 def saved(monkeypatch, tmp_path):
     """A sparse result of mode 4, saved."""
-    monkeypatch.setattr(linear_modes, "LARGE", 3)
+    monkeypatch.setattr(form, "LARGE", 3)
     spacar.run(4, parse_deck(planar(), mode=4)).save(tmp_path / "sparse")
     return tmp_path / "sparse"
 
@@ -244,7 +244,7 @@ def test_too_large_for_full_matrices(pair, monkeypatch):
 
 
 def test_a_run_without_input_and_output_signals(monkeypatch):
-    monkeypatch.setattr(linear_modes, "LARGE", 3)
+    monkeypatch.setattr(form, "LARGE", 3)
     text = cantilever(6, load="-1. -1.")
     result = spacar.run(9, parse_deck(text, mode=9))
     system = result.ss()
@@ -253,7 +253,7 @@ def test_a_run_without_input_and_output_signals(monkeypatch):
 
 
 def test_degree_of_freedom_without_mass(monkeypatch):
-    monkeypatch.setattr(linear_modes, "LARGE", 1)
+    monkeypatch.setattr(form, "LARGE", 1)
     text = "PLTRUSS 1 1 2\nPLTRUSS 2 2 3\nX 2 1.\nX 3 2.\nFIX 1\nFIX 2 2\nFIX 3 2\nDYNX 2 1\nDYNX 3 1\nRLSE 1\nRLSE 2\n"
     text += "END\nHALT\nXM 2 1.\nESTIFF 1 5.\nESTIFF 2 5.\nEND\nHALT\nINPUTF 1 2 1\nEND\nEND\n"
     with pytest.raises(SpacarError, match="mass"):
@@ -268,7 +268,7 @@ def test_idle_inputs(signal, acts, monkeypatch):
     """Massive beams without dampers on a prescribed clamp: only its acceleration acts."""
     text = cantilever(6, load="-1. -1.").replace(*ON_A_TABLE, 1)
     text = text.rsplit("END", 1)[0] + f"HALT\n{signal}\nOUTX 1 13 2\nEND\nEND\n"
-    monkeypatch.setattr(linear_modes, "LARGE", 3)
+    monkeypatch.setattr(form, "LARGE", 3)
     told = [line for line in spacar.run(9, parse_deck(text, mode=9)).report if "column of B" in line]
     assert bool(told) is not acts
     assert all("write INXDP 1" in line for line in told)

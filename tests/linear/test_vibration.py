@@ -12,7 +12,7 @@ from scipy.linalg import eigh
 import spacar
 from spacar.deck import parse_deck
 from spacar.errors import Report
-from spacar.linear import linear_modes
+from spacar.linear import form
 from spacar.linear.eigen import damped_modes, undamped_modes
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
@@ -189,7 +189,7 @@ def test_gyroscopic_and_damped_systems_in_modal_coordinates():
 def both(text: str, monkeypatch: pytest.MonkeyPatch, mode: int) -> tuple[spacar.Result, spacar.Result]:
     """All modes (dense) and the lowest ones (sparse) of the same model."""
     dense = spacar.run(mode, parse_deck(text, mode=mode))
-    monkeypatch.setattr(linear_modes, "LARGE", 10)
+    monkeypatch.setattr(form, "LARGE", 10)
     sparse = spacar.run(mode, parse_deck(text, mode=mode))
     assert any("only the 20 lowest modes" in line for line in sparse.report)
     return dense, sparse

@@ -8,7 +8,7 @@ from spacar_formats.mex import FOLDER
 
 import spacar
 from spacar.deck import parse_deck
-from spacar.linear import linear_modes
+from spacar.linear import form
 
 from .models import TRANSFER
 from .octave import need, run_octave
@@ -16,7 +16,7 @@ from .octave import need, run_octave
 
 def test_eliminated_in_octave(tmp_path, monkeypatch):
     need("octave-cli")
-    monkeypatch.setattr(linear_modes, "LARGE", 1)
+    monkeypatch.setattr(form, "LARGE", 1)
     spacar.run(9, parse_deck(TRANSFER.replace("OUTLEVEL 0 1\n", ""), mode=9)).save(tmp_path / "large")
     expected = getss(tmp_path / "large")
     script = "[out.A, out.B, out.C, out.D] = getss('large'); s = getss('large'); out.names = s.StateName;"

@@ -7,7 +7,7 @@ import pytest
 from random_frames import frame, tangent_of
 
 import spacar
-from spacar.linear import linear_modes
+from spacar.linear import form
 from spacar.linear_systems.condensed import CondensedSystem
 from spacar.linear_systems.linear_system import SingularMatrixError
 from spacar.linear_systems.matrix_inertia import Inertia
@@ -168,7 +168,7 @@ def test_repeated_frequencies_are_complete(held, monkeypatch):
     """A tower of square section has its bending modes twice, a free one its rigid motions six times."""
     deck = frame(0, True, cells=(4, 1, 1), held=held, noise=0.0)
     dense = spacar.run(7, deck).frames[0].matrices["eigval"][:, 1]
-    monkeypatch.setattr(linear_modes, "LARGE", 0)
+    monkeypatch.setattr(form, "LARGE", 0)
     few = spacar.run(7, deck, modes=12).frames[0].matrices["eigval"][:, 1]
     all_of_them, found = np.sort(np.abs(dense))[:24], np.sort(np.abs(few))
     np.testing.assert_allclose(found**2, all_of_them**2, rtol=1e-8, atol=1e-8 * found[-1] ** 2)

@@ -11,7 +11,7 @@ import pytest
 import spacar
 from spacar.deck import parse_deck
 from spacar.errors import Report
-from spacar.linear import linear_modes
+from spacar.linear import form
 from spacar.linear_systems.matrix_inertia import inertia
 from spacar.mechanism import build
 from spacar.stationary import StationarySolver, load_program
@@ -112,7 +112,7 @@ def test_gravity_that_comes_with_the_additional_loading(monkeypatch):
     text = cantilever(30).replace("XF 61 0. 10.0", f"{mass}\nXF 61 -1. 0.3\nDELGRAV 0. -0.5")
     text = "\n".join("ITERSTEP 20 4 1e-11 4 2 1" if s.startswith("ITERSTEP") else s for s in text.splitlines())
     dense = run(text, 7)["eigval"][-1]
-    monkeypatch.setattr(linear_modes, "LARGE", 10)
+    monkeypatch.setattr(form, "LARGE", 10)
     sparse = run(text, 7)["eigval"][-1]
     lowest = [np.sort(np.hypot(*v.T))[0] for v in (dense, sparse)]
     assert lowest[0] == pytest.approx(2.770514, abs=1e-6)

@@ -12,7 +12,7 @@ from test_extra_load import column
 
 import spacar
 from spacar.deck import parse_deck, read_deck
-from spacar.linear import linear_modes
+from spacar.linear import form
 from spacar.stroke import large_station, range_of_motion
 
 DATA = Path(__file__).parents[2] / "data"
@@ -46,8 +46,7 @@ def test_the_same_numbers_without_dense_matrices(name, monkeypatch):
     dense = spacar.flexure(deck, **asked)
     calls = []
     inner = range_of_motion.large_station
-    for module in (linear_modes, range_of_motion):
-        monkeypatch.setattr(module, "LARGE", 3)
+    monkeypatch.setattr(form, "LARGE", 3)
     monkeypatch.setattr(range_of_motion, "large_station", lambda *a: calls.append(1) or inner(*a))
     sparse = spacar.flexure(deck, **asked)
     assert len(calls) >= len(sparse)
@@ -66,8 +65,7 @@ def test_the_same_numbers_without_dense_matrices(name, monkeypatch):
 def test_what_the_lowest_values_do_not_contain(monkeypatch):
     """A column under tension has negative multipliers only; pushed along its axis it moves in a high mode. What is not
     among the values that are computed is nan or infinite, with a warning."""
-    for module in (linear_modes, range_of_motion):
-        monkeypatch.setattr(module, "LARGE", 3)
+    monkeypatch.setattr(form, "LARGE", 3)
     monkeypatch.setattr(large_station, "FIRST", 1)
     monkeypatch.setattr(large_station, "MOST", 2)
     deck = parse_deck(column(4, False))
