@@ -13,43 +13,36 @@ PATIENCE = 0.5  # seconds before a bar appears; a shorter run never imports rich
 REFRESH = 0.1
 
 
-class Progress:
-    """A sink that shows how far the run is; it does nothing where standard error is not a terminal."""
+class Bar:
+    """A bar with a text beside it; it does nothing where standard error is not a terminal."""
 
     def __init__(self, environment: Environment) -> None:
         self._environment = environment
-        self._active = environment.error_is_terminal
         self._bar: Any = None
-        self._task: Any = None
-        self._due = 0.0
-        self._steps = 0
-
-    def start(self, run: Run) -> None:
-        self._run = run
         self._begun = time.perf_counter()
-        self._due = self._begun + PATIENCE
+        self._due = self._begun + PATIENCE if environment.error_is_terminal else float("inf")
 
-    def frame(self, frame: Frame) -> None:
-        self._steps += 1
-        if not self._active or time.perf_counter() < self._due:
-            return
+    @property
+    def due(self) -> bool:
+        """Is it time to show something new?"""
+        return time.perf_counter() >= self._due
+
+    def show(self, done: float, total: float | None, text: str) -> None:
+        """`done` of `total`."""
         self._due = time.perf_counter() + REFRESH
         if self._bar is None:
             self._open()
-        total = self._run.mechanism.settings.duration
-        done = frame.t if self._timed else self._steps
-        speed = done / (time.perf_counter() - self._begun)
-        text = f"t = {frame.t:.6g} s  {speed:.3g} s/s" if self._timed else f"step {self._steps}"
-        self._bar.update(self._task, completed=done, total=total if self._timed else self._run.n_frames, text=text)
+        self._bar.update(self._task, completed=done, total=total, text=text)
 
-    def finish(self, error: BaseException | None) -> None:
+    def show_time(self, t: float, done: float, total: float | None) -> None:
+        """Simulated time t, `done` of `total` [s], and how fast it passes."""
+        speed = done / (time.perf_counter() - self._begun)
+        self.show(done, total, f"t = {t:.6g} s  {speed:.3g} s/s")
+
+    def close(self) -> None:
+        """Take it away."""
         if self._bar is not None:
             self._bar.stop()
-
-    @property
-    def _timed(self) -> bool:
-        """Does simulated time tell how far the run is?"""
-        return self._run.mode.integrated and self._run.mechanism.settings.duration is not None
 
     def _open(self) -> None:
         from rich.console import Console
@@ -65,3 +58,28 @@ class Progress:
         self._bar = Progress(*columns, console=console, transient=True)
         self._task = self._bar.add_task("", text="")
         self._bar.start()
+
+
+class Progress:
+    """A sink that shows how far the run is."""
+
+    def __init__(self, environment: Environment) -> None:
+        self._environment = environment
+        self._steps = 0
+
+    def start(self, run: Run) -> None:
+        self._run = run
+        self._bar = Bar(self._environment)
+
+    def frame(self, frame: Frame) -> None:
+        self._steps += 1
+        if not self._bar.due:
+            return
+        total = self._run.mechanism.settings.duration
+        if self._run.mode.integrated and total is not None:  # simulated time tells how far the run is
+            self._bar.show_time(frame.t, frame.t, total)
+        else:
+            self._bar.show(self._steps, self._run.n_frames, f"step {self._steps}")
+
+    def finish(self, error: BaseException | None) -> None:
+        self._bar.close()

@@ -28,16 +28,17 @@ def signal_options(default: str) -> Callable[[Callable[..., Any]], Callable[...,
 
 def sorted_files(output: Sequence[Path], show: bool) -> tuple[list[Path], list[Path]]:
     """Files of signals and pictures. Raises UsageError before a long run for those that cannot be written."""
-    from spacar_drawing.files import STILL, check_name
-    from spacar_drawing.window import check_display
-
     tables = [path for path in output if path.suffix.lower() in SIGNALS]
     pictures = [path for path in output if path not in tables]
+    if pictures:
+        from spacar_drawing.files import STILL, check_name
     for path in pictures:
         if path.suffix.lower() not in STILL:
             raise UsageError(f"{path}: its name must end with {', '.join((*SIGNALS, *STILL))}", "files.export")
         check_name(path, film=False)
     if show:
+        from spacar_drawing.window import check_display
+
         check_display()
     return tables, pictures
 

@@ -26,7 +26,7 @@ MOST_TIMES = 100_000_000
 SETTINGS = (
     SimKey("time", "number", "length of the simulation, which starts at 0", None, "s"),
     SimKey("step", "number", "between two times of the results", None, "s"),
-    SimKey("method", "text", "code of INTEGRAT with variable steps: 155, 135, 853, 553, 595", "155"),
+    SimKey("method", "text", "code with variable steps: 135, 155, 853, 553, 595; -1: 155 or 595, as steps ask", "-1"),
     SimKey("rtol", "number", "relative tolerance of a step", "1e-6"),
     SimKey("atol", "number", "absolute tolerance of a step", "1e-8"),
     SimKey("max_step", "number", "largest step", "", "s"),

@@ -220,10 +220,18 @@ class CompiledDynamics:
         """Stresses (ne,) on active rows and forces (nx,) besides those of the model; `general` is not told."""
         self.solver.push(sigma, force)
 
-    def reach(self, t: float, y: Array, within: float = CONVERGED) -> bool:
-        """Whether C could evaluate the state; then everything of it is in `state`."""
+    def reach(self, t: float, y: Array, whole: bool) -> bool:
+        """Whether C could evaluate the state; then x, e and their derivatives are in `state`, and everything else when
+        `whole`: of e only the derivatives of degrees of freedom are there without it."""
         self._y[:] = y
-        return self.solver.evaluate(self.state, t, self._addresses[0], within) >= 0
+        if whole:
+            return self.solver.evaluate(self.state, t, self._addresses[0], CONVERGED) >= 0
+        s, part = self.state, self.numbering.e_class["dynamic"]
+        if self.solver.rhs(s, t, *self._addresses, CONVERGED) < 0:
+            return False
+        if (n := part.stop - part.start):
+            s.ed[part, 0], s.edd[part, 0] = self._y[-n:], self._out[-n:]
+        return True
 
     # -- checks ---------------------------------------------------------------------------------------------------
     def condition(self) -> float:

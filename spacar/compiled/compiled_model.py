@@ -60,6 +60,11 @@ class State:
         self.address = ctypes.addressof(self.c)
         model.engine.state(model.handle, self.address, first)
 
+    @property
+    def together(self) -> Array:
+        """Everything of the only case, (n,): x, xd, xdd, three forces (nx), e, ed, edd, sigma, given_e (ne), y."""
+        return self._together[:, 0]
+
     @cached_property
     def of_x(self) -> Array:
         """(6, nx, cases)"""
@@ -213,11 +218,17 @@ class CompiledModel:
         for state in states:
             self.engine.state(self.handle, state.address, state.x_address)
 
+    @cached_property
+    def _pushed(self) -> tuple[Array, Array, Array, Array]:
+        """Forces and preloads of active rows, in the memory of C and without inputs."""
+        first = self.numbering.e_class["input"].stop
+        return self.force, self.numbers.force, self.preload[first:], self.numbers.preload[first:]
+
     def push(self, sigma: Array, force: Array) -> None:
         """Stresses (ne,) on active rows and forces (nx,) besides those of the model."""
-        first = self.numbering.e_class["input"].stop
-        self.force[:] = self.numbers.force + force[:, None]
-        self.preload[first:] = self.numbers.preload[first:] + sigma[first:, None]
+        forces, own_forces, preloads, own_preloads = self._pushed
+        np.add(own_forces, force[:, None], forces)
+        np.add(own_preloads, sigma[len(sigma) - len(preloads) :, None], preloads)
         self.engine.forget(self.handle)
 
     # -- calls; y, out, K are C-contiguous with the cases last ----------------------------------------------------

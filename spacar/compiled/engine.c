@@ -15,6 +15,7 @@
 #include "model.c"
 #include "last_state.c"
 #include "start.c"
+#include "loop_stages.c"
 #include "stepper.c"
 #include "adams.c"
 #include "runge_kutta.c"
@@ -50,5 +51,5 @@ const void *const BUILD[] = {
     spacar_begin, spacar_end, spacar_capsules, spacar_dropped, spacar_renew, spacar_state, spacar_start, spacar_evaluate, spacar_rhs, spacar_stages, spacar_forget, spacar_gradient,
     spacar_determinant, spacar_reduced_mass, spacar_guard, spacar_rcond, spacar_rcond_everywhere,
     spacar_adams_begin, spacar_adams, spacar_adams_value, spacar_runge_kutta, spacar_newton,
-    spacar_show, spacar_pass_adams, spacar_pass_runge_kutta,
+    spacar_show, spacar_pass_adams, spacar_pass_runge_kutta, spacar_loop_stages,
 };

@@ -116,6 +116,10 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
     "show": (INTEGER, POINTER, POINTER),
     "pass_adams": (INTEGER, POINTER, POINTER, POINTER),
     "pass_runge_kutta": (INTEGER, POINTER, POINTER, POINTER),
+    "loop_stages": (
+        INTEGER, POINTER, INTEGER, INTEGER, POINTER, POINTER, NUMBER, NUMBER, NUMBER, NUMBER, POINTER, POINTER, POINTER,
+        INTEGER, POINTER,
+    ),
 }  # fmt: skip
 
 # in the order of the second table in engine.c: batches.c, equilibrium.c, rest_newton.c,
@@ -249,6 +253,7 @@ class Engine:
     show: Any
     pass_adams: Any
     pass_runge_kutta: Any
+    loop_stages: Any
 
 
 @lru_cache

@@ -76,7 +76,7 @@ METHODS: dict[int, Method] = {row.code: row for row in _ROWS}
 ALIASES = {255: 225}
 # The names of these methods in SciPy, which model files of simulations (.sim) and older scripts use. BDF stands for
 # "stiff"; its place is taken by Radau IIA.
-NAMES = {"RK23": 135, "RK45": 155, "DOP853": 853, "RADAU": 553, "BDF": 553}
+NAMES = {"AUTO": AUTOMATIC, "RK23": 135, "RK45": 155, "DOP853": 853, "RADAU": 553, "BDF": 553}
 
 
 def method(code: int) -> Method:
@@ -91,6 +91,8 @@ def method(code: int) -> Method:
 def named(word: int | str) -> Method:
     """The row of a code (155 or "155") or of a name in NAMES, small or capital. Raises UsageError `integrator.code`."""
     text = str(word).strip()
+    if text == str(AUTOMATIC):
+        return METHODS[AUTOMATIC]
     if text.isdecimal() and text.isascii() and len(text) <= 4:
         return method(int(text))
     code = NAMES.get(text.upper())

@@ -26,79 +26,106 @@ DIFFERENCE = float(np.finfo(float).eps) ** 0.5
 
 
 class AffineRun:
-    """Outputs of blocks that follow each other, of all signals y and states x, (n,) of these blocks."""
+    """Outputs of blocks that follow each other, of z = (all states x, all signals y, 1)."""
 
     def __init__(self, s: Schedule, blocks: Sequence[Block]) -> None:
         n_x, n_y = sum(b.n_states for b in s.blocks), s.wiring.shape[1]
         rows = [np.arange(s.outputs[b.name].start, s.outputs[b.name].stop) for b in blocks]
-        self.rows = np.concatenate(rows) if rows else np.zeros(0, np.int64)
-        whole, constant = np.zeros((n_y, n_x + n_y)), np.zeros(n_y)
+        self.rows = np.concatenate(rows)
+        whole = np.zeros((n_y, n_x + n_y + 1))
         known = np.ones(n_y, bool)
         known[self.rows] = False
         for b, own in zip(blocks, rows, strict=True):
             f = b.affine()
             assert f is not None  # the caller has asked
             wired = f.D @ s.wiring[s.inputs[b.name]]
-            inside = wired * ~known  # of blocks that came before in this run
-            whole[own] = inside @ whole
-            whole[own, n_x:] += wired * known
+            whole[own] = (wired * ~known) @ whole  # of blocks that came before in this run
+            whole[own, n_x:-1] += wired * known
             whole[own, s.states[b.name]] += f.C
-            constant[own] = inside @ constant + f.c
-        self.by_states, self.by_outputs = whole[self.rows, :n_x].copy(), whole[self.rows, n_x:].copy()
-        self.constant = constant[self.rows]
+            whole[own, -1] += f.c
+        self.matrix = whole[self.rows]
 
-    def into(self, x: Array, y: Array) -> None:
-        """Put the outputs into y."""
-        y[self.rows] = self.by_states @ x + self.by_outputs @ y + self.constant
-
-
-class AffineRates:
-    """Rates of the states of blocks, of all inputs u and states x."""
-
-    def __init__(self, s: Schedule, blocks: Sequence[Block]) -> None:
-        n_x = sum(b.n_states for b in s.blocks)
-        A, B, a = np.zeros((n_x, n_x)), np.zeros((n_x, len(s.wiring))), np.zeros(n_x)
-        places = [np.arange(s.states[b.name].start, s.states[b.name].stop) for b in blocks]
-        self.places = np.concatenate(places) if places else np.zeros(0, np.int64)
-        for b, own in zip(blocks, places, strict=True):
-            f = b.affine()
-            assert f is not None  # the caller has asked
-            A[own, s.states[b.name]], B[own, s.inputs[b.name]], a[own] = f.A, f.B, f.a
-        self.A, self.B, self.a = A[self.places], B[self.places], a[self.places]
-
-    def into(self, x: Array, u: Array, out: Array) -> None:
-        """Put the rates into out."""
-        out[self.places] = self.A @ x + self.B @ u + self.a
+    def into(self, z: Array, y: Array) -> None:
+        """Put the outputs into y, a part of z."""
+        y[self.rows] = self.matrix @ z
 
 
 @dataclass(frozen=True)
-class Plan:
-    """How a diagram is evaluated while no mode changes: blocks whose outputs need no inputs, runs of affine blocks and
-    the other groups in their order, the rates of affine blocks together, and blocks with rates of their own."""
+class Order:
+    """Blocks whose outputs need no inputs; then runs of affine blocks and other groups, each after those it needs."""
 
     first: list[Block]
     later: list[AffineRun | Group]
-    rates: AffineRates
-    alone: list[Block]
 
     @classmethod
-    def of(cls, s: Schedule) -> Plan:
+    def of(cls, s: Schedule, first: Sequence[Block], groups: Sequence[Group]) -> Order:
         """For the present modes of the blocks."""
         together = {b.name: b.affine() is not None for b in s.blocks}
         later: list[AffineRun | Group] = []
-        run = [b for b in s.first if together[b.name] and not b.direct.any()]
-        for group in s.later:
+        run = [b for b in first if together[b.name] and not b.direct.any()]
+        for group in groups:
             if not group.torn and together[group.blocks[0].name]:
                 run.append(group.blocks[0])
                 continue
-            later += [AffineRun(s, run)] * bool(run)
+            later += [AffineRun(s, run)] if run else []
             later.append(group)
             run = []
-        later += [AffineRun(s, run)] * bool(run)
-        dynamic = [b for b in s.blocks if b.n_states]
-        rates = AffineRates(s, [b for b in dynamic if together[b.name]])
-        first = [b for b in s.first if not together[b.name]]
-        return cls(first, later, rates, [b for b in dynamic if not together[b.name]])
+        later += [AffineRun(s, run)] if run else []
+        return cls([b for b in first if not together[b.name]], later)
+
+
+class Plan:
+    """How a diagram is evaluated while no mode changes: `signals`, all of them; `for_rates`, those that the rates of
+    states depend on. Then inputs of blocks with rates of their own and the rates of affine blocks are one product.
+    """
+
+    def __init__(self, s: Schedule) -> None:
+        self.signals = Order.of(s, s.first, s.later)
+        self.for_rates = Order.of(s, *_behind_rates(s))
+        n_x, n_y = sum(b.n_states for b in s.blocks), s.wiring.shape[1]
+        self.alone: list[tuple[Block, slice, slice]] = []  # its states, its inputs in the product
+        inputs, rates, places = [np.zeros((0, n_x + n_y + 1))], [], [np.zeros(0, np.int64)]
+        for b in (b for b in s.blocks if b.n_states):
+            states, wired, f = s.states[b.name], s.wiring[s.inputs[b.name]], b.affine()
+            rows = np.zeros((b.n_in if f is None else b.n_states, n_x + n_y + 1))
+            if f is None:
+                rows[:, n_x:-1] = wired
+                begin = sum(map(len, inputs))
+                self.alone.append((b, states, slice(begin, begin + b.n_in)))
+                inputs.append(rows)
+            else:
+                rows[:, states], rows[:, n_x:-1], rows[:, -1] = f.A, f.B @ wired, f.a
+                rates.append(rows)
+                places.append(np.arange(states.start, states.stop))
+        self.matrix, self.places = np.vstack(inputs + rates), np.concatenate(places)
+        self.n_inputs = sum(map(len, inputs))
+
+    def rates(self, t: float, x: Array, z: Array) -> Array:
+        """(n_states,), from the signals in z."""
+        out, product = np.empty(len(x)), self.matrix @ z
+        out[self.places] = product[self.n_inputs :]
+        for b, states, inputs in self.alone:
+            out[states] = b.derivative(t, x[states], product[inputs])
+        return out
+
+
+def _behind_rates(s: Schedule) -> tuple[list[Block], list[Group]]:
+    """The blocks and groups whose outputs rates depend on; what is sampled or looks back needs no present inputs."""
+    of_inputs = np.zeros(len(s.wiring), bool)
+    for b in s.blocks:
+        of_inputs[s.inputs[b.name]] = b.n_states > 0
+
+    def wanted(blocks: Sequence[Block]) -> bool:
+        signals = (s.wiring[of_inputs] != 0.0).any(axis=0)
+        return any(signals[s.outputs[b.name]].any() for b in blocks)
+
+    groups = []
+    for group in reversed(s.later):
+        if any((s.wiring[of_inputs][:, s.outputs[b.name]][:, b.direct] != 0.0).any() for b in group.blocks):
+            groups.append(group)
+            for b in group.blocks:
+                of_inputs[s.inputs[b.name]] |= b.period is None and not b.lag
+    return [b for b in s.first if wanted([b])], groups[::-1]
 
 
 def diagram_jacobian(s: Schedule, t: float, x: Array, u: Array, absolute: float) -> Array:

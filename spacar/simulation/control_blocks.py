@@ -166,7 +166,8 @@ class PID(Block):
         self.clamps = anti_windup == "clamping"
         self.direct[:] = np.any(self.kp != 0.0) or np.any(self.kd != 0.0)
         self.x0 = np.zeros(2 * size if self.kd.any() else size)
-        self.n_events = 3 * size if np.isfinite([self.lower, self.upper]).any() else 0
+        limited = np.isfinite([self.lower, self.upper]).any()
+        self.n_events = (3 if self.clamps else 2) * size if limited else 0
         self.start()
 
     def start(self) -> Array:
@@ -205,10 +206,11 @@ class PID(Block):
         return Affine(A, B, C, np.diag(free * (self.kp + sharp)), a, limit)
 
     def events(self, t: float, x: Array, u: Array) -> Array:
-        v = self.unlimited(x, u)
+        margins = region_margins(self.mode, self.unlimited(x, u), self.lower, self.upper)
+        if not self.clamps:
+            return margins
         push = self.mode * self.ki * u
-        windup = np.where(self.held, push, -push) if self.clamps else np.ones(self.n_out)
-        return np.concatenate((region_margins(self.mode, v, self.lower, self.upper), windup))
+        return np.concatenate((margins, np.where(self.held, push, -push)))
 
     def switch(self, t: float, x: Array, u: Array) -> bool:
         mode, held = self.mode, self.held

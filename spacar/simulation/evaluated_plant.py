@@ -1,32 +1,42 @@
 """Where the mechanism of a simulation is for a state and inputs: by NumPy, or by the compiled engine.
 
 A simulation asks for positions and rates first, from which controllers make the inputs, and then for the accelerations.
-Inputs are stresses and forces that are added to those of the model, (ne,) and (nx,).
+Inputs are stresses and forces that are added to those of the model. Values are read by rows of one vector, in which
+`first` finds those of elements (ne,) and of coordinates (nx,).
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.frame import Frame
 from spacar.mechanism.mechanism import Mechanism, UserForces
 
-Pair = tuple[Array, Array]  # of deformations (ne,), of coordinates (nx,)
+POSITION, RATE, ACCELERATION = range(3)
+
+
+class Driven(NamedTuple):
+    """Rows (n,) of deformations or coordinates that inputs drive, and what each input gives them, (n, inputs)."""
+
+    rows: Index
+    by: Array
 
 
 class ArrayPlant:
     """By NumPy. Order of the calls: `start`, then `place` for each state and `accelerate` for each of its inputs."""
 
-    def __init__(self, mechanism: Mechanism) -> None:
-        n = mechanism.numbering
+    def __init__(self, mechanism: Mechanism, stresses: Driven, forces: Driven) -> None:
+        self.n = n = mechanism.numbering
         self.sigma, self.force = np.zeros(n.ne), np.zeros(n.nx)
         self._zero = np.zeros(n.ne), np.zeros(n.nx)
-        self.mechanism = mechanism
+        self.mechanism, self.stresses, self.forces = mechanism, stresses, forces
+        self._values = np.zeros(3 * (n.nx + n.ne))
 
     @cached_property
     def dynamics(self) -> Dynamics:
@@ -49,25 +59,33 @@ class ArrayPlant:
         """As of an `Evaluator`, after `start`."""
         return self.dynamics.doubt
 
-    def push(self, sigma: Array, force: Array) -> None:
+    def push(self, u: Array) -> None:
         """Set the inputs."""
-        self.sigma, self.force = sigma, force
+        self.sigma[self.stresses.rows] = self.stresses.by @ u
+        self.force[self.forces.rows] = self.forces.by @ u
 
     def place(self, t: float, y: Array) -> None:
         self._t, self._drive = t, self.dynamics.place(t, y)
+        d, nx, ne = self.dynamics, self.n.nx, self.n.ne
+        self._values[: 2 * nx] = np.concatenate((d.kinematics.x, d.xd))
+        self._values[3 * nx : 3 * nx + 2 * ne] = np.concatenate((d.sweep.e, d.sweep.rate(d.xd)))
 
     def accelerate(self) -> None:
-        self._found = self.dynamics.accelerate(self._t, self._drive)
+        xdd, _, convective = self.dynamics.accelerate(self._t, self._drive)
+        nx, ne = self.n.nx, self.n.ne
+        self._values[2 * nx : 3 * nx] = xdd
+        self._values[3 * nx + 2 * ne :] = self.dynamics.sweep.rate(xdd) + convective
 
-    def positions(self) -> Pair:
-        return self.dynamics.sweep.e, self.dynamics.kinematics.x
+    def forget(self) -> None:
+        """Neither what has been evaluated nor the inputs are there any more."""
 
-    def rates(self) -> Pair:
-        return self.dynamics.sweep.rate(self.dynamics.xd), self.dynamics.xd
+    def first(self, quantity: int, of_elements: bool) -> int:
+        """Row of the first position, rate or acceleration."""
+        return 3 * self.n.nx + quantity * self.n.ne if of_elements else quantity * self.n.nx
 
-    def accelerations(self) -> Pair:
-        xdd, _, convective = self._found
-        return self.dynamics.sweep.rate(xdd) + convective, xdd
+    def read(self, rows: Index) -> Array:
+        """Values (rows,): positions and rates after `place`, accelerations after `accelerate`."""
+        return self._values[rows]
 
     def frame(self, t: float, y: Array) -> Frame:
         """The whole state, as mode 1 gives it."""
@@ -79,63 +97,72 @@ class CompiledPlant(ArrayPlant):
     explains failures.
 
     One evaluation gives everything. `place` makes it with the inputs of the last `push`; if the next inputs are the
-    same, as between the samples of a controller, `accelerate` does not make it again. Positions and rates stay those of
-    `place` to the last bit: they do not depend on inputs, and the search for algebraic loops compares them.
+    same, as between the samples of a controller, `accelerate` does not make it again. `whole`: rates and accelerations
+    of other deformations than the degrees of freedom are read, which takes twice as long.
     """
 
-    def __init__(self, mechanism: Mechanism) -> None:
+    def __init__(self, mechanism: Mechanism, stresses: Driven, forces: Driven, whole: bool) -> None:
         from spacar.compiled import CompiledDynamics
 
-        super().__init__(mechanism)
-        self.evaluator = CompiledDynamics(mechanism)
-        self._explained = self._known = False
+        super().__init__(mechanism, stresses, forces)
+        self.evaluator, self.whole = CompiledDynamics(mechanism), whole
+        self._values = self.evaluator.state.together
+        self._known = False
+        self._pushed: bytes | None = None  # the inputs that C has
 
     def start(self) -> Array:
-        self._explained = self._known = False
+        self._known = False
         return self.evaluator.start()
 
     @property
     def doubt(self) -> str | None:
         return self.evaluator.doubt
 
-    def push(self, sigma: Array, force: Array) -> None:
-        if self._known and np.array_equal(sigma, self.sigma) and np.array_equal(force, self.force):
+    def push(self, u: Array) -> None:
+        if self._known and u.tobytes() == self._pushed:
             return
-        self._known = False
-        super().push(sigma, force)
-        self.evaluator.push(sigma, force)
+        self._known, self._pushed = False, u.tobytes()
+        super().push(u)
+        self.evaluator.push(self.sigma, self.force)
 
     def place(self, t: float, y: Array) -> None:
         self._at = t, y.copy()
         self._evaluate()
-        s = self.evaluator.state
-        positions = super().positions() if self._explained else (s.e[:, 0], s.x[:, 0])
-        rates = super().rates() if self._explained else (s.ed[:, 0], s.xd[:, 0])
-        self._placed = [(of_e.copy(), of_x.copy()) for of_e, of_x in (positions, rates)]
 
     def accelerate(self) -> None:
         if not self._known:
             self._evaluate()
 
     def _evaluate(self) -> None:
-        self._explained = not self.evaluator.reach(*self._at)
-        if self._explained:
-            self.dynamics.stand(self.evaluator.placement())
+        if not self.evaluator.reach(*self._at, self.whole):
+            self._explain()
+        self._known = True
+
+    def _explain(self) -> None:
+        """By NumPy, with its values where those of C are read."""
+        in_c, nx = self._values, self.n.nx
+        self._values = np.zeros(3 * (nx + self.n.ne))
+        self.dynamics.stand(self.evaluator.placement())
+        try:
             super().place(*self._at)
             super().accelerate()
             self.evaluator.stand(self.dynamics.placement())
-        self._known = True
+            in_c[: 3 * nx] = self._values[: 3 * nx]
+            in_c[6 * nx : 6 * nx + 3 * self.n.ne] = self._values[3 * nx :]
+        finally:
+            self._values = in_c
 
-    def positions(self) -> Pair:
-        return self._placed[0]
+    def forget(self) -> None:
+        self._known, self._pushed = False, None
 
-    def rates(self) -> Pair:
-        return self._placed[1]
-
-    def accelerations(self) -> Pair:
-        s = self.evaluator.state
-        return super().accelerations() if self._explained else (s.edd[:, 0], s.xdd[:, 0])
+    def first(self, quantity: int, of_elements: bool) -> int:
+        return 6 * self.n.nx + quantity * self.n.ne if of_elements else quantity * self.n.nx
 
     def frame(self, t: float, y: Array) -> Frame:
-        self.place(t, y)
-        return super().frame(t, y) if self._explained else self.evaluator.frame(t, y)
+        self._known = False
+        if self.evaluator.reach(t, y, True):
+            return self.evaluator.frame(t, y)
+        self.dynamics.stand(self.evaluator.placement())
+        found = super().frame(t, y)
+        self.evaluator.stand(self.dynamics.placement())
+        return found

@@ -23,12 +23,14 @@ def passed(before: Array, after: Array, events: Sequence[Event]) -> NDArray[np.b
     """(n,) of the values of all event functions at two times, (n,) each: which modes ended in between, and which
     functions of the caller, the last ones, changed their sign in a direction that counts.
     """
-    n = len(before) - len(events)
     ended = (before >= 0.0) & (after < 0.0)
-    direction = np.concatenate((np.zeros(n), [e.direction for e in events]))
+    if not events:
+        return ended
+    n = len(before) - len(events)
+    direction = np.array([e.direction for e in events])
+    before, after = before[n:], after[n:]
     rising, falling = (before < 0.0) & (after >= 0.0), (before > 0.0) & (after <= 0.0)
-    crossed = (rising & (direction >= 0)) | (falling & (direction <= 0))
-    return np.where(np.arange(len(before)) < n, ended, crossed)
+    return np.concatenate((ended[:n], (rising & (direction >= 0)) | (falling & (direction <= 0))))
 
 
 def first_event(

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import component_name
 from spacar.errors import UsageError
 from spacar.frame import Frame
@@ -20,12 +20,11 @@ from spacar.linear.state_space import DRIVING_SIGN
 from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
 from spacar.simulation.blocks import Block
-from spacar.simulation.evaluated_plant import ArrayPlant, CompiledPlant
+from spacar.simulation.evaluated_plant import ACCELERATION, POSITION, RATE, ArrayPlant, CompiledPlant, Driven
 from spacar.sources import Source, deck_of
 
 INPUT_KINDS = ("INPUTS", "INPUTF")
 OUTPUT_KINDS = ("OUTE", "OUTEP", "OUTEDP", "OUTX", "OUTXP", "OUTXDP")
-POSITION, RATE, ACCELERATION = range(3)
 QUANTITY = {
     "OUTE": POSITION,
     "OUTX": POSITION,
@@ -53,7 +52,6 @@ class Spasim(Block):
         self.u_signals, self.y_signals = signals(mechanism, INPUT_KINDS), signals(mechanism, OUTPUT_KINDS)
         super().__init__(name, [s.name for s in self.u_signals], [s.name for s in self.y_signals])
         self.direct = np.array([QUANTITY[s.kind] == ACCELERATION for s in self.y_signals], bool)
-        self._places()
         self.choose(mechanism.settings.compiled)
         self.breaks = tuple(mechanism.drive.breaks)
         names = [component_name(n, i) for i in range(2 * n.nddof + n.nk)]
@@ -70,44 +68,67 @@ class Spasim(Block):
         settings = replace(self.mechanism.settings, compiled=compiled)
         reason = why_general(replace(self.mechanism, settings=settings))
         self.engine = ("compiled", level()) if reason is None else ("general", reason)
-        self.motion = CompiledPlant(self.mechanism) if reason is None else ArrayPlant(self.mechanism)
+        driven = self._driven("INPUTS", -DRIVING_SIGN), self._driven("INPUTF", 1.0)
+        n = self.numbering
+        of_dynamic = set(range(n.e_class["dynamic"].start, n.e_class["dynamic"].stop))
+        whole = n.nk > 0 or any(s.kind in ("OUTEP", "OUTEDP") and s.index not in of_dynamic for s in self.y_signals)
+        compiled = reason is None
+        self.motion = (
+            CompiledPlant(self.mechanism, *driven, whole) if compiled else ArrayPlant(self.mechanism, *driven)
+        )
+        self._places()
         self._at: tuple[float, bytes] | None = None
         self._solved: bytes | None = None
 
+    def _driven(self, kind: str, sign: float) -> Driven:
+        """What the inputs of a kind drive."""
+        chosen = [(k, s.index) for k, s in enumerate(self.u_signals) if s.kind == kind]
+        rows = sorted({row for _, row in chosen})
+        by = np.zeros((len(rows), len(self.u_signals)))
+        for k, row in chosen:
+            by[rows.index(row), k] = sign
+        return Driven(np.array(rows, np.int64), by)
+
     def _places(self) -> None:
-        """Index arrays of inputs and outputs, by kind."""
-        kinds = np.array([s.kind for s in self.u_signals])
-        index = np.array([s.index for s in self.u_signals], np.int64)
-        self._by_stress, self._by_force = np.flatnonzero(kinds == "INPUTS"), np.flatnonzero(kinds == "INPUTF")
-        self._e_of, self._x_of = index[self._by_stress], index[self._by_force]
-        self._read = []
-        for quantity in (POSITION, RATE, ACCELERATION):
-            for of_elements in (True, False):
-                chosen = [k for k, s in enumerate(self.y_signals)
-                          if QUANTITY[s.kind] == quantity and s.kind.startswith("OUTE") == of_elements]  # fmt: skip
-                rows = np.array([self.y_signals[k].index for k in chosen], np.int64)
-                self._read.append((np.array(chosen, np.int64), rows))
+        """Where outputs and derivatives are read."""
+
+        def read(chosen: list[int]) -> tuple[Index, Index]:
+            signals = [self.y_signals[k] for k in chosen]
+            rows = [self.motion.first(QUANTITY[s.kind], s.kind.startswith("OUTE")) + s.index for s in signals]
+            return np.array(chosen, np.int64), np.array(rows, np.int64)
+
+        # outputs (n,) that are positions and rates, and the rows (n,) in which the motion has them
+        self.placed = read(np.flatnonzero(~self.direct).tolist())
+        self._accelerated = read(np.flatnonzero(self.direct).tolist())
+        xs, es = self.numbering.x_class, self.numbering.e_class
+        rows = [
+            self.motion.first(quantity, of_elements) + np.arange(part.start, part.stop)
+            for quantity, kind in ((RATE, "kinematic"), (ACCELERATION, "dynamic"))
+            for of_elements, part in ((False, xs[kind]), (True, es[kind]))
+        ]
+        self._changing = np.concatenate(rows)
 
     def start(self) -> Array:
         self._at = self._solved = None
-        self._push(np.zeros(self.n_in))
+        self.motion.push(np.zeros(self.n_in))
         x0 = self.motion.start()
         self.doubt = self.motion.doubt
         return x0
 
-    # -- the mechanism --------------------------------------------------------------------------------------------
-    def _push(self, u: Array) -> None:
-        """The inputs as stresses and forces."""
-        sigma, force = np.zeros(self.numbering.ne), np.zeros(self.numbering.nx)
-        np.add.at(sigma, self._e_of, -DRIVING_SIGN * u[self._by_stress])
-        np.add.at(force, self._x_of, u[self._by_force])
-        self.motion.push(sigma, force)
+    def forget(self) -> None:
+        """The mechanism has been elsewhere."""
+        self._at = self._solved = None
+        self.motion.forget()
 
+    # -- the mechanism --------------------------------------------------------------------------------------------
     def _place(self, t: float, x: Array) -> None:
         key = (t, x.tobytes())
         if key != self._at:
             self._at = self._solved = None
             self.motion.place(t, x)
+            outputs, rows = self.placed
+            self._of_state = np.zeros(self.n_out)
+            self._of_state[outputs] = self.motion.read(rows)
             self._at = key
 
     def _solve(self, t: float, x: Array, u: Array) -> None:
@@ -115,7 +136,7 @@ class Spasim(Block):
         self._place(t, x)
         key = u.tobytes()
         if key != self._solved:
-            self._push(u)
+            self.motion.push(u)
             self.motion.accelerate()
             self._solved = key
 
@@ -130,43 +151,27 @@ class Spasim(Block):
         """Outputs that are positions and rates; accelerations are left zero."""
         self._check(x, None)
         self._place(t, x)
-        y = np.zeros(self.n_out)
-        (ke, re), (kx, rx), (kep, rep), (kxp, rxp), *_ = self._read
-        e, x_now = self.motion.positions()
-        y[ke], y[kx] = e[re], x_now[rx]
-        if len(kep) or len(kxp):
-            ed, xd = self.motion.rates()
-            y[kep], y[kxp] = ed[rep], xd[rxp]
-        return y
+        return self._of_state
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
         self._check(x, u)
-        y = self.state_outputs(t, x)
-        if self.direct.any():
+        y = self.state_outputs(t, x).copy()
+        outputs, rows = self._accelerated
+        if len(outputs):
             self._solve(t, x, u)
-            (ke, re), (kx, rx) = self._read[4:]
-            edd, xdd = self.motion.accelerations()
-            y[ke], y[kx] = edd[re], xdd[rx]
+            y[outputs] = self.motion.read(rows)
         return y
 
     def derivative(self, t: float, x: Array, u: Array) -> Array:
         """Time derivative of the states, (n_states,)."""
         self._check(x, u)
         self._solve(t, x, u)
-        n = self.numbering
-        xs, es, m = n.x_class, n.e_class, n.nddof + n.nk
-        out = np.empty(len(x))
-        out[: n.nddof] = x[m:]
-        if n.nk:
-            ed, xd = self.motion.rates()
-            out[n.nddof : m] = np.concatenate((xd[xs["kinematic"]], ed[es["kinematic"]]))
-        edd, xdd = self.motion.accelerations()
-        out[m:] = np.concatenate((xdd[xs["dynamic"]], edd[es["dynamic"]]))
-        return out
+        n = self.numbering.nddof
+        return np.concatenate((x[-n:], self.motion.read(self._changing)))
 
     def frame(self, t: float, x: Array, u: Array) -> Frame:
         """The whole state of the mechanism for these inputs, as mode 1 gives it."""
         self._check(x, u)
         self._at = self._solved = None
-        self._push(u)
+        self.motion.push(u)
         return self.motion.frame(t, x)

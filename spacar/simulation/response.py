@@ -52,7 +52,8 @@ class Response:
 
     t (n,) [s];  y (n, all outputs);  x (n, all states);  u (n, all inputs)
     outputs, states, inputs   columns of each block in y, x, u
-    events (time, name) in order;  notes for the log;  statistics  counters of work
+    events (time, name) in order;  notes for the log;  statistics  counters of work;  hint  what the time is spent on,
+    and how to spend less
     """
 
     t: Array
@@ -66,6 +67,7 @@ class Response:
     events: tuple[tuple[float, str], ...]
     notes: tuple[str, ...]
     statistics: dict[str, int] = field(default_factory=dict)
+    hint: str = ""
 
     def __repr__(self) -> str:
         blocks = ", ".join(f"{name} ({block.n_out})" for name, block in self.diagram.blocks.items() if block.n_out)

@@ -5,9 +5,20 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from spacar.simulation import PID, Diagram, Gain, Integrator, RateLimiter, Saturation, transfer_function
+from spacar.simulation import (
+    PID,
+    Diagram,
+    Gain,
+    Integrator,
+    RateLimiter,
+    Sampled,
+    Saturation,
+    simulate,
+    transfer_function,
+)
 from spacar.simulation.affine_blocks import by_differences, diagram_jacobian
-from spacar.simulation.engine import _Simulation
+from spacar.simulation.diagram import schedule
+from spacar.simulation.diagram_evaluator import DiagramEvaluator
 from spacar.simulation.switching_blocks import DeadZone
 
 RANDOM = np.random.default_rng(7)
@@ -49,14 +60,46 @@ def test_a_loop_of_all_of_them():
     names = list(d.blocks)
     for a, b in zip(names, [*names[1:], names[0]], strict=True):
         d.connect(a, b)
-    run = _Simulation(d, np.array([0.0, 1.0]), 155, 1e-8, 1e-6, np.inf, (), {})
+    s = schedule(d)
+    start = np.concatenate([b.start() for b in s.blocks])
+    run = DiagramEvaluator(s)
     for scale in (0.01, 1.0):
-        x = run.x + scale * RANDOM.normal(size=len(run.x))
+        x = start + scale * RANDOM.normal(size=len(start))
         run.settle(0.0, x)
-        alone = run.evaluate(0.0, x, (), True).copy()
-        np.testing.assert_allclose(run.evaluate(0.0, x), alone, rtol=1e-12, atol=1e-13)
         u = run.evaluate(0.0, x)
+        for name, b in d.blocks.items():
+            own = x[s.states[name]], u[s.inputs[name]]
+            np.testing.assert_allclose(run.y[s.outputs[name]], b.outputs(0.0, *own), rtol=1e-12, atol=1e-13)
+            np.testing.assert_allclose(
+                run.rates(0.0, x)[s.states[name]], b.derivative(0.0, *own), rtol=1e-12, atol=1e-12
+            )
         step = 1e-6
-        columns = [(run.rhs(0.0, x + step * e) - run.rhs(0.0, x - step * e)) / (2 * step) for e in np.eye(len(x))]
-        exact = diagram_jacobian(run.s, 0.0, x, u, 1e-8)
+        columns = [(run.rates(0.0, x + step * e) - run.rates(0.0, x - step * e)) / (2 * step) for e in np.eye(len(x))]
+        exact = diagram_jacobian(s, 0.0, x, u, 1e-8)
         np.testing.assert_allclose(exact, np.array(columns).T, rtol=1e-6, atol=1e-5)
+
+
+@pytest.mark.parametrize("delay", [False, True])
+def test_a_sample_that_changes_a_mode_behind_it(delay):
+    """u(k) = 3 k at t = k/10 through a saturation of 4 into an integrator: 0.1 (0 + 3 + 4 + 4 ...), one later with
+    delay."""
+    d = Diagram().add(
+        Sampled("count", lambda t, x, u: (x + 1, [3.0 * x]), 0.1, 0, 1, x0=0, delay=delay),
+        Saturation("limit", -4.0, 4.0), Integrator("sum"),
+    ).connect("count", "limit").connect("limit", "sum")  # fmt: skip
+    found = simulate(d, [0.0, 1.0])["sum"][-1, 0]
+    assert found == pytest.approx(0.1 * (3.0 + (7 if delay else 8) * 4.0), rel=1e-12)
+
+
+def test_many_limits_are_each_met():
+    """x' = -clip(k (x - r)): where a limit is met follows by hand; 20 of them, at times that nobody chose."""
+    n = 20
+    limit, gain = RANDOM.uniform(0.5, 2.0, n), RANDOM.uniform(3.0, 9.0, n)
+    far = limit / gain + RANDOM.uniform(0.1, 1.0, n)  # from the target: driven at the limit first
+    d = Diagram().add(
+        Gain("gain", -np.diag(gain)), Saturation("limit", -limit, limit, n), Integrator("x", far, size=n)
+    ).connect("x", "gain").connect("gain", "limit").connect("limit", "x")  # fmt: skip
+    r = simulate(d, [0.0, 3.0], rtol=1e-10, atol=1e-12)
+    met = (far - limit / gain) / limit
+    np.testing.assert_allclose(r["x"][-1], limit / gain * np.exp(-gain * (3.0 - met)), rtol=1e-7, atol=1e-11)
+    assert len(r.events) == n

@@ -10,8 +10,11 @@ import click
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
+from spacar_cli.progress import Bar
 from spacar_cli.scope_output import show_scopes, signal_options, sorted_files
 from spacar_cli.status import tell, tell_notes
+
+LONG = 5.0  # seconds of a run that is told what it waits for
 
 
 @words.command("sim")
@@ -46,8 +49,17 @@ def command(environment: Environment, file: Path, output: tuple[Path, ...], comp
     if not compiled:
         for plant in plants.values():
             plant.choose(False)
-    begun = time.perf_counter()
-    response = simulate(model.diagram, model.times, **model.options)
+    first, duration = float(model.times[0]), float(model.times[-1] - model.times[0])
+    bar, begun = Bar(environment), time.perf_counter()
+
+    def progress(t: float) -> None:
+        if bar.due:
+            bar.show_time(t, t - first, duration)
+
+    try:
+        response = simulate(model.diagram, model.times, **model.options, progress=progress)
+    finally:
+        bar.close()
     seconds = time.perf_counter() - begun
     for name, plant in plants.items():
         if plant.doubt:
@@ -77,7 +89,10 @@ def command(environment: Environment, file: Path, output: tuple[Path, ...], comp
     lines.append("work: " + ", ".join(f"{count} {what}" for what, count in response.statistics.items()))
     write_text(targets[0].with_suffix(".log"), "\n".join(lines) + "\n")
     files = " ".join(str(path) for path in (*targets, *motions))
-    environment.wrote(f"{source.name}: {len(response.t)} times in {seconds:.2f} s: {files}")
+    rate = (response.t[-1] - response.t[0]) / seconds
+    environment.wrote(f"{source.name}: {len(response.t)} times in {seconds:.2f} s ({rate:.3g} s/s): {files}")
+    if response.hint and seconds > LONG:
+        tell(environment, "hint", response.hint)
     if show or pictures:
         names = [*plants] or list(dict.fromkeys(table.blocks))
         panels = table.panels or tuple(p for name in names for p in panels_by_quantity(table, name))
