@@ -54,9 +54,8 @@ class StatementGroup(Sequence[Statement]):
 
     def __iter__(self) -> Iterator[Statement]:
         if self._made is None:
-            new, name, block = tuple.__new__, self.keyword, self.block  # `Statement` would be a call of Python
-            found = zip(self.rows(), self.lines, self.places)  # noqa: B905 (`strict` takes time)
-            self._made = [new(Statement, (name, row, block, line, place)) for row, line, place in found]
+            name, block, found = self.keyword, self.block, zip(self.rows(), self.lines, self.places, strict=True)
+            self._made = [Statement(name, row, block, line, place) for row, line, place in found]
         return iter(self._made)
 
     def __getitem__(self, index: Any) -> Any:

@@ -229,4 +229,4 @@ def singular_motion(t: float, reason: str) -> AnalysisError:
         f"the equations of motion cannot be solved at t = {t:.9g}: {reason}; a degree of freedom carries no mass"
         " (add XM or EM) or constraints depend on each other in this position (`spacar 0`)"
     )
-    return AnalysisError(text, "dynamics.singular-mass")
+    return AnalysisError(text, "dynamics.singular-mass", t=t)

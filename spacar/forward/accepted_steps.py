@@ -44,9 +44,9 @@ def at_time(evaluator: Evaluator, t: float, y: Array) -> Frame:
 
 def fail_at(t: float, error: AnalysisError) -> NoReturn:
     """Raise the failure with its time; one that says it goes on with its own cause."""
-    if "t = " in str(error):
+    if "t" in error.data:
         raise error
-    raise AnalysisError(f"at t = {t:.9g}: {error}", error.code, **error.data) from error
+    raise AnalysisError(f"at t = {t:.9g}: {error}", error.code, t=t, **error.data) from error
 
 
 class SingularityMonitor:

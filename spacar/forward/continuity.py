@@ -374,4 +374,5 @@ def _stopped(t: float, what: str) -> AnalysisError:
         f"singular position at t = {t:.9g}: at this dead point of the degrees of freedom {what}; choose other degrees"
         " of freedom, or a smaller ERROR",
         "position.singular",
+        t=t,
     )

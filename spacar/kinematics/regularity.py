@@ -137,6 +137,7 @@ class Regularity:
             f" {self.matrix.undetermined()} (reciprocal condition {rcond:.2g}); a dead point: choose other degrees of"
             " freedom, or output times that do not fall on it",
             "position.singular",
+            t=t,
             rcond=rcond,
         )
 
@@ -168,4 +169,5 @@ class HalfTurns:
                 f"singular position at t = {t:.9g}: the rotation of node {node} reaches 180 degrees, where lambda1,"
                 f" lambda2, lambda3 (DYNX) are no coordinates; {cure}describe it by HINGE elements (DYNE)",
                 "position.singular",
+                t=t,
             )

@@ -41,7 +41,7 @@ def call(function: Callable[..., Any], name: str, t: float, *arguments: Any) -> 
 
 def _failed(name: str, t: float, error: BaseException) -> AnalysisError:
     text = f"the user function {name} failed at t = {t:.9g}: {one_line(error)}"
-    return AnalysisError(text, "user-function.failed")
+    return AnalysisError(text, "user-function.failed", t=t)
 
 
 def read_rows(name: str, what: str, rows: Any, widths: tuple[int, ...], t: float) -> Sequence[Sequence[float]]:
@@ -78,18 +78,18 @@ def checked_rows(name: str, what: str, rows: Any, widths: tuple[int, ...], t: fl
         array = np.atleast_2d(np.asarray(rows if rows is not None else [], float))
     except (TypeError, ValueError, OverflowError) as error:
         raise AnalysisError(
-            f"{name} at t = {t:.9g}: {what} is not an array of numbers ({error})", "user-function.shape"
+            f"{name} at t = {t:.9g}: {what} is not an array of numbers ({error})", "user-function.shape", t=t
         ) from error
     if array.size == 0:
         return np.zeros((0, max(widths)))
     if array.ndim != 2 or array.shape[1] not in widths:
         expected = " or ".join(str(w) for w in widths)
         text = f"{name} at t = {t:.9g}: {what} has the shape {array.shape}; expected rows of {expected} numbers"
-        raise AnalysisError(text, "user-function.shape")
+        raise AnalysisError(text, "user-function.shape", t=t)
     bad = np.flatnonzero(~np.isfinite(array).all(axis=1))
     if len(bad):
         text = f"{name} at t = {t:.9g}: row {bad[0] + 1} of {what} is not finite: {array[bad[0]].tolist()}"
-        raise AnalysisError(text, "user-function.not-finite")
+        raise AnalysisError(text, "user-function.not-finite", t=t)
     return np.pad(array, ((0, 0), (0, max(widths) - array.shape[1])))
 
 
@@ -268,7 +268,7 @@ class UserLaw:
             text = (
                 f"{self.name} at t = {t:.9g}: row {k + 1} of {what} names {row[0]:g} {row[1]:g}, which does not exist"
             )
-            raise AnalysisError(text, "user-function.index") from None
+            raise AnalysisError(text, "user-function.index", t=t) from None
 
     def _without_effect(self, i: int) -> str:
         """Why a stress on this row cannot act."""
@@ -388,5 +388,5 @@ class UserDrive:
                 text = (
                     f"{self.name} at t = {t:.9g}: row {k + 1} of {what} names {row[0]:g} {row[1]:g}, which is no {kind}"
                 )
-                raise AnalysisError(text, "user-function.index")
+                raise AnalysisError(text, "user-function.index", t=t)
             target[:, i] = row[2:5]

@@ -11,6 +11,7 @@ import pytest
 import spacar
 from spacar import Deck
 from spacar.errors import AnalysisError
+from spacar.forward.accepted_steps import fail_at
 
 
 def failure(deck: Deck, mode: int = 1) -> AnalysisError:
@@ -105,6 +106,14 @@ def test_user_function_that_breaks_on_the_way(tmp_path: Path, kind: str) -> None
     error = failure(spacar.read_deck(path, 1))
     assert "load" in str(error)
     assert "t = 0.4" in str(error)
+
+
+def test_the_time_stands_once_whatever_the_words_of_the_cause() -> None:
+    with pytest.raises(AnalysisError, match=r"^at t = 0.5: a plate of t = 3 mm$") as first:
+        fail_at(0.5, AnalysisError("a plate of t = 3 mm", "element.range", element=1))
+    with pytest.raises(AnalysisError, match=r"^at t = 0.5: a plate of t = 3 mm$") as second:
+        fail_at(0.75, first.value)
+    assert second.value.data == {"element": 1, "t": 0.5}
 
 
 def test_a_spring_that_explodes() -> None:
