@@ -7,7 +7,7 @@ The command NAME is `spacar_cli.commands.NAME:command`, imported when it is call
 from __future__ import annotations
 
 COMMANDS = {
-    "help": "options of a mode or a command, as MODE --help prints",
+    "help": "options of a mode or a command, or the page of a topic",
     "check": "read an input file and report, without running it",
     "edit": "write an input file and see it, in a browser",
     "keywords": "the keywords of the input language",
@@ -42,3 +42,12 @@ COMMANDS = {
     "completion": "completion of the command line by the TAB key, for bash, zsh, fish",
 }
 OF_THE_MANUAL = {"spadraw": "draw", "spavisual": "visual", "spasim": "sim"}  # names in SPACAR's manual
+
+TOPICS = {  # word of `spacar help` -> page of docs/, which wheels have in spacar_cli/pages
+    "convergence": "convergence.md",
+    "expressions": "expressions.md",
+    "flexures": "flexures.md",
+    "sensitivities": "sensitivity.md",
+    "simulation": "simulation.md",
+    "studies": "studies.md",
+}

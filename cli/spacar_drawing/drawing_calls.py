@@ -150,8 +150,8 @@ def plot(
     result: Result | Source, *expressions: str, path: str | Path | None = None, against: str = "t",
     title: str | None = None, dpi: float = DPI,
 ) -> Figure:  # fmt: skip
-    """A matplotlib figure of expressions such as 'x[6,1]' (docs/expressions.md), a panel for each variable or unit; in
-    the unit of length of the input file.
+    """A matplotlib figure of expressions such as 'x[6,1]' (`spacar help expressions`), a panel for each variable or
+    unit; in the unit of length of the input file.
 
     path     file that it is also written to (png, svg, pdf);  dpi: dots per inch of the file
     against  expression of the horizontal axis;  title: text above, instead of the name of the model

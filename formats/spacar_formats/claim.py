@@ -38,7 +38,8 @@ class Claim:
             while not self._locked():
                 if not wait:
                     raise UsageError(
-                        f"another run is writing {final}: wait for it (--wait does), or write somewhere else",
+                        f"another run is writing {final}{locks.holder(self.part)}: wait for it (--wait does), or write "
+                        "somewhere else",
                         "files.busy",
                     )
                 time.sleep(PAUSE)

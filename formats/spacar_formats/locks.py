@@ -78,12 +78,24 @@ def _holder_lives(beside: Path) -> bool:
     A process of another machine cannot be asked and counts as alive; so does the writer of an unfinished file.
     """
     try:
-        host, _, number = beside.read_text().strip().rpartition(" ")
+        host, _, number = beside.read_text("utf-8", "replace").strip().rpartition(" ")
     except OSError:
         return False
-    if host != platform.node() or not number.isdigit():
+    if host != platform.node() or not number.isdecimal():
         return True
     return is_alive(int(number))
+
+
+def holder(path: Path) -> str:
+    """For a message: the file that is the lock, whose it is, and what to do when that process has ended; or nothing."""
+    beside = path.with_name(f"{path.name}.lock")
+    try:
+        host, _, number = beside.read_text("utf-8", "replace")[:200].strip().rpartition(" ")
+    except OSError:  # a lock that ends with its process, or one that Windows does not let us read
+        return ""
+    known = host and number.isdecimal()
+    whose = f"process {number} on {host}" if known else "a process that it does not name"
+    return f" (its lock is {beside}, of {whose}; remove this file if that process has ended)"
 
 
 def is_alive(process: int) -> bool:

@@ -211,7 +211,7 @@ def explanation(name: str) -> Iterator[str]:
 
 
 def page() -> str:
-    """docs/reference/blocks.md."""
+    """The page blocks.md."""
     lines = [
         "# Blocks of a simulation",
         "",

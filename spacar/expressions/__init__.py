@@ -1,8 +1,8 @@
 """One language for quantities of a result: `x[6,1]`, `max(sig[1,1])`, `abs(eigval[1]@end)/(2*pi)`.
 
 `spacar plot`, `report`, `eigen --against`, `sweep --result`, `trade --variable` and `result.plot` read it; the table is
-in docs/expressions.md. The text is parsed by Python's grammar and every node is looked up in tables (`grammar`,
-`functions`); nothing is evaluated as code.
+what `spacar help expressions` prints. The text is parsed by Python's grammar and every node is looked up in tables
+(`grammar`, `functions`); nothing is evaluated as code.
 
 variable      x xd xdd fx fxgrav fxtot xcompl [node, coordinate]; e ed edd sig [element, mode]; t; eigval[i] (complex);
               frequency[i] (Hz, from low to high); lmult[i]; m0 c0 d0 k0 n0 g0 [i, j]. All numbers from 1. A variable is

@@ -129,7 +129,7 @@ def sensitivity(
     model        path of an input file, a Deck or a Model
     parameters   numbers of the deck as `spacar sweep --set` names them: 'ESTIFF.3[EI]', 'X.2[2] & X.5[2]',
                  'SECTION.leaf[t]'; in the unit of the file (UNITS)
-    quantities   expressions (docs/expressions.md), 'NAME: EXPRESSION' too, that come to one number: 'x[5,1]@end',
+    quantities   expressions (`spacar help expressions`), 'NAME: EXPRESSION' too, that come to one number: 'x[5,1]@end',
                  'frequency[1]', 'abs(sig[1,2])', 'lmult[1]', 'xcompl[5,1]', 'mises[3]', 'Mz[3,1]'; in SI
     at           numbers that the parameters are given first
     options      what overrides the deck, as for `run`

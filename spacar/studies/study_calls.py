@@ -47,7 +47,7 @@ def sweep(
     ("done", "failed", "lost"), `seconds` and `reason`; `.plot()`, `.to_pandas()`.
 
     source    path of the input file, a Deck or a Model;  mode  that is run
-    change    {"ESTIFF.*[EI]": [5.0, 10.0], "XM.8": "1:100:7:log"}: targets and values of docs/studies.md; all
+    change    {"ESTIFF.*[EI]": [5.0, 10.0], "XM.8": "1:100:7:log"}: targets and values: `spacar help studies`; all
               combinations are run, with `together` the first values of all targets, then the second ones ...
     results   expressions that come to one number: "x[8,1]@end", "tip: max(abs(x[8,2]))"
     jobs      processes; with more than one, a script needs `if __name__ == "__main__":`. None: this one, batches in

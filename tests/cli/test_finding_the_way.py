@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 import shutil
@@ -11,7 +12,7 @@ from pathlib import Path
 
 import click
 import pytest
-from spacar_cli.command_table import COMMANDS
+from spacar_cli.command_table import COMMANDS, TOPICS
 from spacar_cli.commands.completion import SHELLS, source
 from spacar_cli.environment import Environment
 from spacar_cli.main import main, program
@@ -211,3 +212,36 @@ def test_names_of_the_manual(name, command):
     """The same command, with its own name in the usage, and a hint for slips."""
     assert call(name, "--help")[1].replace(name, command) == call(command, "--help")[1].replace(name, command)
     assert f"did you mean '{name}'" in call(f"{name}l", "x")[2]
+
+
+HELPED = re.compile(r"spacar\s+help\s+(\w+)")
+
+
+@pytest.mark.parametrize("word", [*map(str, MODES), *COMMANDS])
+def test_help_points_to_pages_that_an_installation_has(word):
+    """`spacar help TOPIC`: docs/ is not installed."""
+    context = click.Context(program, info_name="spacar")
+    command = program.get_command(context, word)
+    text = "\n".join(command_section(word, command, context)) + command.get_help(click.Context(command, context, word))
+    assert "docs/" not in text
+    assert ".md" not in text
+    assert set(HELPED.findall(text)) <= {*TOPICS, *COMMANDS, *map(str, MODES), "TOPIC"}
+
+
+def test_no_message_names_a_page_that_an_installation_has_not():
+    """Every text in the sources but docstrings of modules, and the head of a page that is made from a table."""
+    for path in (p for room in ("spacar", "formats", "cli") for p in (HOUSE / room).rglob("*.py")):
+        text = path.read_text("utf-8")
+        if "docs/" not in text and "spacar help" not in text:
+            continue
+        tree = ast.parse(text)
+        for node in ast.walk(ast.Module(tree.body[1:] if ast.get_docstring(tree) else tree.body, [])):
+            if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                assert "docs/" not in node.value or "> docs/" in node.value, f"{path}: {node.value}"
+                assert set(HELPED.findall(node.value)) <= {*TOPICS, *COMMANDS}, f"{path}: {node.value}"
+
+
+@pytest.mark.parametrize("topic", TOPICS)
+def test_the_page_of_a_topic(topic):
+    done = call("help", topic)
+    assert done == (0, (HOUSE / "docs" / TOPICS[topic]).read_text("utf-8").rstrip() + "\n", "")

@@ -109,12 +109,31 @@ def test_claims(tmp_path, kind):
 
 def test_the_lock_file_of_a_dead_process_does_not_count(tmp_path, monkeypatch):
     monkeypatch.setattr(locks, "fcntl", None)
-    rhs_for_differences = tmp_path / "a.sbd.part.lock"
-    rhs_for_differences.write_text(f"{locks.platform.node()} 4194305\n")  # above the largest process number of Linux
+    lock = tmp_path / "a.sbd.part.lock"
+    lock.write_text(f"{locks.platform.node()} 4194305\n")  # above the largest process number of Linux
     Claim(tmp_path / "a.sbd").release()
-    rhs_for_differences.write_text("another-machine 1\n")
-    with pytest.raises(UsageError, match="another run"):
+    assert not lock.exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "whose"),
+    [
+        (b"another-machine 17\n", "process 17 on another-machine"),
+        (f"{locks.platform.node()} {os.getpid()}\n".encode(), f"process {os.getpid()} on {locks.platform.node()}"),
+        (b"", "a process that it does not name"),
+        (b"\xff\xb2 \xb2", "a process that it does not name"),
+    ],
+)
+def test_a_lock_that_may_be_stale_is_named(tmp_path, monkeypatch, text, whose):
+    """On disks without flock: another machine cannot be asked, a number may be of another process by now."""
+    monkeypatch.setattr(locks, "fcntl", None)
+    lock = tmp_path / "a.sbd.part.lock"
+    lock.write_bytes(text)
+    with pytest.raises(UsageError, match="another run") as caught:
         Claim(tmp_path / "a.sbd")
+    assert f"(its lock is {lock}, of {whose}; remove this file if that process has ended)" in str(caught.value)
+    lock.unlink()
+    Claim(tmp_path / "a.sbd").release()
 
 
 def test_a_file_that_was_renamed_between_opening_and_locking_is_opened_again(tmp_path, monkeypatch):

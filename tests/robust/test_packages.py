@@ -12,6 +12,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from spacar_cli.command_table import TOPICS
 
 HOUSE = Path(__file__).parents[2]
 STUB = "spacar/deck/model_statements.pyi"
@@ -23,6 +24,9 @@ pytestmark = [
     pytest.mark.skipif(importlib.util.find_spec("hatchling") is None, reason="no hatchling"),
     pytest.mark.skipif(not all((HOUSE / text).is_file() for text in TEXTS), reason="nothing was derived here"),
 ]
+
+
+PAGES = {f"docs/{page}" for page in TOPICS.values()}
 
 
 def of_git() -> set[str]:
@@ -63,7 +67,7 @@ def test_a_wheel_holds_what_the_folders_of_the_packages_hold(clone, tmp_path):
     with zipfile.ZipFile(built(clone, "wheel", tmp_path)) as packed:
         found = {name for name in packed.namelist() if ".dist-info/" not in name and ".data/" not in name}
         assert packed.read("spacar/compiled/left_out.txt") == b"no C compiler (/nowhere/cc) was found"
-    expected = {STUB, "spacar/compiled/left_out.txt"}
+    expected = {STUB, "spacar/compiled/left_out.txt", *(page.replace("docs", "spacar_cli/pages") for page in PAGES)}
     for name in of_git():
         for folder, package in PACKAGES.items():
             if name.startswith(f"{folder}/") and not (name.startswith("spacar/compiled/") and name.endswith(".c")):

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from spacar.stroke import Flexure
 
 
-@words.command("flexure", epilog="Definitions of all quantities: docs/flexures.md.")
+@words.command("flexure", epilog="Definitions of all quantities: `spacar help flexures`.")
 @click.argument("file", type=click.Path(path_type=Path))
 @words.option(
     "move", ": 7x=0.02, 7x=-0.01:0.02, 7x=+-0.02, 8rz=0.3, e[3,1]=0.1. Default: what DELINPX, DELINPE or DELXF of the "

@@ -41,7 +41,7 @@ def command(
 
     Variables of nodes x, xd, xdd, fx, fxgrav, fxtot, xcompl as x[NODE,COORDINATE]; of elements e, ed, edd, sig as
     e[ELEMENT,MODE]; t. With + - * / ** and pi, functions such as max mean abs sqrt sin deg hypot atan2, and one step
-    as x[6,1]@end (docs/expressions.md). Example:
+    as x[6,1]@end (`spacar help expressions`). Example:
 
     spacar plot crank 'x[6,1]' 'xdd[6,1]' 'sig[1,1]'
 

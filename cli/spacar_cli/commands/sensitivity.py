@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from spacar.sensitivities.sensitivity import Sensitivity
 
 
-@words.command("sensitivity", epilog="Parameters and quantities are explained in docs/sensitivity.md.")
+@words.command("sensitivity", epilog="Parameters and quantities: `spacar help sensitivities`.")
 @click.argument("file", type=click.Path(path_type=Path))
 @words.option(
     "parameters", ": 'ESTIFF.3[EI]', 'SECTION.leaf[t]', 'X.2[2] & X.5[2]'; with a value it is given that first. May be "

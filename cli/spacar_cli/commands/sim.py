@@ -23,7 +23,7 @@ LONG = 5.0  # seconds of a run that is told what it waits for
 @signal_options("FILE_sim.npz")
 @click.pass_obj
 def command(environment: Environment, file: Path, output: tuple[Path, ...], compiled: bool, show: bool) -> None:
-    """Simulate the blocks and wires of a model file (docs/simulation.md).
+    """Simulate the blocks and wires of a model file (`spacar help simulation`).
 
     Writes the signals, FILE_sim.log, and FILE_sim.sbd with signals and the motion of the mechanism for draw, plot and
     report. Pictures and the window show the scopes; without a scope the outputs of the mechanisms, or of all blocks.

@@ -19,7 +19,7 @@ from spacar_cli.status import ExitStatus, tell
 from spacar_cli.studying import ROWS, common, counted
 
 
-@words.command("sweep", epilog="Targets and quantities are explained in docs/studies.md. Exit status 1: cases failed.")
+@words.command("sweep", epilog="Targets and quantities: `spacar help studies`. Exit status 1: cases failed.")
 @click.argument("file", type=click.Path(path_type=Path))
 @words.option(
     "assignments", ": values of a number of the input file: 'ESTIFF.3[EI]=100,200,300', 'XM.8=1:100:7:log', "

@@ -25,7 +25,7 @@ CODES, TOLERANCES, JUDGES = "0,155,853", "1e-3:1e-9:7:log", "853,0"  # where onl
 HEADER = ("model", "integration", "error", "processor time [s]", "right-hand sides", "note")
 
 
-@words.command("trade", epilog="The error norm and the reference are explained in docs/studies.md.")
+@words.command("trade", epilog="The error norm and the reference: `spacar help studies`.")
 @click.argument("file", type=click.Path(path_type=Path))
 @words.option("mode", ": 1, 7, 8, 9 or 10. Default: 1 with TIMESTEP, else 7.")
 @words.option("integrators", "Default: those that suit the model, within --budget.")

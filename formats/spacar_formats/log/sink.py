@@ -27,7 +27,7 @@ NOTICE = "Licensed under the Apache License, version 2.0; provided without warra
 
 # Failures that docs/convergence.md explains, by the beginning of their codes.
 EXPLAINED = ("position.", "statics.", "integrator.", "dynamics.singular-mass", "mechanism.count")
-ADVICE = "Causes, and what to try: docs/convergence.md of spacar, by message."
+ADVICE = "Causes, and what to try, by message: `spacar help convergence`."
 
 
 class LogSink:

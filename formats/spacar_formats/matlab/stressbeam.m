@@ -18,7 +18,7 @@ function [stress, coordinates, elements, extrema] = stressbeam(file, elements, s
 %
 % Normal stress N/A - Mz y/Iz + My z/Iy; shear of the torque (circle T r/J, rectangle by Saint-Venant's series, hollow
 % rectangle by Bredt) and of the shear forces (parabola with the peak 3/2 Q/A, circle 4/3 Q/A, thin walls 2 Q/A); von
-% Mises sqrt(sigma^2 + 3 tau^2). Resultants: docs/reference/theory-spatial.md section 3.5, theory-planar.md section 3.1.
+% Mises sqrt(sigma^2 + 3 tau^2). Resultants: theory-spatial.md section 3.5, theory-planar.md section 3.1.
 % BEAMW: the torque has a part with Saint-Venant's shear stress and a warping torque with its own (theory-warping.md
 % section 5); the bimoment B adds B omega/Cw to the normal stress, in a rectangle 36 |B|/(w t)^2 at the corners.
 % The same numbers as those of `spacar stress`.

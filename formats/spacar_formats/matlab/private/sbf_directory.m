@@ -1,5 +1,5 @@
 function [d, fid, guard] = sbf_directory(file, anew)
-% Open a result file and read what is in front of its steps (docs/reference/files.md section 8).
+% Open a result file and read what is in front of its steps (files.md section 8).
 %
 % d: file, kind ('sbd', 'sbm', 'ltv'), state (0 being written, 1 complete, 2 stopped early), committed, steps, data
 % (first byte of the steps), stride, and for every variable a row of names, type (1 integer, 2 real, 3 text), rows, cols,
