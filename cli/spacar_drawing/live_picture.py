@@ -75,6 +75,8 @@ def release_marks(scene: Scene, pose: Pose, size: float) -> list[Shape]:
             if scene.le[e.number - 1, m - 1] and scene.e_class(e.number, m) == "calculable"
         ]  # fmt: skip
         shares = {0.12 if "at p" in name else 0.88 if "at q" in name else 0.5 for name in names}
+        if not shares:
+            continue
         p, q = pose.place[e.p - 1], pose.place[e.q - 1]
         axis = q - p if np.any(q != p) else np.array([1.0, 0.0, 0.0])
         planes = [np.eye(3)[:2]] if scene.planar else [normal_pair(axis / np.linalg.norm(axis))]

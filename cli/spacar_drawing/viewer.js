@@ -8,7 +8,7 @@ function makeViewer(canvas, over) {
   const pen = over.getContext("2d");
   const state = { k: 0, playing: false, azimuth: 0, elevation: 0, zoom: 1, shift: [0, 0], node: -1, element: 0,
     numbers: false, marks: true, field: true };
-  const viewer = { state, gl, model: null, load, draw, later, pick, look, numbersOfChosen,
+  const viewer = { state, gl, model: null, load, draw, later, pick, look, numbersOfChosen, pixels,
     drawn: () => {}, picked: () => {} }; // are called after a picture, and after a choice by the pointer
   let model, scene; // scene: typed arrays, buffers and sizes of the model that is shown
 
@@ -323,6 +323,8 @@ function makeViewer(canvas, over) {
     viewer.drawn();
   }
 
+  function pixels(i) { return project(camera(), scene.nodeP, 3 * (scene.nodes * state.k + i)); }
+
   function pick(x, y) {
     const { frames, nodes, nodeP, P, elementOfFrame } = scene;
     const view = camera(), ratio = window.devicePixelRatio || 1;
@@ -379,11 +381,12 @@ function makeViewer(canvas, over) {
         rows.push([`\u0394${"xyz"[c]}`, now - first, ""]);
       }
     } else if (e) {
-      rows.push(["element", `${e.keyword} ${state.element}`, ""], ["nodes", e.nodes, ""]);
-      if (values) e.values.forEach(([name, column]) => {
-        const [, letter, mode] = /^(.)(\d+)/.exec(name);
-        const asked = `${letter === "e" ? "e" : "sig"}[${state.element},${mode}]`;
-        rows.push([name, values[model.columns * state.k + column], asked]);
+      const [keyword, ends, places] = e, names = model.modes[keyword], first = model.columns * state.k - 1;
+      rows.push(["element", `${keyword} ${state.element}`, ""], ["nodes", ends, ""]);
+      if (values) places.forEach((column, m) => {
+        if (!column) return;
+        rows.push([`e${m + 1} ${names[m]}`, values[first + column], `e[${state.element},${m + 1}]`]);
+        rows.push([`\u03c3${m + 1}`, values[first + model.ne + column], `sig[${state.element},${m + 1}]`]);
       });
     }
     return rows;

@@ -28,7 +28,7 @@ from spacar_drawing.mechanism_picture import Extras, mechanism_shapes
 from spacar_drawing.moving_figure import evenly
 from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.placement import attachments
-from spacar_drawing.scene import positions
+from spacar_drawing.scene import Scene, positions
 from spacar_drawing.step_pictures import step_text
 from spacar_drawing.viewer_colours import field_colours
 from spacar_drawing.viewer_mesh import Draw, TriangleMesh, mesh_of
@@ -110,13 +110,13 @@ def view_model(
     """What makeViewer (viewer.js) shows: see `view_page`; `more` draws shapes beside the mechanism."""
     scene = source.scene
     look = look_of(scene, np.stack([source.x(k) for k in evenly(1, source.steps, 24)]), source.settings)
-    first = mesh_of(scene, source.x(1)[None], look)
+    first = mesh_of(scene, source.x(1)[None], look, more)
     if not first.corners and not len(scene.position_nodes):
         raise UsageError(f"{source.name} has nothing that could be drawn", "draw.empty")
     per_picture = (24 if stress is None else 26) * first.frames + 12 * len(scene.position_nodes)
     chosen = evenly(1, source.steps, max(2, min(frames, int(BUDGET / max(per_picture, 1)))))
     xs = np.stack([source.x(k) for k in chosen])
-    mesh = mesh_of(scene, xs, look, more)
+    mesh = first if chosen == [1] else mesh_of(scene, xs, look, more)
     rows = scene.position_nodes - 1
     places = np.stack([positions(scene, x)[rows] for x in xs])
     low, high = _box(source, xs, look)
@@ -145,7 +145,9 @@ def view_model(
         "nodes": [
             f"{n} ({','.join(map(str, turning[n]))})" if n in turning else str(n) for n in scene.position_nodes.tolist()
         ],
-        "elements": _elements(source, values is not None),
+        "elements": _elements(scene),
+        "modes": {k: [str(m[0]) for m in ELEMENT_TYPES[k].modes] for k in {e.keyword for e in scene.elements}},
+        "ne": int(np.sum(scene.nep)),
         "columns": columns,
         "centre": centre.tolist(),
         "low": (low - centre).tolist(),
@@ -204,21 +206,16 @@ def _values(source: PictureSource, chosen: Sequence[int]) -> tuple[Array | None,
     return np.clip(np.nan_to_num(np.array(rows)), -largest, largest), columns
 
 
-def _elements(source: PictureSource, with_values: bool) -> dict[str, Any]:
-    scene = source.scene
-    ne = int(np.sum(scene.nep))
-    found = {}
-    for e in scene.elements:
-        row = scene.le[e.number - 1]
-        names = [str(mode[0]) for mode in ELEMENT_TYPES[e.keyword].modes]
-        columns = []
-        for m in np.flatnonzero(row > 0).tolist() if with_values else ():
-            name = names[m] if m < len(names) else ""
-            columns.append([f"e{m + 1} {name}", int(row[m]) - 1])
-            columns.append([f"\N{GREEK SMALL LETTER SIGMA}{m + 1}", ne + int(row[m]) - 1])
-        nodes = " ".join(str(n) for n in scene.ln[e.number - 1].tolist() if n)
-        found[str(e.number)] = {"keyword": e.keyword, "nodes": nodes, "values": columns}
-    return found
+def _elements(scene: Scene) -> dict[str, Any]:
+    """Keyword, nodes and columns (from 1, 0: none) of the deformations of every element."""
+    keywords = [scene.keywords[e.number - 1] for e in scene.elements]
+    modes = [len(ELEMENT_TYPES[keyword].modes) for keyword in keywords]
+    rows = [e.number - 1 for e in scene.elements]
+    nodes, columns = (table[rows].tolist() for table in (scene.ln, scene.le))
+    return {
+        str(row + 1): [keyword, " ".join([str(n) for n in ends if n]), places[:count]]
+        for row, keyword, ends, places, count in zip(rows, keywords, nodes, columns, modes, strict=True)
+    }
 
 
 def _paths(source: PictureSource, centre: Array) -> tuple[Array, list[list[int]]]:

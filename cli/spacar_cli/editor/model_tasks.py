@@ -125,19 +125,26 @@ def motion(text: str, file: str, name: str = "", under: int = 0) -> Answer:
 
 def result(file: str) -> Answer:
     """A finished run: its pictures, and its vibration and buckling modes. Raises UsageError for one of another text."""
-    source = open_source(result_file(Path(file), "sbd"))
+    source = _opened(file)
     shapes = [mode.label for mode in _shapes(source)]
     return {"model": view_model(source), "shapes": shapes, "stationary": source.scene.analysis.stationary}
 
 
 def shape(file: str, number: int) -> Answer:
     """Pictures of one of the modes that `result` lists (from 0), at its last load step."""
-    source = open_source(result_file(Path(file), "sbd"))
+    source = _opened(file)
     modes = _shapes(source)
     if not 0 <= number < len(modes):
         raise UsageError("there is no such mode", "edit.mode")
     step = chosen_steps(source, None, None, False)[0]
     return motion_model(source, np.ravel(source.x(step)), modes[number].motion, modes[number].label)
+
+
+def _opened(file: str) -> PictureSource:
+    """The result beside the file, or what a run left that did not finish."""
+    written = result_file(Path(file), "sbd")
+    unfinished = part_path(written)
+    return open_source(unfinished if unfinished.is_file() and not written.is_file() else written)
 
 
 def _shapes(source: PictureSource) -> Sequence[ModeShape]:
@@ -154,7 +161,7 @@ def curve(file: str, expressions: list[str]) -> Answer:
     from spacar_drawing.curves import evaluate, in_units
     from spacar_drawing.history import axis_text
 
-    source = open_source(result_file(Path(file), "sbd"))
+    source = _opened(file)
     metre = source.scene.metre
     found = [in_units(evaluate(source, text), metre) for text in ("t", *expressions)]
     # numbers that JSON does not have are gaps

@@ -66,7 +66,7 @@
   const results = makeResults({ text, change, insert, picked });
 
   // Checks while typing: messages first, then the picture, then the freedoms; what is outdated is not shown
-  let timer = 0, working = false, freeing = false;
+  let timer = 0, working = false, freeing = false, seen = -1;
   function later(wait = 200) {
     clearTimeout(timer);
     timer = setTimeout(look, wait);
@@ -93,7 +93,7 @@
     } finally {
       working = false;
       if (at !== edits) later(0);
-      else document.body.dataset.checked = String(edits);
+      else seen = edits;
     }
   }
   async function free(now, at) {
@@ -254,6 +254,7 @@
   shownSaved();
   later(0);
   poll();
-  window.spacarPage = { view, text, change, goTo, results, save }; // for scripts that test the page
+  const busy = () => working || freeing || seen !== edits;
+  window.spacarPage = { view, text, change, goTo, results, busy }; // for scripts that test the page
   document.body.dataset.state = "ready";
 })();

@@ -110,7 +110,7 @@ function inputLanguage(table, CM) {
       return { from, options: [...options, ...table.ends.map((label) => ({ label, type: "namespace" }))],
         validFor: /^\w*$/ };
     }
-    const s = statementAt(doc, context.pos);
+    const s = statementAt(doc, Math.max(context.pos - 1, 0)); // the one before the cursor
     if (!s || (!context.explicit && !/\d$/.test(word))) return null;
     const place = s.words.filter((w) => w.to < context.pos).length;
     const of = new Set(s.row.forms.map(({ parameters: p }) => (p[Math.min(place, p.length - 1)] || [])[1]));

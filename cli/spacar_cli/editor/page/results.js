@@ -15,7 +15,7 @@ function makeResults(page) {
   const $ = (id) => document.getElementById(id);
   const viewer = makeViewer($("view"), $("over"));
   const controls = viewer && viewerControls(viewer);
-  const results = { start, freedom, finished, shown: "", select, stale };
+  const results = { start, freedom, finished, shown: "", select, stale, place };
   const curves = { names: [], data: null };
   if (!viewer) $("note").textContent = "This browser has no WebGL 2: no picture.";
 
@@ -41,6 +41,7 @@ function makeResults(page) {
   function start(model) { show("start position", model, Boolean(viewer && viewer.model)); }
   function stale() { // the text is wrong: the last state that could be drawn stays
     $("shown").textContent = results.shown ? `${results.shown}, before the error` : "";
+    $("freedom").classList.add("stale");
   }
   async function play(what, model) {
     show(what, await model, true);
@@ -60,6 +61,12 @@ function makeResults(page) {
     if (node >= 0) page.picked({ node: parseInt(viewer.model.nodes[node], 10) });
     else if (element) page.picked({ element });
   };
+
+  function place(node) { // of a node in the window
+    const box = $("view").getBoundingClientRect(), ratio = window.devicePixelRatio || 1;
+    const i = viewer.model.nodes.findIndex((name) => parseInt(name, 10) === node), [x, y] = viewer.pixels(i);
+    return [box.left + x / ratio, box.top + y / ratio];
+  }
 
   // Degrees of freedom, over- and under-constraints, releases
   function freedom(found) {
@@ -91,6 +98,7 @@ function makeResults(page) {
         make("button", `free motion ${i + 1}`, () => play("free motion", task("motion", { text, under: i + 1 })))));
     }
     $("freedom").replaceChildren(...rows);
+    $("freedom").classList.remove("stale");
     document.body.dataset.freedom = `${found.ndof} ${found.over} ${found.under}`;
   }
 
