@@ -48,7 +48,7 @@ CONTENTS = {
         "reference/later-versions", "reference/bibliography", "reference/theory-warping", "reference/sections",
         "reference/theory-beam-order4",
     ),
-    "Change": ("developer", "/CONTRIBUTING", "/CHANGELOG"),
+    "Change": ("developer", "engine", "/CONTRIBUTING", "/CHANGELOG"),
 }  # fmt: skip
 
 

@@ -161,6 +161,13 @@ def optimized_guide(path: Path) -> None:
     figure.savefig(path, dpi=110)
 
 
+def walk_of_a_run(path: Path) -> None:
+    """The picture of the developer guide: rooms and files of one run."""
+    import walk
+
+    walk.draw(path)
+
+
 def viewer(path: Path) -> None:
     """The page of `spacar view` in Chromium; without Chromium the picture that there is stays."""
     browser = shutil.which("chromium") or shutil.which("google-chrome")
@@ -187,6 +194,7 @@ DRAWN: dict[str, Callable[[Path], None]] = {
     "optimized-guide.png": optimized_guide,
     "robotsim-loop.gif": robot_loop,
     "view.png": viewer,
+    "walk.png": walk_of_a_run,
 }
 
 
