@@ -35,7 +35,7 @@ smartquotes = False  # x' is an axis, not an apostrophe
 CONTENTS = {
     "Start": ("/README", "tutorial", "gallery"),
     "Use": (
-        "keywords", "drawing", "flexures", "expressions", "python", "matlab", "simulation", "studies", "sensitivity",
+        "edit", "keywords", "drawing", "flexures", "expressions", "python", "matlab", "simulation", "studies", "sensitivity",
         "convergence",
         "symbolic/tutorial",
     ),
