@@ -33,21 +33,18 @@ smartquotes = False  # x' is an axis, not an apostrophe
 
 # what the left column shows: title -> pages
 CONTENTS = {
-    "Start": ("/README", "tutorial", "gallery"),
-    "Use": (
-        "edit", "keywords", "drawing", "flexures", "expressions", "python", "matlab", "simulation", "studies", "sensitivity",
-        "convergence",
-        "symbolic/tutorial",
+    "Learn": ("/README", "tutorial", "gallery", "symbolic/tutorial"),
+    "Do one thing": (
+        "edit", "drawing", "flexures", "studies", "sensitivity", "simulation", "python", "matlab", "convergence",
     ),
-    "Understand": (
-        "theory", "limits", "symbolic/theory", "decisions", "performance", "promises",
+    "Look up": (
+        "keywords", "expressions", "reference/index", "reference/input-language", "reference/files",
+        "reference/messages", "reference/blocks", "reference/sections", "reference/theory-system",
+        "reference/theory-planar", "reference/theory-spatial", "reference/theory-warping",
+        "reference/theory-beam-order4", "reference/symbolic", "reference/later-versions", "reference/bibliography",
+        "limits",
     ),
-    "Reference": (
-        "reference/index", "reference/theory-system", "reference/theory-planar", "reference/theory-spatial",
-        "reference/input-language", "reference/blocks", "reference/files", "reference/messages", "reference/symbolic",
-        "reference/later-versions", "reference/bibliography", "reference/theory-warping", "reference/sections",
-        "reference/theory-beam-order4",
-    ),
+    "Understand": ("theory", "symbolic/theory", "performance", "promises", "decisions"),
     "Change": ("developer", "engine", "/CONTRIBUTING", "/CHANGELOG"),
 }  # fmt: skip
 
