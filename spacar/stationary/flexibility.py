@@ -87,12 +87,11 @@ class Flexibility:
             out[self.rigid] += self.rigid_diagonal * sigma[self.rigid] / self.size
         return out
 
-    def dense(self) -> Array:
-        """C x size as an array, (ne, ne)."""
-        C = np.zeros((self.ne, self.ne))
-        C[self.rows, self.columns] = self.values
-        C[self.rigid, self.rigid] = self.rigid_diagonal
-        return C
+    @property
+    def entries(self) -> tuple[Index, Index, Array]:
+        """Rows, columns, values of C x size, (ne, ne)."""
+        rows, columns = (np.concatenate((part, self.rigid)) for part in (self.rows, self.columns))
+        return rows, columns, np.concatenate((self.values, self.rigid_diagonal))
 
 
 def is_tube(b: Batch) -> bool:

@@ -1,116 +1,189 @@
-"""The tangent of the mixed equations with everything in it: motion, slips, user functions, as a dense matrix.
+"""The tangent of the mixed equations with everything in it: motion, slips, user functions.
 
-With v(x), a(x) of steady motion and their derivatives Z = dv/dx, Y = da/dx, for any change of x,
+With the changes dv, da of the rates and accelerations of steady motion that follow a change dx,
 
-    V_E Z = -H1(v),    V_E Y = -[H1(a) + T(v) + (H1(v) + H2(v)) Z]     (rows E fixed, prescribed and dynamic)
+    V_E dv + H1(v) dx = 0,    V_E da + (H1(v) + H2(v)) dv + [H1(a) + T(v)] dx = 0      (1)
 
-the rows of the matrix are
+(rows E fixed, prescribed and dynamic, unknowns of U) the rows of the matrix are
 
-    d(M a + h - f)/dx + Hs(sigma) + h_v Z + M Y    V^T          rows of the coordinates F
-    V + C d(sigma_1)/dx                            -C           rows with stiffness, C d(sigma_1)/dx those without
+    [d(M a + h - f)/dx + Hs(sigma)] dx + h_v dv + M da + V^T dsigma          rows of the coordinates F
+    V dx + C dsigma_1 - C dsigma                                             rows with stiffness, C dsigma_1 without
+
+with dsigma_1 = S_d d(ed) + M_e d(edd) and what the user function adds. Of a small model dv and da are eliminated, of a
+larger one (1) stands beside the rows, with dv/w, da/w^2 as unknowns and w the typical rate, in sparse storage. The
+determinant of (1) by dv, da is that of V_E squared, so that both forms have the same sign.
 
 ITERSTEP types 1 and 3 leave out what comes from motion (N0): the iteration then converges linearly.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.linear_systems import SingularMatrixError
+from spacar.kinematics.kinematics import largest
+from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
 from spacar.linear_systems.lost_digits import EPS
-from spacar.linear_systems.matrix import dense
+from spacar.linear_systems.matrix import DENSE_LIMIT, Matrix, dense, diagonal_matrix, matrix, zero_matrix
 from spacar.linearization.coefficients import load_gradient
 from spacar.linearization.contractions import (
-    geometric_blocks,
+    geometric_stiffness,
+    gradient_matrix,
+    gradient_rate,
+    gradient_transport,
     inertia_blocks,
     mass_matrix,
+    rate_gradient,
+    scatter,
 )
 from spacar.linearization.user_derivatives import UserDerivatives
-from spacar.stationary.rate_matrices import RateMatrices, SquareSum
 from spacar.stationary.stationary_equations import Iterate, StationaryEquations
 
 
 class MovingTangent:
-    """Dense tangent of one evaluator; `factor` at the point where the sweep is, then `solve`."""
+    """Tangent of one evaluator; `factor` at the point where the sweep is, then `solve`."""
 
     symmetric = False
 
     def __init__(self, equations: StationaryEquations, without_n0: bool) -> None:
         self.q, self.exact = equations, not without_n0
-        self.full = np.zeros((0, 0))  # all columns x, then sigma / size
+        n = equations.d.numbering
+        self._small = max(n.nx, n.ne) <= DENSE_LIMIT
         self.user: UserDerivatives | None = None  # at the point where it was factored
-        self.rates = RateMatrices(equations.d.sweep)
-        self.squares = SquareSum(equations.d.numbering.nx)
+        self._square = np.zeros((0, 0))  # of a small model
+        self._extended: Any = None  # of a larger one
+        self._system: LinearSystem | None = None
+        self._places: tuple[Any, Any] = np.zeros(0), np.zeros(0)
 
     def factor(self, point: Iterate) -> None:
-        """Form the matrix. Raises SingularMatrixError when the velocities are not determined."""
+        """Form and factor the matrix. Raises SingularMatrixError when the velocities are not determined."""
+        self._form(point)
+        if self._small:
+            self._square = self.dense()
+            return
+        self._extended = A = self._assembled().tocoo()
+        if self._system is None or not all(map(np.array_equal, self._places, (A.row, A.col))):
+            self._places = A.row, A.col
+            self._system = assemble(A.shape[0], A.row.astype(np.int64), A.col.astype(np.int64))
+        self._system.factor(A.data)
+
+    def _form(self, point: Iterate) -> None:
+        """Factors of dx, dv, da: in the equilibrium, in the law; in the rates of the deformations."""
         q = self.q
         d, sweep, C = q.d, q.d.sweep, q.flexibility
-        nx, motion = d.numbering.nx, point.motion
-        V, flexible = sweep.gradient(), C.dense()
-        K = self.squares(geometric_blocks(sweep, point.sigma)) + dense(load_gradient(d))
-        offset = np.zeros((q.ne, nx))
+        nx, ne, motion = d.numbering.nx, q.ne, point.motion if self.exact else None
+        nothing, none = zero_matrix((nx, nx)), zero_matrix((ne, nx))
+        self.V, self.H1, self.second_v, self.second_x = gradient_matrix(sweep), none, none, none
+        self.K, self.K_v, self.K_a = geometric_stiffness(sweep, point.sigma) + load_gradient(d), nothing, nothing
+        law_x, law_v, law_a = none, none, none
         self.user = None if point.user is None else q.user_derivatives(point)
-        x_changes: dict[str, Array] = {"e": V, "x": np.eye(nx)}
+        self.w, self._moves = 1.0, motion is not None
         if self.exact:
             v, a = (q.rest, q.rest) if motion is None else (motion.v, motion.a)
             by_x, by_v = inertia_blocks(sweep, v, a)
-            K += self.squares(by_x)
-            if motion is not None:
-                Z, ed, Y, edd = self._rates(V, point)
-                K += self.squares(by_v) @ Z + mass_matrix(sweep) @ Y
-                i, j, value = d.law.damping
-                np.add.at(offset, i, value[:, None] * ed[j])
-                i, j, value = d.mechanism.deformation_inertia
-                np.add.at(offset, i, value[:, None] * edd[j])
-                x_changes.update(ed=ed, xd=Z)
+            self.K = self.K + scatter(nx, by_x)
+        if motion is not None:
+            self.w = max(largest(motion.v / q.scale), 1e-100)
+            self.H1 = gradient_rate(sweep, motion.v)
+            self.second_v = self.H1 + gradient_transport(sweep, motion.v)
+            self.second_x = gradient_rate(sweep, motion.a) + rate_gradient(sweep, motion.v)
+            self.K_v, self.K_a = scatter(nx, by_v), mass_matrix(sweep)
+            Sd, Me = (matrix(*entries, (ne, ne)) for entries in (d.law.damping, d.mechanism.deformation_inertia))
+            law_x, law_v = Sd @ self.H1 + Me @ self.second_x, Sd @ self.V + Me @ self.second_v
+            law_a = Me @ self.V
         if self.user is not None:
-            K -= self.user.along("f", **x_changes)
-            offset += self.user.along("sigma", **x_changes)
-        rows = C.coupled[:, None] * V + flexible @ (offset * ~q.constrained[:, None]) / C.size
-        flexible[q.slips] = 0.0
-        rows[q.slips] = 0.0
-        nk = len(q.x_kinematic)
-        rows[q.slips[:nk], q.x_kinematic] = 1.0
-        rows[q.slips[nk:]] = V[q.e_kinematic]
-        n = q.nf + q.ne
-        self.full = np.empty((n, nx + q.ne))
-        self.full[: q.nf, :nx], self.full[: q.nf, nx:] = K[q.F], C.size * V.T[q.F]
-        self.full[q.nf :, :nx], self.full[q.nf :, nx:] = C.size * rows, -C.size * flexible
-        self._square = self.full[:, np.concatenate((q.F, nx + np.arange(q.ne)))]
+            of = self.user.of
+            self.K = self.K - of("f", "x") - of("f", "e") @ self.V - of("f", "ed") @ self.H1
+            law_x = law_x + of("sigma", "x") + of("sigma", "e") @ self.V + of("sigma", "ed") @ self.H1
+            if motion is not None:
+                self.K_v = self.K_v - of("f", "xd") - of("f", "ed") @ self.V
+                law_v = law_v + of("sigma", "xd") + of("sigma", "ed") @ self.V
+        kept = np.ones(ne)
+        kept[q.slips] = 0.0
+        self.C = diagonal_matrix(kept) @ matrix(*C.entries, (ne, ne))
+        loose = self.C @ diagonal_matrix(q.loose / C.size)
+        self.R = diagonal_matrix(kept * C.coupled) @ self.V + loose @ law_x
+        self.R_v, self.R_a = loose @ law_v, loose @ law_a
+        nk, one = len(q.x_kinematic), np.ones(len(q.slips))
+        if len(one):
+            self.R = self.R + matrix(q.slips[:nk], q.x_kinematic, one[:nk], (ne, nx))
+            self.R = self.R + matrix(q.slips[nk:], q.e_kinematic, one[nk:], (ne, ne)) @ self.V
+
+    def _assembled(self) -> Any:
+        """The extended matrix."""
+        from scipy.sparse import bmat, csr_array
+
+        q, w = self.q, self.w
+        k, size, F = q.d.kinematics, q.flexibility.size, q.F
+        E, U = k.E, k.U
+
+        def part(A: Matrix, factor: float, rows: Any, columns: Any) -> Any:
+            return csr_array(factor * A)[rows][:, columns]
+
+        every = np.arange(q.ne)
+        blocks = [
+            [part(self.K, 1.0, F, F), size * csr_array(self.V.T)[F]],
+            [part(self.R, size, every, F), -size * csr_array(self.C)],
+        ]
+        if not self._moves:
+            return bmat(blocks)
+        blocks[0] += [part(self.K_v, w, F, U), part(self.K_a, w * w, F, U)]
+        blocks[1] += [part(self.R_v, size * w, every, U), part(self.R_a, size * w * w, every, U)]
+        V = part(self.V, size, E, U)
+        blocks.append([part(self.H1, size / w, E, F), None, V, None])
+        blocks.append([part(self.second_x, size / w**2, E, F), None, part(self.second_v, size / w, E, U), V])
+        return bmat(blocks)
 
     def solve(self, right: Array) -> Array:
         """Solution for right-hand sides (n,) or (n, k). Raises SingularMatrixError."""
+        n = len(right)
+        if self._system is not None:
+            b = np.zeros((self._system.n, *right.shape[1:]))
+            b[:n] = right
+            return self._system.solve(b)[:n]
         try:
             return np.linalg.solve(self._square, right)
         except np.linalg.LinAlgError:
-            raise SingularMatrixError(f"matrix of order {len(self._square)} is singular") from None
+            raise SingularMatrixError(f"matrix of order {n} is singular") from None
 
     def along(self, dx: Array) -> Array:
-        """The matrix times a change dx (nx,) of prescribed coordinates, (n,)."""
-        return np.asarray(self.full[:, : len(dx)] @ dx)
+        """The matrix times a change dx (nx,) or (nx, k) of coordinates, (n,) or (n, k)."""
+        q = self.q
+        dv, da = self._following(dx)
+        force = self.K @ dx + self.K_v @ dv + self.K_a @ da
+        gap = self.R @ dx + self.R_v @ dv + self.R_a @ da
+        return np.concatenate((force[q.F], q.flexibility.size * gap))
+
+    def _following(self, dx: Array) -> tuple[Array, Array]:
+        """dv, da of (1) for dx (nx,) or (nx, k)."""
+        dependent, still = self.q.d.kinematics.dependent, np.zeros_like(dx)
+        if not self._moves:
+            return still, still
+        dv = dependent(still, -(self.H1 @ dx))
+        return dv, dependent(still, -(self.second_x @ dx + self.second_v @ dv))
 
     def dense(self) -> Array:
         """The matrix, (n, n)."""
-        return self._square
+        q = self.q
+        unit = np.zeros((q.d.numbering.nx, q.nf))
+        unit[q.F, np.arange(q.nf)] = 1.0
+        stresses = np.concatenate((dense(self.V).T[q.F], -dense(self.C)))
+        return np.hstack((self.along(unit), q.flexibility.size * stresses))
 
     def rounding(self, z: Array) -> Array:
         """eps |matrix| |z|, (n,)."""
-        return np.asarray(EPS * (np.abs(self._square) @ np.abs(z)))
+        if self._system is None:
+            return np.asarray(EPS * (np.abs(self._square) @ np.abs(z)))
+        dx, U = np.zeros(self.q.d.numbering.nx), self.q.d.kinematics.U
+        dx[self.q.F] = z[: self.q.nf]
+        dv, da = self._following(dx)
+        every = np.concatenate((z, dv[U] / self.w, da[U] / self.w**2))[: self._system.n]
+        return np.asarray(EPS * (abs(self._extended) @ np.abs(every))[: len(z)])
 
     def sign(self) -> float:
         """Sign of the determinant of the tangent stiffness."""
         # The mixed matrix has one negative eigenvalue more for every stress.
-        return float(np.linalg.slogdet(self._square)[0]) * (-1.0) ** self.q.ne
-
-    def _rates(self, V: Array, point: Iterate) -> tuple[Array, Array, Array, Array]:
-        """Z (nx, nx), d(ed)/dx (ne, nx), Y, d(edd)/dx."""
-        k, motion = self.q.d.kinematics, point.motion
-        assert motion is not None
-        nothing = np.zeros((self.q.d.numbering.nx,) * 2)
-        by_v, second, swept = self.rates(motion.v, motion.a)
-        Z = k.dependent(nothing, -by_v)
-        swept += second @ Z
-        Y = k.dependent(nothing, -swept)
-        return Z, V @ Z + by_v, Y, V @ Y + swept
+        found = np.linalg.slogdet(self._square)[0] if self._system is None else self._system.determinant_sign()
+        return float(found) * (-1.0) ** self.q.ne

@@ -1,0 +1,73 @@
+"""The tangent of steady motion: both forms are the derivative of the residual and agree, also in their sign."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import spacar
+from spacar.deck import parse_deck
+from spacar.errors import Report
+from spacar.mechanism import build
+from spacar.stationary import StationarySolver, load_program, moving_tangent
+from spacar.stationary.moving_tangent import MovingTangent
+
+DATA = Path(__file__).parents[2] / "data"
+
+
+def blade(n: int, rate: float = 10.0) -> str:
+    """A planar blade of n elements that turns with its hub, with a force at its tip."""
+    rows = [f"PLBEAM {k} {2 * k - 1} {2 * k} {2 * k + 1} {2 * k + 2}" for k in range(1, n + 1)]
+    rows += [f"X {2 * k + 1} {0.1 + k / n:.9g} 0." for k in range(n + 1)] + ["FIX 1", "INPUTX 2 1"]
+    rows += [f"DYNE {k}" for k in range(1, n + 1)] + ["END", "HALT"]
+    rows += [line for k in range(1, n + 1) for line in (f"EM {k} 0.1", f"ESTIFF {k} 2e5 1.5", f"EDAMP {k} 10. 0.01")]
+    rows += [f"INPUTX 2 1 0. {rate} 0.", f"XF {2 * n + 1} 0. -0.2", "MODES 4", "ITERSTEP 20 3 1e-8", "END", "END", ""]
+    return "\n".join(rows)
+
+
+MODELS = {name: (DATA / f"{name}.dat").read_text() for name in ("crankfl", "massspring", "trike3v", "finger")}
+MODELS["blade"] = blade(6)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_both_forms_are_the_derivative_of_the_residual(name, monkeypatch):
+    mechanism = build(parse_deck(MODELS[name], mode=7), 7)
+    solver = StationarySolver(mechanism, Report())
+    list(solver.stored(load_program(mechanism.settings)))
+    e, p = solver._evaluator, solver._walk.point
+    q = e.equations
+    p = q.point(p.x, p.sigma, e.given)
+    small = MovingTangent(q, without_n0=False)
+    small.factor(p)
+    monkeypatch.setattr(moving_tangent, "DENSE_LIMIT", 0)
+    large = MovingTangent(q, without_n0=False)
+    large.factor(p)
+    rng = np.random.default_rng(2)
+    right = rng.standard_normal((q.nf + q.ne, 2))
+    A = small.dense()
+    size = np.abs(A).max(axis=1)
+    np.testing.assert_allclose(large.dense(), A, atol=1e-12 * size.max())
+    if q.holonomic:  # wheels that roll have a singular matrix
+        z = large.solve(right)
+        rest = np.abs(A @ z - right) / (np.abs(A) @ np.abs(z) + np.abs(right))
+        assert rest.max() < 1e-9
+        assert large.sign() == small.sign()
+    dx, h = rng.standard_normal(q.d.numbering.nx) * q.scale, 1e-7
+    dx[np.setdiff1d(np.arange(len(dx)), q.F)] = 0.0
+    dsigma = np.where(q.passive, 0.0, rng.standard_normal(q.ne) * q.flexibility.size)  # passive ones follow the law
+    ends = [q.point(p.x + s * h * dx, p.sigma + s * h * dsigma, e.given).right for s in (1.0, -1.0)]
+    z = np.concatenate((dx[q.F], dsigma / q.flexibility.size))
+    expected = (ends[1] - ends[0]) / (2.0 * h)
+    bound = np.abs(A) @ np.abs(z) + 1e-3 * np.abs(right).max()
+    assert (np.abs(A @ z - expected) <= 1e-6 * bound.max()).all()
+
+
+def test_a_long_blade_is_that_of_the_dense_tangent(monkeypatch):
+    deck = parse_deck(blade(60))
+    sparse = spacar.run(7, deck).frames[0]
+    monkeypatch.setattr(moving_tangent, "DENSE_LIMIT", 10_000)
+    dense = spacar.run(7, deck).frames[0]
+    np.testing.assert_allclose(sparse.x, dense.x, atol=1e-11)
+    np.testing.assert_allclose(sparse.sig, dense.sig, atol=1e-8 * np.abs(dense.sig).max())
