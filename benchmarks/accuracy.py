@@ -2,7 +2,7 @@
 
 python benchmarks/accuracy.py [motions | meshes] [MODEL ...]
 
-Motions: the error norm of `spacar.studies.error_norm` over the free coordinates against a reference of method 853 with
+Motions: the norm of `spacar.studies.runs.error_norm` over the free coordinates against a reference of method 853 with
 ERROR REFERENCE (595 with ten times of it for stiff models), on the mesh of the model; the screws and the pendulum on a
 stiff truss against equations of one coordinate, which use nothing of spacar. Cost: time of all runs of the
 search over that of the cheapest single run (155, 853, 0, 595, ERROR in decades) that reaches the target.
@@ -28,9 +28,9 @@ from spacar.arrays import Array
 from spacar.deck import Deck, parse_deck
 from spacar.deck.rewrite.refine import refine
 from spacar.errors import AnalysisError
-from spacar.studies.accuracy import stiff
-from spacar.studies.error_norm import amplitudes, distance
-from spacar.studies.result_quantities import free_coordinates
+from spacar.studies.runs.error_norm import amplitudes, distance
+from spacar.studies.runs.result_quantities import free_coordinates
+from spacar.studies.runs.tolerance_ladder import stiff
 
 TARGETS = (1e-3, 1e-5, 1e-7)
 REFERENCE = 1e-12

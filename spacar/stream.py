@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 # Named, not imported: it lies above the analyses, which it runs several times.
-ACCURATE = "spacar.studies.accurate_frames:frames"
+ACCURATE = "spacar.studies.policies.accuracy:frames"
 SAVING = "spacar_formats.saving"  # result files lie above the core
 
 
@@ -39,7 +39,7 @@ class Sink(Protocol):
 @dataclass(frozen=True)
 class AccuracyRequest:
     """The accuracy that is asked of a result: its error over the amplitude (None: the error is only estimated), for
-    these expressions (none: those that `spacar.studies.result_quantities` chooses). `mesh`: flexible beams may be
+    these expressions (none: those that `spacar.studies.runs.result_quantities` chooses). `mesh`: flexible beams may be
     divided for it."""
 
     target: float | None = None

@@ -7,7 +7,7 @@ from itertools import islice
 from typing import Any
 
 from spacar.errors import UsageError
-from spacar.studies.workers import Lost
+from spacar.studies.runs.workers import Lost
 
 PATIENCE = "10s"
 AHEAD = 4  # cases handed over for every thread of the cluster: workers that come later get work, too

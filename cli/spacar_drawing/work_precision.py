@@ -11,7 +11,7 @@ from spacar_drawing.defaults import plain
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from spacar.studies.judged import Entry
+    from spacar.studies.policies.trade import Entry
 
 
 @plain

@@ -1,8 +1,8 @@
 """The table of integration codes (INTEGRAT position 1): what each is, how it is run, where it comes from.
 
 The tolerance of one step is the same part of ERROR for every code with variable steps (theory-system.md section 9). The
-error of a result adds up over the steps, more or less, as the motion decides: `spacar.studies.accuracy` estimates and
-keeps it.
+error of a result adds up over the steps, more or less, as the motion decides:
+`spacar.studies.policies.accuracy` estimates and keeps it.
 """
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ from spacar.sources import Source, deck_of
 from spacar.stationary import StationarySolver, load_program
 from spacar.stream import Run
 from spacar.studies.assignments import change
-from spacar.studies.quantities import Quantity, quantity
+from spacar.studies.runs.quantities import Quantity, quantity
 
 COLUMNS = ("quantity", "value", "unit", "parameter", "at", "unit of parameter", "derivative", "relative")
 SHOWN, MOST_LINES = 4, 8  # parameters in a line of a summary, lines

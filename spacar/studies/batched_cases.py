@@ -22,10 +22,10 @@ from spacar.studies.affine_cases import affine_cases
 from spacar.studies.assignments import change
 from spacar.studies.ensemble import motions, why_not, why_not_of
 from spacar.studies.followers import GroupMotions
-from spacar.studies.rows import Row
+from spacar.studies.policies.sweep import LOST, Case, Study, Values, done_row, failed_row, run_case
+from spacar.studies.runs.rows import Row
+from spacar.studies.runs.workers import Engine, Lost, cores
 from spacar.studies.side_by_side import Cases, alike, side_by_side
-from spacar.studies.sweep import LOST, Case, Study, Values, done_row, failed_row, run_case
-from spacar.studies.workers import Engine, Lost, cores
 
 SIZE = 64  # cases of a chunk of a process: a killed one loses them; and of cases that are built side by side
 LARGEST = 1024  # cases of a chunk in this process, whose numbers are made together

@@ -7,8 +7,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from spacar.studies.judged import Entry, Reference
-from spacar.studies.rows import Row
+from spacar.studies.policies.trade import Entry, Reference
+from spacar.studies.runs.rows import Row
 
 DRAWING, TABLES = "spacar_drawing", "spacar_formats.tables"  # named, not imported: they lie above the core
 SHOWN = 6  # rows in a summary

@@ -17,15 +17,15 @@ from spacar.sources import Source, deck_of, has_interval
 from spacar.studies.assignments import Axis, combine, setting
 from spacar.studies.assignments import values as listed_values
 from spacar.studies.batched_cases import in_batches, is_motion, reason
-from spacar.studies.budgeted import command_line, run_options, search
-from spacar.studies.judged import recommend
-from spacar.studies.quantities import quantity
-from spacar.studies.rows import Row, Rows
+from spacar.studies.policies.budget import command_line, run_options, search
+from spacar.studies.policies.sweep import Batch, Study
+from spacar.studies.policies.sweep import sweep as swept
+from spacar.studies.policies.trade import recommend
+from spacar.studies.runs.quantities import quantity
+from spacar.studies.runs.rows import Row, Rows
+from spacar.studies.runs.setting import Trade, default_variables
+from spacar.studies.runs.workers import Engine, run
 from spacar.studies.study_answers import SweepRows, TradeAnswer
-from spacar.studies.sweep import Batch, Study
-from spacar.studies.sweep import sweep as swept
-from spacar.studies.trade import Trade, default_variables
-from spacar.studies.workers import Engine, run
 
 INTERVAL = ("duration", "n_steps")  # options of trade, which chooses the others
 

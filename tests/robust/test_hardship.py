@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from spacar_cli.cluster import AHEAD, FEWEST, run_on_cluster
 
-from spacar.studies.workers import Lost
+from spacar.studies.runs.workers import Lost
 
 from .processes import model, shell
 

@@ -217,7 +217,7 @@ def test_no_cell_of_a_csv_is_a_formula(tmp_path):
     """Names of quantities are refused; titles and reasons, which somebody else may write, are marked as text."""
     from spacar_formats.exports import to_csv
 
-    from spacar.studies.rows import Rows
+    from spacar.studies.runs.rows import Rows
 
     model(tmp_path)
     for name in ("=cmd", "@a", "a\x1b[2J"):

@@ -27,8 +27,8 @@ ALLOWED = {
     DOOR, "formats/spacar_formats/claim.py", "formats/spacar_formats/locks.py", "formats/spacar_formats/exports.py",
     "formats/spacar_formats/combsbd.py", "formats/spacar_formats/getss.py", "formats/spacar_formats/repinsbf.py",
     "formats/spacar_formats/sbf/sbf_writer.py", "formats/spacar_formats/log/sink.py", "cli/spacar_drawing/files.py",
-    "cli/spacar_cli/environment.py", "spacar/studies/rows.py", "spacar/compiled/library.py", "spacar/native/store.py",
-    "spacar/symbolic/compiled_program.py", "spacar/symbolic/program.py",
+    "cli/spacar_cli/environment.py", "spacar/studies/runs/rows.py", "spacar/compiled/library.py",
+    "spacar/native/store.py", "spacar/symbolic/compiled_program.py", "spacar/symbolic/program.py",
 }  # fmt: skip
 
 

@@ -83,7 +83,7 @@ def test_the_error_asked_for_is_kept(name, target):
     assert found.estimate <= target
     assert error <= 2.0 * found.estimate + 1e-12
     assert error <= target
-    assert len({a.integrator for a in found.attempts}) >= 2
+    assert len(found.attempts) <= 3
     bars = result.node(node, 1, "xerr")
     assert np.all(np.diff(bars) >= 0.0)
     assert bars[-1] / np.ptp(exact(result.t)) == pytest.approx(found.estimate, rel=1e-2)
@@ -135,7 +135,7 @@ def cantilever(n):
 @pytest.mark.parametrize(("n", "expected"), [(2, False), (32, True)])
 def test_stiff_models_get_implicit_methods(n, expected):
     """The highest frequency grows with n^2: 32 elements would take more than 10,000 explicit steps."""
-    from spacar.studies.accuracy import stiff
+    from spacar.studies.runs.tolerance_ladder import stiff
 
     assert stiff(spacar.frames(1, parse_deck(cantilever(n), mode=1))) is expected
 

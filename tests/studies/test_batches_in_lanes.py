@@ -13,9 +13,10 @@ import spacar
 from spacar.compiled.library import lanes_of_processor, why_off
 from spacar.deck import parse_deck, read_deck
 from spacar.studies import ensemble as studies_ensemble
-from spacar.studies import followers, workers
+from spacar.studies import followers
 from spacar.studies.assignments import change, setting
 from spacar.studies.ensemble import ensemble, why_not
+from spacar.studies.runs import workers
 
 DATA = Path(__file__).parents[2] / "data"
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))

@@ -12,9 +12,9 @@ import pytest
 import spacar
 from spacar.deck import parse_deck
 from spacar.deck.rewrite.refine import refine
-from spacar.studies import budgeted
-from spacar.studies.quantities import quantity
-from spacar.studies.trade import Job, Setup, Trade, run_setup
+from spacar.studies.policies import budget as budgeted
+from spacar.studies.runs.quantities import quantity
+from spacar.studies.runs.setting import Job, Setup, Trade, run_setup
 
 OSCILLATOR = """
 PLTRUSS 1 1 2

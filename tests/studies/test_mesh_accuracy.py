@@ -12,7 +12,7 @@ import spacar
 from spacar.deck import parse_deck
 from spacar.deck.rewrite.refine import refine
 from spacar.errors import UsageError
-from spacar.studies.user_nodes import UserNodes
+from spacar.studies.runs.user_nodes import UserNodes
 
 # Tip of an inextensible cantilever, L = 10, EI = 102, dead transverse load 14 (elliptic integrals; reference test S5).
 ELASTICA = np.array((3.810897752359167, 8.404448390735478))

@@ -11,7 +11,7 @@ import spacar
 from spacar.deck import read_deck
 from spacar.errors import UsageError
 from spacar.studies.assignments import change, setting
-from spacar.studies.quantities import quantity
+from spacar.studies.runs.quantities import quantity
 
 GUIDE = Path(__file__).parents[2] / "data" / "leafguide.dat"
 

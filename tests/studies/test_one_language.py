@@ -11,7 +11,7 @@ import spacar
 from spacar.errors import UsageError
 from spacar.expressions import FUNCTIONS, listed, parse
 from spacar.expressions.grammar import INDICES
-from spacar.studies.quantities import quantity
+from spacar.studies.runs.quantities import quantity
 
 from .conftest import DATA
 

@@ -10,14 +10,14 @@ import pytest
 
 import spacar
 from spacar.deck import parse_deck
+from spacar.deck.rewrite.coarser import merged
 from spacar.deck.rewrite.refine import refine
 from spacar.deck.rewrite.simpler import rigid
 from spacar.errors import UsageError
-from spacar.studies.coarser import merged
-from spacar.studies.judged import Reference
-from spacar.studies.quantities import quantity
-from spacar.studies.trade import Setup, Trade
-from spacar.studies.unneeded import prices
+from spacar.studies.policies.simplification import prices
+from spacar.studies.policies.trade import Reference
+from spacar.studies.runs.quantities import quantity
+from spacar.studies.runs.setting import Setup, Trade
 
 # A stiff rod (1e6 times) carries a soft one; the soft one vibrates.
 ARM = """

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import spacar
 from spacar.errors import UsageError
-from spacar.studies.quantities import quantity
+from spacar.studies.runs.quantities import quantity
 
 
 @pytest.fixture(scope="module")

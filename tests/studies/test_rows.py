@@ -7,7 +7,7 @@ import math
 import pytest
 
 from spacar.errors import UsageError
-from spacar.studies.rows import Rows, key
+from spacar.studies.runs.rows import Rows, key
 
 COLUMNS = ("case", "k", "y", "status", "reason")
 

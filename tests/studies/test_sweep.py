@@ -15,7 +15,7 @@ import pytest
 
 import spacar
 from spacar.studies.assignments import change, setting
-from spacar.studies.workers import Lost, run
+from spacar.studies.runs.workers import Lost, run
 
 HERE = Path(__file__).parent
 CRANK = ("sweep", "crank", "--time", "0.004", "--steps", "2", "--set", "INPUTX.2.1[start rate]=50:150:3",
@@ -148,7 +148,7 @@ def test_killed_and_started_again(call):
 def test_processes_end_with_a_killed_parent(tmp_path):
     """No orphans: the processes of a parent that was killed end by themselves."""
     path = tmp_path / "alive"
-    code = "from broken import note_and_wait\nfrom spacar.studies.workers import run\n"
+    code = "from broken import note_and_wait\nfrom spacar.studies.runs.workers import run\n"
     code += f"if __name__ == '__main__':\n    list(run(note_and_wait, [{str(path)!r}] * 4, jobs=2))\n"
     script = tmp_path / "parent.py"
     script.write_text(code)

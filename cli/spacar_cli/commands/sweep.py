@@ -67,10 +67,10 @@ def command(
 
     from spacar.deck import read_deck
     from spacar.studies import assignments as parameters
-    from spacar.studies.quantities import quantity
+    from spacar.studies.policies.sweep import DONE, Study, sweep
+    from spacar.studies.runs.quantities import quantity
+    from spacar.studies.runs.workers import run
     from spacar.studies.study_calls import batches_of, require_columns
-    from spacar.studies.sweep import DONE, Study, sweep
-    from spacar.studies.workers import run
 
     source = input_file(file)
     if not results:

@@ -78,10 +78,10 @@ def command(
     The reference and its error come from two methods at a tight tolerance and, where meshes are compared, from
     extrapolation over three meshes. With --jobs the runs share the processor, which disturbs the times.
     """
-    from spacar.studies.judged import assess, recommend, reference, reference_setups
-    from spacar.studies.quantities import quantity
+    from spacar.studies.policies.trade import assess, recommend, reference, reference_setups
+    from spacar.studies.runs.quantities import quantity
+    from spacar.studies.runs.setting import Trade, default_variables, setups
     from spacar.studies.study_calls import compared_deck, require_beams
-    from spacar.studies.trade import Trade, default_variables, setups
 
     for path in output:
         if path.suffix.lower() not in (*TABLES, *DIAGRAMS):
@@ -136,8 +136,8 @@ def _within_budget(
     as_json: bool,
 ) -> ExitStatus:  # fmt: skip
     """The settings that suit the model, cheapest first, until the time is used; the recommendation as a command."""
-    from spacar.studies.budgeted import command_line, search, unneeded
-    from spacar.studies.judged import recommend
+    from spacar.studies.policies.budget import command_line, search, unneeded
+    from spacar.studies.policies.trade import recommend
 
     def tick(what: str, left: float) -> None:
         if environment.error_is_terminal and not environment.quiet:
@@ -205,9 +205,9 @@ def _whole(text: str, option: str) -> tuple[int, ...]:
 
 def _rows(environment: Environment, trade: Any, wanted: list[Any], output: Path | None, jobs: int) -> list[Any]:
     """Rows of all setups: those of an earlier run of this study, and the others as they finish."""
-    from spacar.studies.rows import Rows
-    from spacar.studies.trade import Job, run_setup
-    from spacar.studies.workers import Lost, run
+    from spacar.studies.runs.rows import Rows
+    from spacar.studies.runs.setting import Job, run_setup
+    from spacar.studies.runs.workers import Lost, run
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "rows.jsonl" if output is None else output.with_name(f"{output.name}.rows.jsonl")

@@ -19,9 +19,9 @@ from spacar.deck import Deck
 from spacar.errors import SpacarError
 from spacar.result import Result
 from spacar.studies.assignments import Setting, change
-from spacar.studies.quantities import Quantity
-from spacar.studies.rows import Row, Rows, digest, key_text
-from spacar.studies.workers import Engine, Lost, run
+from spacar.studies.runs.quantities import Quantity
+from spacar.studies.runs.rows import Row, Rows, digest, key_text
+from spacar.studies.runs.workers import Engine, Lost, run
 
 DONE, FAILED, LOST = "done", "failed", "lost"
 Values = tuple[float, ...]
@@ -82,7 +82,7 @@ def sweep(
     """Rows of the cases that are not in `output` yet, each after it has been written there; None: of all, without a
     file.
 
-    `cases` holds values in the order of study.settings; `engine` runs them (spacar.studies.workers); `retry` runs
+    `cases` holds values in the order of study.settings; `engine` runs them (spacar.studies.runs.workers); `retry` runs
     failed cases again; `batch`, if given, runs them instead, many at once; `keys`: those of the cases, where they
     are known. Raises UsageError for a file of another study.
     """

@@ -2,7 +2,7 @@
 
     rigid beams      all, and each one by itself: their dynamic deformations fixed
     linear strain    LDEFORM for every flexible beam
-    merged nodes     pairs of alike beams in one line as one (`spacar.studies.coarser`), when they need not be divided
+    merged nodes     pairs of alike beams in one line as one, when they need not be divided
     transfer output  OUTLEVEL 0 0, where the file asks for transfer functions
 
 All with the mesh, measure and integration of a chosen setting, against the reference of the study.
@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 
 from spacar.deck import Deck
+from spacar.deck.rewrite.coarser import merged
 from spacar.deck.rewrite.refine import divisible_beams, flexible_beams
 from spacar.deck.rewrite.simpler import linear_strain, rigid
 from spacar.errors import SpacarError
-from spacar.studies.coarser import merged
-from spacar.studies.compared import GENERAL
-from spacar.studies.error_norm import distance
-from spacar.studies.judged import Reference
-from spacar.studies.trade import Setup, Trade, setup_options, timed_values, variant
+from spacar.studies.policies.trade import Reference
+from spacar.studies.runs.compared import GENERAL
+from spacar.studies.runs.error_norm import distance
+from spacar.studies.runs.setting import Setup, Trade, setup_options, timed_values, variant
 
 MOST_BEAMS = 6  # of a model whose beams are looked at one by one
 

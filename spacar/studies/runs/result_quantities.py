@@ -26,8 +26,8 @@ from spacar.linear.descriptor import DescriptorSystem
 from spacar.linear.descriptor_modes import lowest_modes
 from spacar.mechanism import Mechanism
 from spacar.result import Result
-from spacar.studies.error_norm import amplitudes
-from spacar.studies.quantities import Quantity
+from spacar.studies.runs.error_norm import amplitudes
+from spacar.studies.runs.quantities import Quantity
 
 FREQUENCIES, MULTIPLIERS = 6, 3
 ZERO = 1e-6
@@ -50,14 +50,19 @@ def assessed(
         result = Result(mechanism, mode, tuple(frames), (), {})
         values = np.array([_real(v, result) for v in variables])
         return Assessed(tuple(v.name for v in variables), values, amplitudes(values, stationary))
-    free = free_coordinates(mechanism)
     if not stationary:
-        values = np.array([f.x for f in frames])[:, free].T
-        names = tuple(mechanism.numbering.x_name(int(i)) for i in free)
-        return Assessed(names, values, amplitudes(values, stationary=False))
+        return coordinates(mechanism, np.array([f.x for f in frames]))
+    free = free_coordinates(mechanism)
     groups = _coordinates(mechanism, frames, free) + _reactions(mechanism, frames, free) + _spectrum(mechanism, frames)
     names = tuple(name for g in groups for name in g.names)
     return Assessed(names, *(np.concatenate([getattr(g, f) for g in groups]) for f in ("values", "amplitude")))
+
+
+def coordinates(mechanism: Mechanism, x: Array) -> Assessed:
+    """The free ones of a motion, x (times, nx)."""
+    free = free_coordinates(mechanism)
+    names = tuple(mechanism.numbering.x_name(int(i)) for i in free)
+    return Assessed(names, x[:, free].T, amplitudes(x[:, free].T, stationary=False))
 
 
 def free_coordinates(mechanism: Mechanism) -> Index:

@@ -1,7 +1,7 @@
 """The rows of a trade against a reference: which settings that has, how good it is, the errors of all others.
 
 The reference is computed by two methods at a tight tolerance, and by three meshes when meshes are compared, which are
-extrapolated (`spacar.studies.richardson`); what is known of its own error counts as error of every other setting.
+extrapolated (`spacar.studies.runs.extrapolation`); what is known of its error counts as error of every other setting.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators.methods import METHODS
-from spacar.studies.compared import row_values
-from spacar.studies.error_norm import distance
-from spacar.studies.richardson import extrapolate, extrapolate_rows
-from spacar.studies.rows import Row
-from spacar.studies.trade import Setup, Trade
+from spacar.studies.runs.compared import row_values
+from spacar.studies.runs.error_norm import distance
+from spacar.studies.runs.extrapolation import extrapolate
+from spacar.studies.runs.rows import Row
+from spacar.studies.runs.setting import Setup, Trade
 
 REFERENCE_METHODS = (853, 0)
 REFERENCE_TOLERANCE = 1e-12  # smallest
@@ -109,20 +109,11 @@ def reference(
         words.append(f"methods {codes} at tolerance {tight:.3g} differ by {error:.2e}")
     if len(meshes) > 1:
         seen = ", ".join(map(str, meshes))
-        if len(meshes) == 2:
-            last = distance(values[-1], values[-2], amplitude)
-            how = f"which differ by {last:.2e}"
-        else:
-            coarse, middle, fine = values[-3:]
-            result = extrapolate_rows(coarse, middle, fine, amplitude)
-            best, last = result.values, float(result.errors.max(initial=0.0))
-            orders = [int(np.sum(result.order == p)) for p in (4, 2, 0)]
-            told = zip(orders, ("with order 4", "with order 2", "not"), strict=True)
-            how = f"variables extrapolated: {', '.join(f'{k} {how}' for k, how in told if k)}, "
-            how += f"estimated error {last:.2e}"
-            if len(set(result.order.tolist())) == 1 and result.order.all():  # an order that all share is no accident
-                whole = extrapolate(coarse, middle, fine, amplitude)
-                best, last, how = whole.values, whole.error, whole.text
+        result = extrapolate(values, amplitude)
+        best, last = result.values, result.error
+        how = f"which differ by {last:.2e}"
+        if len(meshes) > 2:
+            how = f"variables extrapolated: {result.orders()}, estimated error {last:.2e}"
         error += last
         words.append(f"meshes {seen} elements a beam, {how}")
     return Reference(best, amplitude, error, "; ".join(words), names)
@@ -161,8 +152,7 @@ def _extrapolated(values: dict[Setup, tuple[Array, float]], ref: Reference) -> l
         chain = [replace(setup, elements=k * setup.elements) for k in (1, 2, 4)]
         if setup.beams == "rigid" or not all(s in values for s in chain):
             continue
-        coarse, middle, fine = (values[s][0] for s in chain)
-        result = extrapolate(coarse, middle, fine, ref.amplitude)
+        result = extrapolate([values[s][0] for s in chain], ref.amplitude)
         label = f"{', '.join(str(s.elements) for s in chain)} elements a beam, extrapolated"
         label += f", {setup.measure} measure" if setup.measure else ""
         label += ", linear strain" if setup.strain == "linear" else ""

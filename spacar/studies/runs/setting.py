@@ -2,7 +2,7 @@
 
 A `Setup` is one way to compute the same thing. Every setup is run (the reference ones too) to a row with the values of
 the chosen variables at the output times, its median processor time and the number of its right-hand sides;
-`spacar.studies.judged` turns rows into errors, in the norm of `spacar.studies.error_norm`.
+`spacar.studies.policies.trade` turns rows into errors, in the norm of `spacar.studies.runs.error_norm`.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from spacar.mechanism import build
 from spacar.modes import find_mode
 from spacar.options import integrator
 from spacar.result import Result
-from spacar.studies.compared import aligned, compared, real_series
 from spacar.studies.perturbation import perturbation, require_perturbation
-from spacar.studies.quantities import Quantity, quantity
-from spacar.studies.rows import Row, key
-from spacar.studies.sweep import explain
+from spacar.studies.policies.sweep import explain
+from spacar.studies.runs.compared import aligned, compared, real_series
+from spacar.studies.runs.quantities import Quantity, quantity
+from spacar.studies.runs.rows import Row, key
 
 MOST_VARIABLES = 600  # that are compared when the user names none
 LONG = 1.0  # seconds, after which a run with a limit is not repeated: its time is known well enough
@@ -78,7 +78,7 @@ class Setup:
 class Trade:
     """The question: a checked deck in a mode, variables, repeats of the timing, options of `spacar.run`.
 
-    Without variables, in the stationary modes only, it is about what `spacar.studies.result_quantities` says:
+    Without variables, in the stationary modes only, it is about what `spacar.studies.runs.result_quantities` says:
     coordinates and reactions of the nodes of the deck, the lowest frequencies and load multipliers.
     """
 

@@ -27,10 +27,9 @@ from spacar.deck.rewrite.refine import flexible_beams
 from spacar.errors import AnalysisError, SpacarError
 from spacar.mechanism.element_batches import by_angles
 from spacar.stream import Run
-from spacar.studies.accuracy import stiff
-from spacar.studies.compared import row_values
-from spacar.studies.error_norm import amplitudes, distance
-from spacar.studies.judged import (
+from spacar.studies.policies.mesh import divisible
+from spacar.studies.policies.simplification import Price, prices
+from spacar.studies.policies.trade import (
     REFERENCE_MARGIN,
     REFERENCE_TOLERANCE,
     Entry,
@@ -40,10 +39,11 @@ from spacar.studies.judged import (
     reference,
     reference_setups,
 )
-from spacar.studies.mesh_accuracy import divisible
-from spacar.studies.rows import Row
-from spacar.studies.trade import Job, Setup, Trade, run_setup, variant
-from spacar.studies.unneeded import Price, prices
+from spacar.studies.runs.compared import row_values
+from spacar.studies.runs.error_norm import amplitudes, distance
+from spacar.studies.runs.rows import Row
+from spacar.studies.runs.setting import Job, Setup, Trade, run_setup, variant
+from spacar.studies.runs.tolerance_ladder import stiff
 
 METHODS, STIFF_METHODS = (155, 853, 0), (595, 553)
 EXPLICIT = (0, 853)  # methods of a reference that is not stiff

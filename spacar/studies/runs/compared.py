@@ -1,7 +1,7 @@
 """What the runs of a trade are compared by, the same variables in the same order for every model.
 
 These are the expressions that the user gives; without them coordinates in motions, and in the stationary modes what
-`spacar.studies.result_quantities` says of the nodes that the user's model has.
+`spacar.studies.runs.result_quantities` says of the nodes that the user's model has.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from spacar.errors import UsageError
 from spacar.mechanism import build
 from spacar.modes import find_mode
 from spacar.result import Result
-from spacar.studies.error_norm import amplitudes
-from spacar.studies.quantities import Quantity
-from spacar.studies.result_quantities import Assessed, assessed
-from spacar.studies.rows import Row
+from spacar.studies.runs.error_norm import amplitudes
+from spacar.studies.runs.quantities import Quantity
+from spacar.studies.runs.result_quantities import Assessed, assessed
+from spacar.studies.runs.rows import Row
 
 GENERAL = ("eigenvalue", "load multiplier")  # words in the names of variables that belong to no node
 

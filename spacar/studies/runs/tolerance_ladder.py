@@ -1,0 +1,164 @@
+"""The error of the integration: runs of one motion with tolerances that fall.
+
+With the error of step control in proportion to the tolerance (Hairer, Norsett, Wanner, "Solving Ordinary Differential
+Equations I", section II.4) the difference d_k = |u_k - u_(k-1)| of two runs is about the error of the looser one, and
+that of the tighter one d_k g_k, g_k = tau_k / tau_(k-1). What is gained is trusted only to its square root, and not at
+all when the differences do not fall:
+
+    e_k = max(d_k max(TRUSTED, sqrt(g_k)), ALIKE d_(k-1) g_(k-1) g_k) where d_k < d_(k-1), or of two runs of a method,
+    e_k = d_k else, and never more
+
+Error norm and amplitudes: `spacar.studies.runs.error_norm`. Method 0, the cheapest per right-hand side, is taken while
+the highest frequency of the model allows it: rho T / STABLE steps, rho the largest eigenvalue of the start state.
+Beyond EXPENSIVE steps it is 553 and then 595 (Radau of orders 5 and 9). These damp vibrations that they do not resolve,
+so they could err alike: three runs at least are demanded of them.
+
+The absolute error of a run is its tolerance times the largest motion of lengths or of rotations, the smaller one, or
+times the ratio of ERROR, whatever is less. The first run tells how large these are; when its absolute error turns out
+to be more than SMALLEST of them it is made again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from spacar.dynamics.array_evaluator import Dynamics
+from spacar.errors import AnalysisError
+from spacar.forward.driver import has_forces
+from spacar.forward.extent import Extent
+from spacar.frame import Frame
+from spacar.integrators.methods import AUTOMATIC, METHODS
+from spacar.linearization.state_jacobian import state_jacobian
+from spacar.mechanism import Mechanism
+from spacar.modes import find_mode
+from spacar.stream import Run
+from spacar.studies.runs.error_norm import distance
+from spacar.studies.runs.quantities import Quantity
+from spacar.studies.runs.record import Attempt, Computed, compute
+
+EXPLICIT, STIFF = (0,), (553, 595)  # methods of the runs, the last one of all that follow
+CHECK = 853  # explicit method that checks the run of a file
+STABLE = 5.0  # h rho at which method 853 leaves its region of stability on the imaginary axis, about
+EXPENSIVE = 10_000  # steps of stability beyond which implicit methods are taken
+LARGEST_JACOBIAN = 600  # states; above, its eigenvalues take longer than a short run, and implicit methods are taken
+LOOSEST, TIGHTEST = 0.03, 2e-13  # tolerances that are tried
+FIRST = {EXPLICIT: 30.0, STIFF: 10.0}  # tolerance of the first run over the target; a step errs by less than ERROR
+GAIN = {EXPLICIT: 30.0, STIFF: 4.0}  # of the second tolerance over the first
+CHECKED = 4.0  # tolerance of the file over that of the run that checks it
+SMALLEST = 0.1  # absolute error of the first run over tolerance times motion, above which it says nothing
+MARGIN = 0.5  # of the target that the next run aims at
+NEAREST, FURTHEST = 0.1, 1e-3  # tolerance of the next run over the last one, at most and at least
+ALIKE = 3.0  # of the difference before, reduced as the tolerances: two errors may be alike by chance
+TRUSTED = 0.01  # least estimate over the last difference, however fast the differences fall
+STALLED, SMALL = 0.3, 1e-4  # differences below SMALL that fall by less than STALLED are rounding ...
+ROUNDED = 1e-8  # ... at tolerances below this
+UNRESOLVED = 1e-8  # relative tolerance of the run that checks another one with fixed steps
+
+
+@dataclass
+class ToleranceLadder:
+    """Runs of one motion in mode 1. `view`, `shown`, `hold`: see `spacar.studies.runs.record.compute`."""
+
+    run: Run
+    variables: tuple[Quantity, ...]
+    attempts: list[Attempt] = field(default_factory=list)
+    view: Callable[[Frame, int], Frame] | None = None
+    shown: Mechanism | None = None
+    hold: bool = False
+    ratio: float | None = None  # of the absolute error over the tolerance, that the motion asks for
+    coarse: bool = False  # the last run had one that was much larger
+
+    def __post_init__(self) -> None:
+        self.methods = STIFF if stiff(self.run) else EXPLICIT
+
+    def compute(self, integrator: int, tolerance: float | None) -> Computed:
+        """One run; `tolerance` None: with the settings of the file. Raises AnalysisError."""
+        mechanism = self.run.mechanism
+        settings = mechanism.settings
+        if tolerance is not None:
+            ratio = settings.atol / settings.rtol if settings.rtol > 0.0 else 1.0
+            ratio = ratio if self.ratio is None else min(ratio, self.ratio)
+            settings = replace(settings, integrator=integrator, rtol=tolerance, atol=tolerance * ratio, step=None)
+        self.attempts.append(Attempt(integrator, tolerance))
+        run = Run(find_mode(1), replace(mechanism, settings=settings))
+        found = compute(run, self.attempts[-1], self.variables, view=self.view, shown=self.shown, hold=self.hold)
+        if tolerance is not None and found.frames is not None:
+            extent = Extent(self.shown or run.mechanism)
+            extent.take(found.frames)
+            least = min(extent.sizes().values(), default=np.inf)
+            self.coarse, self.ratio = SMALLEST * ratio > least, min(least, ratio)
+        return found
+
+    def difference(self, now: Computed, before: Computed) -> float:
+        """Of two runs in the norm, noted with the later one."""
+        d = distance(now.found.values, before.found.values, now.found.amplitude)
+        now.attempt.difference = d
+        return d
+
+    def measured(self) -> tuple[Computed, Computed]:
+        """The run of the file's settings with its estimated error, and the one that checks it."""
+        settings = self.run.mechanism.settings
+        row = METHODS[settings.integrator]
+        shown = self.compute(row.code, None)
+        first, other = self.methods if self.methods == STIFF else (self.methods[0], CHECK)
+        same = (other, AUTOMATIC) if self.methods == STIFF else (other,)  # it may have changed to that one
+        tolerance = settings.rtol / CHECKED if row.variable_step and settings.rtol > 0.0 else UNRESOLVED
+        check = self.compute(first if row.code in same else other, max(tolerance, TIGHTEST))
+        shown.error = self.difference(shown, check)
+        return shown, check
+
+    def climb(self, target: float) -> tuple[Computed, Computed]:
+        """The last run, with its estimated error, and the one before; ends when that is within the target, or when no
+        more is to be had."""
+        methods, turn = self.methods, 0
+        tolerance = min(max(FIRST[methods] * target, TIGHTEST * GAIN[methods]), LOOSEST)
+        before: Computed | None = None
+        last, gained_before = np.inf, 1.0
+        while True:
+            code = methods[min(turn, len(methods) - 1)]
+            try:
+                now = self.compute(code, tolerance)
+            except AnalysisError:
+                # A loose tolerance may leave the range of the model where a tight one does not.
+                if tolerance <= TIGHTEST or sum(bool(a.reason) for a in self.attempts) > 1:
+                    raise
+                tolerance, turn = max(tolerance / GAIN[methods] ** 2, TIGHTEST), turn + 1
+                continue
+            if before is None:
+                if self.coarse:
+                    self.coarse = False
+                    continue
+                before, tolerance, turn = now, max(tolerance / GAIN[methods], TIGHTEST), turn + 1
+                continue
+            turn += 1
+            now.error = d = self.difference(now, before)
+            gained = (now.attempt.tolerance or 1.0) / (before.attempt.tolerance or 1.0)
+            if (d < last < np.inf) or (last == np.inf and now.attempt.integrator == before.attempt.integrator):
+                now.error = d * max(TRUSTED, gained**0.5)
+                if last < np.inf:
+                    now.error = min(d, max(now.error, ALIKE * last * gained_before * gained))
+            enough = methods == EXPLICIT or last < np.inf
+            rounding = tolerance < ROUNDED and d < SMALL and d > max(STALLED, gained_before**0.5) * last
+            if (now.error <= target and enough) or tolerance <= TIGHTEST or rounding:
+                now.error = now.error if now.error <= target else d
+                return now, before
+            before, last, gained_before = now, d, gained
+            wish = MARGIN * target / max(now.error, MARGIN * target)
+            tolerance = max(tolerance * min(max(wish, FURTHEST), NEAREST), TIGHTEST)
+
+
+def stiff(run: Run) -> bool:
+    """Would explicit methods follow the highest frequency of the start state in too many small steps?"""
+    mechanism, duration = run.mechanism, run.mechanism.settings.duration
+    evaluator = Dynamics(mechanism)
+    if not has_forces(evaluator.model):
+        return False
+    y = evaluator.start()
+    if len(y) > LARGEST_JACOBIAN:
+        return bool(mechanism.stiffness[2].any())
+    jacobian, _ = state_jacobian(evaluator, 0.0, y)
+    fastest = float(np.abs(np.linalg.eigvals(jacobian)).max(initial=0.0))
+    return fastest * (duration or 0.0) / STABLE > EXPENSIVE
