@@ -19,14 +19,17 @@ from spacar.kinematics.output import TransferOutput
 from spacar.kinematics.regularity import Regularity
 from spacar.linear import form
 from spacar.linear.buckling import NO_STRESS, BucklingModes, buckling_modes, directional_compliances
+from spacar.linear.descriptor_modes import lowest_modes
 from spacar.linear.eigen import Modes, vibration_modes
 from spacar.linear.internal_unknowns import buckling_matrices
 from spacar.linear.large_results import buckling_motions, sparse_matrices, vibration_motions
 from spacar.linear.lowest import WANTED, lowest_vibration, sparse_compliances
 from spacar.linear.lowest_multipliers import lowest_buckling
+from spacar.linear.sparse_linearization import SparseLinearization
 from spacar.linear.state_space import chosen_rows
 from spacar.linear.stored_system import StoredSystem
 from spacar.linear_systems import SingularMatrixError
+from spacar.linearization.coefficients import Coefficients, coefficients
 from spacar.linearization.matrices import Linearization, linearize
 from spacar.linearization.state_matrix import selected
 from spacar.stationary import LoadLevel, StationarySolver, load_program
@@ -97,8 +100,8 @@ def state_space_matrices(run: Run) -> Iterator[Sequence[Frame]]:
 
 @dataclass(frozen=True)
 class LinearizedSolution:
-    """A stored stationary solution with its linearization L, for large systems the sparse tangent instead, and both
-    where modes take less work with the tangent.
+    """A stored stationary solution with its linearization L, for large systems the sparse tangent instead, or their
+    coefficients `sparse` where there is no such tangent; L and the tangent where modes take less work with the tangent.
 
     `wanted`: number of lowest modes; `reduced`: no dense matrices at any step of the run; `compiled`: L comes from C,
     which also serves its small matrices.
@@ -112,6 +115,7 @@ class LinearizedSolution:
     reduced: bool
     condition: Conditioning
     compiled: bool = False
+    sparse: Coefficients | None = None
 
 
 def _stored_system(run: Run, may_move: bool) -> StoredSystem:
@@ -144,16 +148,19 @@ def stationary(
     descriptor = store is not None and store.sparse
     reducible = store is None and solver.sparse
     wanted = settings.modes or n.nddof
-    reduced = reducible and form.stores_sparse(n.nddof, settings, settings.modes or 0)
+    large = store is None and form.stores_sparse(n.nddof, settings, settings.modes or 0)
+    moving = large and not solver.sparse and run.mode.number == 7 and not len(n.twist_rates)
+    reduced = large and (solver.sparse or moving)
     if reduced:
         wanted = settings.modes or WANTED
+        what = " and their motions" if moving else ", their motions and sparse matrices"
         run.report.add(
-            f"{n.nddof} dynamic degrees of freedom (more than {form.LARGE}): only the {wanted} lowest modes, their"
-            " motions and sparse matrices are computed, no reduced matrices and no transfer functions; --modes N or"
-            " MODES N changes the number, 0 asks for everything"
+            f"{n.nddof} dynamic degrees of freedom (more than {form.LARGE}): only the {wanted} lowest modes{what} are"
+            " computed, no reduced matrices and no transfer functions; --modes N or MODES N changes the number, 0 asks"
+            " for everything"
         )
     few = few or wanted
-    by_tangent = reduced or (reducible and form.computes_sparse(n.nddof, few, solver.sparse_tangent))
+    by_tangent = reducible and (reduced or form.computes_sparse(n.nddof, few, solver.sparse_tangent))
     if by_tangent and not reduced:
         run.report.add(f"the {few} lowest of {n.nddof} modes are computed with the sparse tangent: less work")
     output = TransferOutput(run)
@@ -183,6 +190,10 @@ def stationary(
                 frame.matrices.update(sparse_matrices(solver.sparse_tangent()))
             store.add_sparse(frame, dynamics, state.xdd, state.sigma, 0.0)
             yield LinearizedSolution(frame, dynamics, None, None, wanted, True, condition)
+            continue
+        if moving:
+            linear = coefficients(dynamics, state.xdd, state.sigma)
+            yield LinearizedSolution(frame, dynamics, None, None, wanted, True, condition, sparse=linear)
             continue
         if reduced or singular:
             tangent = solver.sparse_tangent()
@@ -290,6 +301,10 @@ def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
         modes = _sparse_vibration(run, solution.tangent, solution.wanted)
         if solution.frame.t + 1 >= (run.n_frames or 0):
             solution.tangent.release()  # the factors of the shift, at the last step
+    elif solution.sparse is not None:
+        n = run.mechanism.numbering
+        system = SparseLinearization(solution.dynamics, (), ())(solution.sparse)
+        modes = lowest_modes(system, n.nkddof, n.nx, run.report, min(solution.wanted, n.nddof))
     else:
         assert solution.L is not None
         rows, static = chosen_rows(solution.L, solution.dynamics), run.mechanism.numbering.twist_rates

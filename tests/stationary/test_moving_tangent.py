@@ -10,6 +10,7 @@ import pytest
 import spacar
 from spacar.deck import parse_deck
 from spacar.errors import Report
+from spacar.linear import form
 from spacar.mechanism import build
 from spacar.stationary import StationarySolver, load_program, moving_tangent
 from spacar.stationary.moving_tangent import MovingTangent
@@ -71,3 +72,16 @@ def test_a_long_blade_is_that_of_the_dense_tangent(monkeypatch):
     dense = spacar.run(7, deck).frames[0]
     np.testing.assert_allclose(sparse.x, dense.x, atol=1e-11)
     np.testing.assert_allclose(sparse.sig, dense.sig, atol=1e-8 * np.abs(dense.sig).max())
+
+
+@pytest.mark.parametrize("name", ["blade", "crankfl"])
+def test_few_modes_of_a_large_moving_model(name, monkeypatch):
+    """Those of the descriptor system are those of the reduced matrices."""
+    deck = parse_deck(MODELS[name].replace("MODES 4", ""))
+    dense = spacar.run(7, deck).frames[-1].matrices["eigval"]
+    monkeypatch.setattr(form, "LARGE", 0)
+    monkeypatch.setattr(form, "SHARE", 1)
+    large = spacar.run(7, deck, modes=2).frames[-1].matrices
+    assert "m0" not in large
+    np.testing.assert_allclose(large["eigval"], dense[-4:], rtol=1e-7, atol=1e-7 * np.abs(dense[-4:]).max())
+    assert large["eigxre"].shape[1] == 4
