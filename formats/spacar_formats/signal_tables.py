@@ -18,8 +18,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import spacar
+from spacar.expressions import Unit, unit_text
 from spacar_formats.claim import Claim
 from spacar_formats.sbf import SbfError, SbfFile, SbfWriter
+from spacar_formats.signal_units import signal_unit
 
 if TYPE_CHECKING:
     from spacar.simulation.response import Response
@@ -93,13 +95,16 @@ def table_of_arrays(arrays: Mapping[str, tuple[Sequence[str], np.ndarray]]) -> S
 
 
 def panels_by_quantity(table: SignalTable, block: str) -> list[Panel]:
-    """The signals of a block, those of one keyword (OUTX, OUTE ...) or of one letter together."""
-    groups: dict[str, list[int]] = {}
+    """The signals of a block, those of one keyword (OUTX, OUTE ...) or of one letter and of one unit together."""
+    groups: dict[tuple[str, Unit | None], list[int]] = {}
     for k in table.columns(block):
-        groups.setdefault(table.names[k].split(" ")[0].rstrip("0123456789"), []).append(k)
-    return [
-        Panel(f"{block} {what}".strip(), tuple(ks), tuple(table.names[k] for k in ks)) for what, ks in groups.items()
-    ]
+        what = table.names[k].split(" ")[0].rstrip("0123456789")
+        groups.setdefault((what, signal_unit(table.names[k])), []).append(k)
+    panels = []
+    for (what, of), ks in groups.items():
+        labels = tuple(table.names[k].removeprefix(f"{what} ") for k in ks)
+        panels.append(Panel(f"{block} {what}".strip(), tuple(ks), labels, unit_text(of)))
+    return panels
 
 
 def read_table(file: SbfFile) -> SignalTable | None:
