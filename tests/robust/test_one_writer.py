@@ -123,6 +123,7 @@ def test_the_lock_file_of_a_dead_process_does_not_count(tmp_path, monkeypatch):
         (b"", "a process that it does not name"),
         (b"\xff\xb2 \xb2", "a process that it does not name"),
     ],
+    ids=["another machine", "this process", "empty", "no text"],  # the same in all workers
 )
 def test_a_lock_that_may_be_stale_is_named(tmp_path, monkeypatch, text, whose):
     """On disks without flock: another machine cannot be asked, a number may be of another process by now."""
