@@ -33,7 +33,10 @@ smartquotes = False  # x' is an axis, not an apostrophe
 
 # what the left column shows: title -> pages
 CONTENTS = {
-    "Learn": ("/README", "tutorial", "gallery", "symbolic/tutorial"),
+    "Learn": (
+        "/README", "tutorial", "start-spacar", "start-flexure", "start-control", "start-python", "gallery",
+        "symbolic/tutorial",
+    ),
     "Do one thing": (
         "edit", "drawing", "flexures", "studies", "sensitivity", "simulation", "python", "matlab", "convergence",
     ),
@@ -44,7 +47,7 @@ CONTENTS = {
         "reference/theory-beam-order4", "reference/symbolic", "reference/later-versions", "reference/bibliography",
         "limits",
     ),
-    "Understand": ("theory", "symbolic/theory", "performance", "promises", "decisions"),
+    "Understand": ("accuracy", "theory", "symbolic/theory", "performance", "promises", "decisions"),
     "Change": ("developer", "engine", "/CONTRIBUTING", "/CHANGELOG"),
 }  # fmt: skip
 
