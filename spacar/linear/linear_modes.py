@@ -27,6 +27,7 @@ from spacar.linear.lowest import WANTED, lowest_vibration, sparse_compliances
 from spacar.linear.lowest_multipliers import lowest_buckling
 from spacar.linear.sparse_linearization import SparseLinearization
 from spacar.linear.state_space import chosen_rows
+from spacar.linear.steady_equations import require_steady
 from spacar.linear.stored_system import StoredSystem
 from spacar.linear_systems import SingularMatrixError
 from spacar.linearization.coefficients import Coefficients, coefficients
@@ -201,6 +202,8 @@ def stationary(
             yield LinearizedSolution(frame, dynamics, None, tangent, wanted, reduced, condition)
             continue
         L = linearize(dynamics, state.xdd, state.sigma) if about is None else about.linearization()
+        if solver.moving and n.holonomic:
+            require_steady(L, dynamics, solver.y, level, run.report)
         frame.lost = {**frame.lost, **_doubts(L)}
         _store_matrices(frame, L, dynamics)
         frame = output.add(frame, dynamics, L)
