@@ -14,6 +14,9 @@ SAID w^2 m_i, w the largest prescribed rate: below that they are rounding.
 A prescribed angle goes on with its rate. Euler parameters l of a uniform rotation go on along a great circle,
 l cos wt + l' sin(wt)/w with w = |l'|, half the angular velocity.
 
+Where the mechanism can turn along with what is prescribed, degrees of freedom that do so are the remedy. Where not
+(a crank, a rod that lengthens) the equations are those of a frozen position in any degrees of freedom; this is said.
+
 Non-holonomic systems, which go on along their kinematic coordinates too, are not compared.
 """
 
@@ -62,7 +65,7 @@ def require_steady(now: Linearization, dynamics: Dynamics, y: Array, level: Load
         f" {worst:.2g} (relative) on the next {STEP} rad or model lengths"
     )
     fixed = [n.q_names[i] for i, c in zip(n.dynamic, change, strict=True) if c > REFUSED and i < len(n.q_x)]
-    if fixed:
+    if fixed and _turns_along(dynamics, w):
         named = ", ".join(fixed[:4]) + (", ..." if fixed[4:] else "")
         raise AnalysisError(
             f"{text}, so that they have no eigenvalues: {named} (DYNX) keep their directions while the mechanism moves."
@@ -71,6 +74,27 @@ def require_steady(now: Linearization, dynamics: Dynamics, y: Array, level: Load
             "statics.not-steady",
         )
     report.add(f"warning: {text}: this is no steady motion, the results are those of equations frozen in this position")
+
+
+def _turns_along(dynamics: Dynamics, w: float) -> bool:
+    """Can the mechanism go along with prescribed displacements and angles while nothing that has a stress deforms?
+
+    Then degrees of freedom that move along make a steady motion of it, else none do.
+    """
+    n, m, law, drive = dynamics.numbering, dynamics.mechanism, dynamics.law, dynamics.drive.at(0.0)
+    given, inputs = n.x_class["fixed"].stop, n.x_class["input"]
+    ed = np.zeros(n.ne)
+    ed[n.e_class["input"]] = drive.ed
+    if m.is_length[ed != 0.0].any():
+        return False
+    V = dynamics.sweep.gradient()
+    loose = np.setdiff1d(np.arange(law.first, n.ne), np.concatenate((law.stiffness[0], law.damping[0])))
+    rows = np.setdiff1d(np.arange(n.ne), loose)
+    columns = np.r_[given : inputs.start, inputs.stop : n.nx]
+    A = V[rows[:, None], columns] * m.scale[columns] / m.deformation_scale[rows, None]
+    b = (ed[rows] - V[rows, inputs] @ drive.xd) / m.deformation_scale[rows]
+    v = np.linalg.lstsq(A, b, rcond=None)[0]
+    return largest(A @ v - b) <= SAID * w
 
 
 def _fastest(m: Mechanism, drive: DriveState) -> float:
