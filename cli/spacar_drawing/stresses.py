@@ -1,10 +1,23 @@
 """Stress resultants along beams, and stresses in their cross-sections.
 
-Resultants (theory-spatial.md 3.5, theory-planar.md 3.1): N = sigma1; torque T = l0 sigma2; moments linear between the
-ends, My from l0 sigma3 to l0 sigma4, Mz from l0 sigma5 to l0 sigma6, with My = -EIy w_z'', Mz = EIz w_y''; shear forces
-Qy = (Mz_p - Mz_q)/l0, Qz = (My_q - My_p)/l0. Planar beams: e2, e3 have the opposite sign of e5, e6, so Mz runs from
--l0 cos a_p (sigma2 + Q_2 sigma1) to -l0 cos a_q (sigma3 + Q_3 sigma1), with a the end rotations to the chord and
-Q of (5), which is exact at the ends. Spatial beams: first order terms only.
+Resultants (theory-spatial.md 3.5, theory-planar.md 3.1): torque T = l0 sigma2; moments linear between the ends, My from
+l0 sigma3 to l0 sigma4, Mz from l0 sigma5 to l0 sigma6, with My = -EIy w_z'', Mz = EIz w_y''. Planar beams: e2, e3 have
+the opposite sign of e5, e6, so Mz runs from -l0 cos a_p (sigma2 + Q_2 sigma1) to -l0 cos a_q (sigma3 + Q_3 sigma1),
+with a the end rotations to the chord and Q of (5), which is exact at the ends.
+
+N, Qy, Qz are the force that the element exerts on its nodes, D^T sigma, so that they balance the loads and reactions of
+the run, along the axes of either end and linear between these. In the axes half way between those of the ends
+(theory-beam-order4.md 2), to the first order in the rotations, with psi = (e2, e3 + e4, e5 + e6)/l0 from p to q, the
+chord n = (1, (e5 - e6)/(2 l0), (e4 - e3)/(2 l0)), s = 1/(1 + Phi), a_y = s_z (e4 - e3)/l0, a_z = s_y (e6 - e5)/l0:
+
+    F_y = (sigma5 - sigma6 - s_y [sigma1 a_z/10 + (sigma3 + sigma4) psi_x/2 - sigma2 psi_y]) l0/l        across n
+    F_z = (sigma4 - sigma3 - s_z [-sigma1 a_y/10 + (sigma5 + sigma6) psi_x/2 - sigma2 psi_z]) l0/l       l = l0 + e1
+
+and sigma1 along n. In a BEAMW s = 1, and sigma2 + sigma7 - sigma8 stands for sigma2. Without second order terms
+(LDEFORM) sigma1 and sigma2 have no part across n; of the rest the sine measure has s = 1, the angle measure nothing.
+A planar beam has (Mz_p - Mz_q)/l across its chord. Differences of the end moments alone, in axes that turn with a
+twisted beam, are no shear forces. Loads between the nodes (inertia, gravity) act at the nodes: the force is that of
+the element.
 
 With warping (theory-warping.md section 5): the bimoment runs linearly from l0^2 sigma7 to l0^2 sigma8, the torque is
 l0 (sigma2 + sigma7 - sigma8), of which GIt times the local twist rate has Saint-Venant's shear stresses; the rest, the
@@ -82,6 +95,32 @@ def planar_end_moments(scene: Scene, e: Element, s: Array, deformation: Array) -
     return p, q
 
 
+def section_forces(scene: Scene, e: Element, s: Array, d: Array, ends: tuple[float, float] | None) -> Array:
+    """N, Qy, Qz [N] at p and q, (3, 2), of stresses s and deformations d (6,); `ends`: end moments of a planar beam."""
+    i = e.number - 1
+    l0, length = scene.length[i], scene.length[i] + d[0]
+    if ends is not None:
+        d = np.array([d[0], 0.0, 0.0, 0.0, -d[1], -d[2]])
+        across = np.array([(ends[0] - ends[1]) / length, 0.0])
+    else:
+        measure = scene.quadratic[i]  # as in `planar_end_moments`
+        Phi = np.zeros(2) if e.warping else 12.0 * scene.stiffness[i, 4:6] / l0**2  # Phi_z, Phi_y
+        sz, sy = 1.0 / (1.0 + Phi) if measure in (1, 2) else np.full(2, float(measure == 0))
+        second = float(measure in (1, 2)) / l0
+        torque = s[1] + (s[6] - s[7] if e.warping else 0.0)
+        by_y = 0.5 * (s[2] + s[3]) * d[1] / l0 - second * (torque * (d[2] + d[3]) - 0.1 * s[0] * sy * (d[5] - d[4]))
+        by_z = 0.5 * (s[4] + s[5]) * d[1] / l0 - second * (torque * (d[4] + d[5]) + 0.1 * s[0] * sz * (d[3] - d[2]))
+        across = np.array([s[4] - s[5] - sy * by_y, s[3] - s[2] - sz * by_z]) * (l0 / length)
+    tilt = np.array([d[4] - d[5], d[3] - d[2]]) / (2.0 * l0)
+    n = np.array([np.sqrt(np.maximum(1.0 - tilt @ tilt, 0.0)), *tilt])
+    force = (s[0] - across @ tilt) * n + np.array([0.0, *across])
+    h = np.array([d[1], d[2] + d[3], d[4] + d[5]]) / (4.0 * l0)  # tangents of a quarter of the rotation from p to q
+    once = np.cross(h, force)
+    twice = np.cross(h, once)
+    part = 2.0 / (1.0 + h @ h)
+    return np.stack((force + part * (twice + once), force + part * (twice - once)), axis=1)
+
+
 def resultants(scene: Scene, e: Element, sig: Array, e_values: Array, n: int) -> Resultants | None:
     """Stress resultants of a beam or truss at n places from p to q; None for other elements. sig, e_values (ne,)."""
     if e.shape not in ("beam", "truss"):
@@ -92,28 +131,21 @@ def resultants(scene: Scene, e: Element, sig: Array, e_values: Array, n: int) ->
     xi, zero = np.linspace(0.0, 1.0, n), np.zeros(n)
     if e.shape == "truss":
         return Resultants(s[0] + zero, zero, zero, zero, zero, zero)
-    if scene.planar:
-        deformation = np.where(rows > 0, e_values[np.maximum(rows - 1, 0)], 0.0)
-        p, q = planar_end_moments(scene, e, s, deformation)
-        return Resultants(s[0] + zero, (p - q) / l0 + zero, zero, zero, zero, p + (q - p) * xi)
+    d = np.where(rows > 0, e_values[np.maximum(rows - 1, 0)], 0.0)
+    ends = planar_end_moments(scene, e, s, d) if scene.planar else None
+    at_p, at_q = section_forces(scene, e, s, d, ends).T
+    N, Qy, Qz = np.outer(at_p, 1.0 - xi) + np.outer(at_q, xi)
+    if ends is not None:
+        return Resultants(N, Qy, Qz, zero, zero, ends[0] + (ends[1] - ends[0]) * xi)
     y, z = l0 * s[2:4], l0 * s[4:6]
     torque = l0 * s[1] + zero
     warping: tuple[Array, ...] = ()
     if e.warping:
-        d = np.where(rows > 0, e_values[np.maximum(rows - 1, 0)], 0.0)
         # twist rate of the cubic twist angle less its mean, and the linear bimoment
         uneven = (d[7] * (3 * xi**2 - 2 * xi) - d[6] * (1 - 4 * xi + 3 * xi**2)) / l0**2
         warping = l0**2 * (s[6] + (s[7] - s[6]) * xi), torque + scene.stiffness[e.number - 1, 1] * uneven
         torque = torque + l0 * (s[6] - s[7])
-    return Resultants(
-        s[0] + zero,
-        (z[0] - z[1]) / l0 + zero,
-        (y[1] - y[0]) / l0 + zero,
-        torque,
-        y[0] + (y[1] - y[0]) * xi,
-        z[0] + (z[1] - z[0]) * xi,
-        *warping,
-    )
+    return Resultants(N, Qy, Qz, torque, y[0] + (y[1] - y[0]) * xi, z[0] + (z[1] - z[0]) * xi, *warping)
 
 
 def section_points(section: SectionShape) -> tuple[Array, Array]:

@@ -51,7 +51,7 @@ function [stress, coordinates, elements, extrema] = stressbeam(file, elements, s
     if types(n) == 5
       r = planar_resultants(file, n, step, le(n, :), sig, lengths(n), places);
     else
-      r = spatial_resultants(sig(le(n, 1:6) + 1), lengths(n), places);
+      r = spatial_resultants(file, n, step, le(n, :), sig, lengths(n), places, types(n) == 18);
     end
     if types(n) == 18 && warping
       r = warped_resultants(r, file, n, step, le(n, :), sig, lengths(n), places);
@@ -69,12 +69,32 @@ function [stress, coordinates, elements, extrema] = stressbeam(file, elements, s
   end
 end
 
-function r = spatial_resultants(s, l0, xi)
+function r = spatial_resultants(file, n, step, rows, sig, l0, xi, warped)
 % N, Qy, Qz [N], T with Saint-Venant's stresses, My, Mz [N m], bimoment B [N m^2] and warping torque Tw [N m] at xi.
-  flat = ones(size(xi));
-  y = l0 * s(3:4); z = l0 * s(5:6);
-  r = struct('N', s(1) * flat, 'Qy', (z(1) - z(2)) / l0 * flat, 'Qz', (y(2) - y(1)) / l0 * flat, 'T', l0 * s(2) * flat, ...
+  s = sig(rows(1:6) + 1);
+  e = getfrsbf(file, 'e', step); e = [0; e(:)]; e = e(rows(1:6) + 1);
+  stiffness = getfrsbf(file, 'stif'); measures = getfrsbf(file, 'kdef');
+  measure = measures(n); torque = s(2); phi = [0 0];
+  if warped, torque = torque + sig(rows(7) + 1) - sig(rows(8) + 1); else, phi = 12 * stiffness(n, 5:6) / l0 ^ 2; end
+  second = any(measure == [1, 2]);
+  if second, sz = 1 / (1 + phi(1)); sy = 1 / (1 + phi(2)); else, sz = double(measure == 0); sy = sz; end
+  by_y = (s(3) + s(4)) * e(2) / (2 * l0) - second / l0 * (torque * (e(3) + e(4)) - 0.1 * s(1) * sy * (e(6) - e(5)));
+  by_z = (s(5) + s(6)) * e(2) / (2 * l0) - second / l0 * (torque * (e(5) + e(6)) + 0.1 * s(1) * sz * (e(4) - e(3)));
+  across = [s(5) - s(6) - sy * by_y; s(4) - s(3) - sz * by_z] * l0 / (l0 + e(1));
+  forces = section_forces(s(1), across, e, l0, xi);
+  y = l0 * s(3:4); z = l0 * s(5:6); flat = ones(size(xi));
+  r = struct('N', forces(1, :), 'Qy', forces(2, :), 'Qz', forces(3, :), 'T', l0 * s(2) * flat, ...
              'My', y(1) + (y(2) - y(1)) * xi, 'Mz', z(1) + (z(2) - z(1)) * xi, 'B', 0 * xi, 'Tw', 0 * xi);
+end
+
+function forces = section_forces(along, across, e, l0, xi)
+% N, Qy, Qz [N] at xi, of the forces along and across the chord: in the axes of both ends, linear between these (the module
+% stresses of spacar_drawing has the formulas).
+  tilt = [e(5) - e(6); e(4) - e(3)] / (2 * l0);
+  force = (along - across' * tilt) * [sqrt(max(1 - tilt' * tilt, 0)); tilt] + [0; across];
+  h = [e(2); e(3) + e(4); e(5) + e(6)] / (4 * l0);
+  once = cross(h, force); twice = cross(h, once); part = 2 / (1 + h' * h);
+  forces = (force + part * (twice + once)) * (1 - xi) + (force + part * (twice - once)) * xi;
 end
 
 function r = warped_resultants(r, file, n, step, rows, sig, l0, xi)
@@ -102,7 +122,8 @@ function r = planar_resultants(file, n, step, rows, sig, l0, xi)
   if measures(n) < 2, cosine = sqrt(max(1 - (e(2:3) / l0) .^ 2, 0)); end
   p = -l0 * cosine(1) * (s(2) + (2 * a * e(2) + b * e(3)) * s(1));
   q = -l0 * cosine(2) * (s(3) + (2 * a * e(3) + b * e(2)) * s(1));
-  flat = ones(size(xi)); zero = 0 * xi;
-  r = struct('N', s(1) * flat, 'Qy', (p - q) / l0 * flat, 'Qz', zero, 'T', zero, 'My', zero, 'Mz', p + (q - p) * xi, ...
+  forces = section_forces(s(1), [(p - q) / (l0 + e(1)); 0], [e(1); 0; 0; 0; -e(2:3)], l0, xi);
+  zero = 0 * xi;
+  r = struct('N', forces(1, :), 'Qy', forces(2, :), 'Qz', zero, 'T', zero, 'My', zero, 'Mz', p + (q - p) * xi, ...
              'B', zero, 'Tw', zero);
 end
