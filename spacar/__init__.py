@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from spacar.registry import register as _register
+
 if TYPE_CHECKING:
     from spacar.calls import frames, run
     from spacar.deck import Deck, parse_deck, read_deck
@@ -36,13 +38,32 @@ _HOME = {
     "Sensitivity": "spacar.sensitivities.sensitivity", "sensitivity": "spacar.sensitivities.sensitivity",
 }  # fmt: skip
 
+# What modules of the core ask `spacar.registry` for, because it lies above them.
+_ABOVE = {
+    **dict.fromkeys(
+        ("draw", "animate", "plot", "stress", "inline_picture", "inline_model", "sweep_plot", "trade_plot",
+         "response_plot", "sensitivity_plot", "flexure_plot", "flexure_page"), "spacar_drawing"),
+    "StressDerivatives": "spacar_drawing.stress_derivatives", "write_text": "spacar_formats.safety",
+    "state_space_of": "spacar_formats.getss",
+    **dict.fromkeys(("save_run", "save_result"), "spacar_formats.saving"),
+    **dict.fromkeys(("to_pandas", "to_xarray", "frame_of_rows", "frame_of_response"), "spacar_formats.tables"),
+    "accuracy": "spacar.studies.policies.accuracy:frames",
+}  # fmt: skip
+
+
+@_register
+def _found(name: str) -> Any:
+    """What has this name above the core, among the public names, or as an analysis, "module:function"."""
+    from importlib import import_module
+
+    module, _, other = ({**_HOME, **_ABOVE}.get(name) or name).partition(":")
+    return getattr(import_module(module), other or name)
+
 
 def __getattr__(name: str) -> Any:
     """Import lazily: `spacar --version` must not pay for NumPy."""
     if name in _HOME:
-        from importlib import import_module
-
-        found = globals()[name] = getattr(import_module(_HOME[name]), name)
+        found = globals()[name] = _found(name)
         return found
     raise AttributeError(f"module 'spacar' has no attribute '{name}'")
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +17,9 @@ from spacar.expressions.frequencies import frequencies
 from spacar.expressions.result_places import ELEMENT, NODE, place, places
 from spacar.frame import E_FIELDS, X_FIELDS, Frame, StoredFrames, column, joined
 from spacar.mechanism.result_tables import model_tables
+from spacar.modes import find_mode
+from spacar.registry import registered
+from spacar.summary import LINES, few, with_picture
 
 if TYPE_CHECKING:
     from spacar.mechanism import Mechanism
@@ -25,9 +27,6 @@ if TYPE_CHECKING:
 
 X_VARIABLES = (*X_FIELDS, "xcompl", "xerr")
 E_VARIABLES = E_FIELDS
-# Named, not imported: pictures and summaries lie above results.
-DRAWING, SUMMARY = "spacar_drawing", "spacar.summary"
-FILES, SAVING, TABLES = "spacar_formats.getss", "spacar_formats.saving", "spacar_formats.tables"
 
 
 @dataclass(frozen=True, repr=False)
@@ -54,22 +53,22 @@ class Result:
 
     def draw(self, path: str | Path | None = None, **options: Any) -> Any:
         """A matplotlib figure of one or more steps, also written to `path`; options as `spacar_drawing.draw`."""
-        return import_module(DRAWING).draw(self, path, **options)
+        return registered("draw")(self, path, **options)
 
     def animate(self, path: str | Path | None = None, **options: Any) -> Any:
         """Write an animation (gif, mp4) and return its path; without `path` one that a notebook shows.
 
         options   as `spacar_drawing.animate`
         """
-        return import_module(DRAWING).animate(self, path, **options)
+        return registered("animate")(self, path, **options)
 
     def plot(self, *expressions: str, path: str | Path | None = None, against: str = "t") -> Any:
         """A matplotlib figure of expressions such as 'x[6,1]' over `against`, also written to `path`."""
-        return import_module(DRAWING).plot(self, *expressions, path=path, against=against)
+        return registered("plot")(self, *expressions, path=path, against=against)
 
     def stress(self, **options: Any) -> Any:
         """Stress resultants and stresses along the beams as numbers; options as `spacar_drawing.stress`."""
-        return import_module(DRAWING).stress(self, **options)
+        return registered("stress")(self, **options)
 
     def ss(self, step: int = 1) -> Any:
         """A, B, C, D of a step (from 1, -1 the last) of mode 3, 4 or 9, with the names of states, inputs and outputs.
@@ -77,7 +76,7 @@ class Result:
         `A, B, C, D = result.ss()`; `.to_scipy()`, `.to_control()` for other libraries. Raises UsageError for another
         mode or step.
         """
-        return import_module(FILES).state_space_of(self, step)
+        return registered("state_space_of")(self, step)
 
     def save(self, name: str | Path, wait: bool = False) -> tuple[Path, ...]:
         """Write NAME.log, NAME.sbd and what else the mode fills, as `spacar MODE NAME` does. Their paths, log first.
@@ -86,7 +85,7 @@ class Result:
 
         Raises UsageError when they cannot be written.
         """
-        paths: tuple[Path, ...] = import_module(SAVING).save_result(self, name, wait)
+        paths: tuple[Path, ...] = registered("save_result")(self, name, wait)
         return paths
 
     def to_pandas(self, *expressions: str) -> Any:
@@ -95,20 +94,20 @@ class Result:
 
         Raises UsageError without pandas (`pip install 'spacar[tables]'`) and for an expression that is none.
         """
-        return import_module(TABLES).to_pandas(self, expressions)
+        return registered("to_pandas")(self, expressions)
 
     def to_xarray(self) -> Any:
         """An xarray.Dataset over t, coordinate (node, number) and deformation (element, mode), with the matrices of the
         linearized equations. Raises UsageError without xarray (`pip install 'spacar[tables]'`).
         """
-        return import_module(TABLES).to_xarray(self)
+        return registered("to_xarray")(self)
 
     def __repr__(self) -> str:
-        return str(import_module(SUMMARY).result_summary(self))
+        return result_summary(self)
 
     def _repr_html_(self) -> str:
         """The summary with a picture, for notebooks; without the picture where it cannot be drawn."""
-        return str(import_module(SUMMARY).with_picture(repr(self), "inline_picture", self))
+        return with_picture(repr(self), "inline_picture", self)
 
     @property
     def frequencies(self) -> Array:
@@ -194,3 +193,31 @@ class Result:
         if k is None:
             return np.asarray(found).take(places(table, number, words), 1)
         return np.array(found[:, place(table, number, k, words)])
+
+
+def result_summary(result: Result) -> str:
+    """Model, mode, steps, degrees of freedom, frequencies of the last step, warnings."""
+    mode, numbering = find_mode(result.mode), result.mechanism.numbering
+    n = len(result.frames)
+    lines = [f"Result of {result.mechanism.deck.source}, mode {mode.number}: {mode.title}"]
+    t = result.t
+    span = f", t = {t[0]:.6g} to {t[-1]:.6g}{' s' * mode.timed}" if n > 1 else ""
+    lines.append(f"  steps       {n}{span}")
+    lines.append(f"  size        {numbering.nx} coordinates x, {numbering.ne} deformations e")
+    plural = "s" * (numbering.ndof != 1)
+    lines.append(f"  freedom     {numbering.ndof} degree{plural} of freedom, {numbering.nddof} of them dynamic")
+    if n and "eigval" in result.frames[-1].matrices:
+        lines.append(f"  frequencies {few(result.frequencies[-1])} Hz (last step)")
+    if n and "lmult" in result.frames[-1].matrices:
+        lines.append(f"  multipliers {few(np.ravel(result['lmult'][-1]))} (last step)")
+    if "accuracy" in result.header:
+        found, target = result.header["accuracy"], result.header["accuracy"].target
+        estimate = f"{found.estimate:.2e} of the amplitudes" if np.isfinite(found.estimate) else "not known"
+        lines.append(f"  accuracy    {estimate}" + (f", asked for {target:g}" if target is not None else ""))
+    warnings = [line for line in result.report if line.startswith("warning")]
+    room = LINES - 1 - len(lines)
+    lines += [f"  {line}" for line in warnings[:room]]
+    if len(warnings) > room:
+        lines[-1] = f"  ... {len(warnings) - room + 1} more warnings in .report"
+    lines.append("  result.node(6, 1), .element(1, 1), ['x'], .plot('x[6,1]'), .draw()")
+    return "\n".join(lines)

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import cache
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -15,14 +13,11 @@ import numpy as np
 from spacar.errors import Report, SpacarError
 from spacar.frame import Frame, StoredFrames
 from spacar.modes import Mode
+from spacar.registry import registered
 
 if TYPE_CHECKING:
     from spacar.mechanism import Mechanism
 
-
-# Named, not imported: it lies above the analyses, which it runs several times.
-ACCURATE = "spacar.studies.policies.accuracy:frames"
-SAVING = "spacar_formats.saving"  # result files lie above the core
 
 
 class Sink(Protocol):
@@ -55,14 +50,6 @@ class Outcome:
     last: float | None = None
     seconds: float = 0.0
     error: BaseException | None = None
-
-
-@cache
-def _analysis(named: str) -> Callable[[Run], Iterator[Sequence[Frame]]]:
-    """The function of an analysis, "module:function"."""
-    module, _, name = named.partition(":")
-    found: Callable[[Run], Iterator[Sequence[Frame]]] = getattr(import_module(module), name)
-    return found
 
 
 @dataclass
@@ -104,7 +91,7 @@ class Run:
 
     def _made(self) -> Iterator[Sequence[Frame]]:
         told: set[int] = set()
-        for block in _analysis(ACCURATE if self.accuracy else self.mode.analysis)(self):
+        for block in registered("accuracy" if self.accuracy else self.mode.analysis)(self):
             for lost in block.lost if isinstance(block, StoredFrames) else [frame.lost for frame in block]:
                 for row, sentence in lost.items():
                     if row not in told:
@@ -123,7 +110,7 @@ class Run:
 
         Raises UsageError when they cannot be written, and what ended the run; frames up to there stay in NAME.sbd.part.
         """
-        paths: tuple[Path, ...] = import_module(SAVING).save_run(self, name, wait)
+        paths: tuple[Path, ...] = registered("save_run")(self, name, wait)
         return paths
 
     def consume(self, *sinks: Sink, window: Sink | None = None) -> Outcome:

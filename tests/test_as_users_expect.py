@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -63,7 +64,7 @@ def test_a_notebook_shows_a_model():
 
 
 def test_a_notebook_does_without_a_picture(crank, monkeypatch):
-    monkeypatch.setattr("spacar.summary.DRAWING", "spacar_drawing_that_is_not_installed")
+    monkeypatch.setitem(sys.modules, "spacar_drawing", None)
     assert "<img" not in crank._repr_html_()
     assert "crank.dat" in crank._repr_html_()
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from importlib import import_module
 from os.path import isfile, splitext
 from pathlib import Path
 
 from spacar.deck.deck_reader import NOT_UTF8, Span, read_text
+from spacar.deck.deck_summary import deck_summary
 from spacar.deck.deck_writer import splice, write, write_rows
 from spacar.deck.expansion import BeamSection
 from spacar.deck.lexer import visualization_of
@@ -21,6 +21,7 @@ from spacar.deck.statement_index import StatementIndex
 from spacar.deck.table_sections import UNITS
 from spacar.deck.table_types import BlockKind
 from spacar.errors import Message, UsageError
+from spacar.summary import with_picture
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -52,12 +53,11 @@ class Deck(ModelCalls):
     origin: Deck | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
-        # The summary lies above this room: it asks the modes and, for results, the mechanism.
-        return str(import_module("spacar.summary").deck_summary(self))
+        return deck_summary(self.source, self.mode, self.statements, self.messages)
 
     def _repr_html_(self) -> str:
         """The summary with a picture of the start position, for notebooks; without it where it cannot be drawn."""
-        return str(import_module("spacar.summary").with_picture(repr(self), "inline_model", self))
+        return with_picture(repr(self), "inline_model", self)
 
     @cached_property
     def sha256(self) -> str:

@@ -19,7 +19,6 @@ import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 
 from spacar.deck import model_methods
@@ -40,10 +39,11 @@ from spacar.deck.statement import Value
 from spacar.deck.statement_group import StatementGroup
 from spacar.deck.table_types import Keyword, Parameter, Variant
 from spacar.errors import InputError, Message
+from spacar.registry import registered
+from spacar.summary import with_picture
 
 Place = tuple[str, int]  # file and line of the Python statement
 LATER = ("input.unknown-element", "input.unknown-node")  # may be given by a statement that follows
-FILES_DOOR = "spacar_formats.safety"  # lies above this room
 
 
 class Model(ModelStatements, ModelCalls):
@@ -134,8 +134,7 @@ class Model(ModelStatements, ModelCalls):
         """Write the input file; `.dat` is appended to a name without ending. Raises UsageError. Returns its path."""
         target = Path(path)
         target = target if target.suffix else target.with_name(target.name + ".dat")
-        write = import_module(FILES_DOOR).write_text
-        write(target, str(self))
+        registered("write_text")(target, str(self))
         return target
 
     def __str__(self) -> str:
@@ -149,7 +148,7 @@ class Model(ModelStatements, ModelCalls):
 
     def _repr_html_(self) -> str:
         """For notebooks: the model with a picture of the start position, once it is complete enough to be drawn."""
-        return str(import_module("spacar.summary").with_picture(repr(self), "inline_model", self))
+        return with_picture(repr(self), "inline_model", self)
 
     # -- inside -----------------------------------------------------------------------------------------------------
     def _places(self, text: str) -> dict[int, Place]:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from importlib import import_module
 from typing import Any
 
-PUBLIC = "spacar"  # named, not imported: its calls lie above this room
+from spacar.registry import registered
 
 
 class ModelCalls:
@@ -20,20 +19,20 @@ class ModelCalls:
 
     def run(self, mode: int, **options: Any) -> Any:
         """`spacar.run(mode, self, ...)`: a `Result`."""
-        return import_module(PUBLIC).run(mode, self, **options)
+        return registered("run")(mode, self, **options)
 
     def flexure(self, **options: Any) -> Any:
         """`spacar.flexure(self, ...)`: a `Flexure`."""
-        return import_module(PUBLIC).flexure(self, **options)
+        return registered("flexure")(self, **options)
 
     def sensitivity(self, parameters: Sequence[str], quantities: Sequence[str], **options: Any) -> Any:
         """`spacar.sensitivity(self, ...)`: a `Sensitivity`."""
-        return import_module(PUBLIC).sensitivity(self, parameters, quantities, **options)
+        return registered("sensitivity")(self, parameters, quantities, **options)
 
     def sweep(self, change: Mapping[str, Any], results: str | Sequence[str], **options: Any) -> Any:
         """`spacar.sweep(self, ...)`: its rows."""
-        return import_module(PUBLIC).sweep(self, change, results, **options)
+        return registered("sweep")(self, change, results, **options)
 
     def trade(self, target: float = 1e-4, **options: Any) -> Any:
         """`spacar.trade(self, ...)`: a `TradeAnswer`."""
-        return import_module(PUBLIC).trade(self, target, **options)
+        return registered("trade")(self, target, **options)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +26,7 @@ from spacar.kinematics.constraint_condition import condition_number
 from spacar.kinematics.regularity import Regularity
 from spacar.linear.linear_modes import say_lost_digits
 from spacar.linearization.matrices import linearize
+from spacar.registry import registered
 from spacar.sensitivities.expression_derivatives import ChainValue, derivative, steps_of, variables
 from spacar.sensitivities.linear_quantities import LinearQuantities
 from spacar.sensitivities.parameters import DeckNumber, deck_numbers, directions
@@ -49,7 +49,6 @@ from spacar.studies.runs.quantities import Quantity, quantity
 
 COLUMNS = ("quantity", "value", "unit", "parameter", "at", "unit of parameter", "derivative", "relative")
 SHOWN, MOST_LINES = 4, 8  # parameters in a line of a summary, lines
-DRAWING, TABLES = "spacar_drawing", "spacar_formats.tables"  # named, not imported: they lie above the core
 MODE = 10  # vibration and buckling about the stationary states
 WITH_WHEELS = 7
 
@@ -93,12 +92,12 @@ class Sensitivity:
 
     def plot(self, path: str | Path | None = None) -> Any:
         """A matplotlib figure of the relative changes, also written to `path`."""
-        return import_module(DRAWING).sensitivity_plot(self, path)
+        return registered("sensitivity_plot")(self, path)
 
     def to_pandas(self) -> Any:
         """A pandas.DataFrame, a row for each quantity and parameter. Raises UsageError without pandas
         (`pip install 'spacar[tables]'`)."""
-        return import_module(TABLES).frame_of_rows([dict(zip(COLUMNS, row, strict=True)) for row in self.rows()])
+        return registered("frame_of_rows")([dict(zip(COLUMNS, row, strict=True)) for row in self.rows()])
 
     def rows(self) -> list[tuple[str | float, ...]]:
         """A row for each quantity and parameter, in the order of COLUMNS."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from spacar.expressions.expression_units import Unit, unit
 from spacar.expressions.result_places import ELEMENT, NODE, place
 from spacar.frame import Frame
 from spacar.mechanism.numbering import Numbering
+from spacar.registry import registered
 from spacar.sensitivities.linear_quantities import LinearQuantities
 from spacar.sensitivities.state_derivatives import StateDerivative
 
@@ -24,14 +24,13 @@ COORDINATES, DEFORMATIONS = ("x", "fx", "fxgrav", "fxtot"), ("e", "sig")
 LINEAR = ("frequency", "eigval", "lmult", "xcompl")
 _N, _MOMENT, _STRESS = unit(N=1), unit(N=1, m=1), unit(N=1, m=-2)
 # Stresses along beams and trusses, [element] or [element, place]. The package of pictures computes them; it lies above
-# this room and is therefore named (STRESS_DERIVATIVES), not imported.
+# this room and is therefore named in `spacar`, not imported.
 STRESSES: Mapping[str, Unit] = {
     "N": _N, "Qy": _N, "Qz": _N, "T": _MOMENT, "My": _MOMENT, "Mz": _MOMENT, "B": unit(N=1, m=2),
     "mises": _STRESS, "normal": _STRESS, "shear": _STRESS,
 }  # fmt: skip
 STRESS_INDICES = dict.fromkeys(STRESSES, (1, 2))
 KNOWN = (*COORDINATES, *DEFORMATIONS, *LINEAR, *STRESSES)
-STRESS_DERIVATIVES = "spacar_drawing.stress_derivatives"
 
 Variable = tuple[str, tuple[int, ...]]
 
@@ -39,11 +38,11 @@ Variable = tuple[str, tuple[int, ...]]
 def stress_derivatives(mechanism: Mechanism, directions: Sequence[Mechanism], mode: int) -> Any:
     """The evaluator of stresses and their derivatives. Raises UsageError where its package is not installed."""
     try:
-        home = import_module(STRESS_DERIVATIVES)
+        found = registered("StressDerivatives")
     except ImportError as error:
         text = f"stresses need the package spacar_drawing, which comes with the whole program ({error})"
         raise UsageError(text, "sensitivity.quantity") from None
-    return home.StressDerivatives(mechanism, directions, mode)
+    return found(mechanism, directions, mode)
 
 
 def check_variable(variable: Variable, numbering: Numbering) -> None:

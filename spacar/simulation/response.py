@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.registry import registered
 from spacar.simulation.diagram import Diagram
-
-DRAWING, TABLES = "spacar_drawing", "spacar_formats.tables"  # named, not imported: they lie above the core
 
 
 class Signals(Mapping[str, Array]):
@@ -83,12 +81,12 @@ class Response:
 
     def plot(self, *blocks: str, path: str | Path | None = None) -> Any:
         """A matplotlib figure of the scopes, or of the outputs of `blocks`, also written to `path`."""
-        return import_module(DRAWING).response_plot(self, blocks, path)
+        return registered("response_plot")(self, blocks, path)
 
     def to_pandas(self) -> Any:
         """A pandas.DataFrame over t, columns (block, signal). Raises UsageError without pandas
         (`pip install 'spacar[tables]'`)."""
-        return import_module(TABLES).frame_of_response(self)
+        return registered("frame_of_response")(self)
 
     def __getitem__(self, name: str) -> Array:
         """(times, signals) outputs by signal name. Raises UsageError for an unknown one."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +11,13 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
+from spacar.registry import registered
 from spacar.result import Result
 from spacar.stroke.error_motions import ErrorMotions
 from spacar.stroke.observed_node import ObservedNode
 from spacar.stroke.station import Station
 from spacar.stroke.stroke_move import StrokeMove
 
-DRAWING = "spacar_drawing"  # the package of pictures and stresses, named because it lies above this room
 DIRECTION = {"ux": "x", "uy": "y", "uz": "z", "phi": "r", "phix": "rx", "phiy": "ry", "phiz": "rz"}
 UNBALANCED = 0.01  # of the energy: when the work integral misses more, there is a warning
 POINTS = 9  # places along every beam where stresses are computed
@@ -263,11 +262,11 @@ class Flexure:
 
     def plot(self, path: str | Path | None = None, **options: Any) -> Any:
         """A matplotlib figure over the stroke, also written to `path`; options as `spacar_drawing.flexure_plot`."""
-        return import_module(DRAWING).flexure_plot(self, path, **options)
+        return registered("flexure_plot")(self, path, **options)
 
     def report(self, path: str | Path | None = None, **options: Any) -> str:
         """One self-contained HTML page, also written to `path`; options as `spacar_drawing.flexure_page`."""
-        return str(import_module(DRAWING).flexure_page(self, path, **options))
+        return str(registered("flexure_page")(self, path, **options))
 
 
 def _body_axes(node: ObservedNode, x: Array) -> Array:

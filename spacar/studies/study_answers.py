@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from spacar.registry import registered
 from spacar.studies.policies.trade import Entry, Reference
 from spacar.studies.runs.rows import Row
 
-DRAWING, TABLES = "spacar_drawing", "spacar_formats.tables"  # named, not imported: they lie above the core
 SHOWN = 6  # rows in a summary
 
 
@@ -44,11 +43,11 @@ class SweepRows(list[Row]):
     def plot(self, *names: str, path: str | Path | None = None, against: str | None = None) -> Any:
         """A matplotlib figure of results, default all, over a number that was changed, default the first; also written
         to `path`. The other numbers make a curve each. Raises UsageError for other names."""
-        return import_module(DRAWING).sweep_plot(self, names, path, against=against)
+        return registered("sweep_plot")(self, names, path, against=against)
 
     def to_pandas(self) -> Any:
         """A pandas.DataFrame, a row a case. Raises UsageError without pandas (`pip install 'spacar[tables]'`)."""
-        return import_module(TABLES).frame_of_rows(self)
+        return registered("frame_of_rows")(self)
 
 
 @dataclass(frozen=True)
@@ -82,7 +81,7 @@ class TradeAnswer:
 
     def plot(self, path: str | Path | None = None) -> Any:
         """The work-precision diagram, a matplotlib figure, also written to `path`."""
-        return import_module(DRAWING).trade_plot(self, path)
+        return registered("trade_plot")(self, path)
 
     def to_pandas(self) -> Any:
         """A pandas.DataFrame, a row a setting. Raises UsageError without pandas (`pip install 'spacar[tables]'`)."""
@@ -93,7 +92,7 @@ class TradeAnswer:
             }
             for e in self.entries
         ]  # fmt: skip
-        return import_module(TABLES).frame_of_rows(rows)
+        return registered("frame_of_rows")(rows)
 
 
 def _number(value: Any) -> str:

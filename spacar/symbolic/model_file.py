@@ -8,9 +8,13 @@ from __future__ import annotations
 import difflib
 import hashlib
 import sys
-from importlib import import_module
 from pathlib import Path
 from typing import Any, NoReturn
+
+if sys.version_info >= (3, 11):
+    import tomllib as toml
+else:
+    import tomli as toml
 
 from spacar.errors import InputError, Message, UsageError
 from spacar.symbolic.model_tables import KINDS, REFERENCES, SINGLE, TABLES, Key
@@ -31,7 +35,6 @@ class ModelFile:
     # -- text and types ----------------------------------------------------------------------------------------
 
     def tables(self) -> dict[str, Any]:
-        toml = import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
         try:
             data = self.path.read_bytes() if self.data is None else self.data
             self.sha256 = hashlib.sha256(data).hexdigest()
