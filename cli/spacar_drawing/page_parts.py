@@ -45,6 +45,11 @@ def html_table(rows: Sequence[Sequence[str]], head: Sequence[str] | None, klass:
     return f'<div class="scroll"><table class="{klass}">{top}<tbody>{body}</tbody></table></div>'
 
 
+def folded(title: str, parts: Sequence[str]) -> str:
+    """Parts that are shown when their heading is asked for."""
+    return f"<details><summary>{escape(title)}</summary>\n" + "\n".join(p for p in parts if p) + "\n</details>"
+
+
 @plain
 def html_figure(figure: Figure, caption: str, klass: str = "") -> str:
     """The picture as data inside the page, so that nothing else is needed."""

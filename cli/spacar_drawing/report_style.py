@@ -11,6 +11,9 @@ thead th { color: #5b6770; border-bottom: 1px solid #d8dee3; }
 tbody tr + tr { border-top: 1px solid #eef1f3; }
 table.facts th { color: #5b6770; white-space: nowrap; }
 table.numbers td { font-variant-numeric: tabular-nums; }
+table.five td { font-size: 17px; font-variant-numeric: tabular-nums; }
+details { margin-top: 18px; border-top: 1px solid #d8dee3; padding-top: 8px; }
+summary { font-size: 18px; font-weight: 600; cursor: pointer; }
 .scroll { overflow-x: auto; }
 figure { margin: 12px 0 20px; }
 figure.half { display: inline-block; width: 48%; margin: 8px 1% 12px 0; vertical-align: top; }
@@ -21,5 +24,6 @@ pre { font: 12px/1.4 "DejaVu Sans Mono", Consolas, monospace; }
 pre { background: #f7f9fa; border: 1px solid #e3e7ea; padding: 12px; overflow-x: auto; }
 .warn { background: #fdf1e3; border-left: 4px solid #c2703d; padding: 8px 12px; }
 footer { margin-top: 36px; color: #8a97a3; font-size: 12px; }
+@media print { details > * { display: block; } }
 @media print { body { background: #fff; } main { padding: 0; } figure, table { break-inside: avoid; } }
 """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +17,10 @@ from spacar_drawing.defaults import plain
 from spacar_drawing.history import history_figure, panels
 from spacar_drawing.stage import INK
 from spacar_drawing.stroke_tables import MOST_FREQUENCIES, matters, shown_column
+
+DENSE = 201  # points of a curve
+KINK = 4.0
+HIDDEN = 0.02  # of its range: a curve this near to another one hides it
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -115,7 +120,48 @@ def _figure(study: Flexure, columns: Sequence[Column]) -> Figure:
         if group[0].unit in kinds:
             text, kind = unit_text(group[0].unit), kinds[group[0].unit]
             axes.set_ylabel(f"{kind} ({text})" if text else kind)
+    for axes in figure.axes:
+        _smooth(axes)
     return figure
+
+
+def _smooth(axes: Axes) -> None:
+    """Marks at the computed states and a smooth curve between them; dashes where a curve would hide another one."""
+    shown: list[np.ndarray] = []
+    legend = axes.get_legend()
+    named = list(axes.lines) if legend is None else legend.get_lines()
+    for line, sample in zip(list(axes.lines), named, strict=True):
+        x, y = (np.asarray(v, float) for v in line.get_data())
+        span = float(np.ptp(y[np.isfinite(y)])) if np.isfinite(y).any() else 0.0
+        hidden = sum(np.allclose(y, other, rtol=0.0, atol=HIDDEN * span, equal_nan=True) for other in shown)
+        shown.append(y)
+        if hidden:
+            for each in (line, sample):
+                each.set_linestyle((0, (4, 3 + 4 * hidden)))
+                each.set_linewidth(1.4 + 0.5 * hidden)
+        axes.plot(x, y, "o", ms=3.0, color=line.get_color())
+        if len(x) > 2 and np.isfinite(y).all() and np.all(np.diff(x) > 0.0):
+            line.set_data(*smooth(x, y))
+
+
+def smooth(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The cubic that keeps the monotony of y (n,) over x (n,), n > 2; a place where the slope changes KINK times as
+    much as elsewhere (the size of what changes its sign) stays a kink."""
+    from scipy.interpolate import PchipInterpolator
+
+    bends = np.abs(np.diff(np.diff(y) / np.diff(x)))
+    k = int(np.argmax(bends))
+    others = np.delete(bends, k)
+    cuts = [0, len(x) - 1]
+    if len(others) and bends[k] > KINK * others.max():
+        cuts.insert(1, k + 1)
+    parts = []
+    for a, b in pairwise(cuts):
+        dense = np.union1d(x[a : b + 1], np.linspace(x[a], x[b], DENSE))
+        part = y[a : b + 1]
+        at = PchipInterpolator(x[a : b + 1], part)(dense) if b > a + 1 else np.interp(dense, x[a : b + 1], part)
+        parts.append((dense, at))
+    return np.concatenate([v for v, _ in parts]), np.concatenate([v for _, v in parts])
 
 
 def _logarithmic(axes: Axes) -> None:

@@ -1,4 +1,4 @@
-"""The page of `spacar flexure`: facts, extremes, pictures over the stroke, plots, tables; it holds all it shows."""
+"""The page of `spacar flexure`: five numbers, two pictures, lowest modes; folded: facts, extremes, curves, tables."""
 
 from __future__ import annotations
 
@@ -6,19 +6,21 @@ from html import escape
 
 import numpy as np
 
+from spacar.expressions import unit_text
 from spacar.stroke import Flexure
 from spacar.stroke.flexure_results import Column
 from spacar_drawing.defaults import plain
 from spacar_drawing.mechanism_picture import Extras
 from spacar_drawing.moving_figure import evenly
-from spacar_drawing.page_parts import html_figure, html_table, page
+from spacar_drawing.page_parts import folded, html_figure, html_table, page
 from spacar_drawing.picture_source import PictureSource, source_of_result
 from spacar_drawing.step_pictures import picture
 from spacar_drawing.stress_picture import stress_still
-from spacar_drawing.stroke_figures import all_figures
+from spacar_drawing.stroke_figures import all_figures, symbols
 from spacar_drawing.stroke_tables import cell_text, matters, shown_column, stroke_tables
 
 SHOWN = 5  # states in the picture over the stroke
+MOST_MODES = 6
 FLAT = 0.02  # of the largest displacement: a motion in a coordinate plane
 
 
@@ -27,19 +29,75 @@ def stroke_page(study: Flexure, view: str | None = None, body: bool = False) -> 
     """The page as text. `view` of spatial pictures (None: the plane of the motion, iso for stresses); `body`: stiffness
     along axes of the node."""
     source = source_of_result(study.result)
-    parts = [_facts(study), _warnings(study), _extremes(study, body), _pictures(study, source, view)]
-    parts += ["<h2>Over the stroke</h2>"]
-    parts += [html_figure(figure, caption) for figure, caption in all_figures(study, body)]
+    curves = [html_figure(figure, caption) for figure, caption in all_figures(study, body)]
+    tables = []
     for table in stroke_tables(study, body):
-        parts.append(f"<h2>{escape(table.title)}</h2>" + html_table(table.rows, table.heads, "numbers"))
+        tables.append(f"<h2>{escape(table.title)}</h2>" + html_table(table.rows, table.heads, "numbers"))
         if table.note:
-            parts.append(f"<p>{escape(table.note[0].upper() + table.note[1:])}.</p>")
+            tables.append(f"<p>{escape(table.note[0].upper() + table.note[1:])}.</p>")
+    unit = shown_column(study, _stroke(study))[0]
+    heads = ("", "undeflected", "first", "last", f"smallest at ({unit})", f"largest at ({unit})")
+    parts = [
+        _warnings(study),
+        html_table(five_numbers(study, body), None, "five"),
+        _pictures(study, source, view),
+        _modes(study),
+        folded("Over the stroke", curves),
+        folded("Key results", [html_table(extremes(study, body), heads, "numbers")]),
+        folded("Tables", tables),
+        folded("Model and run", [_facts(study)]),
+    ]
     return page(f"{source.scene.title}: flexure", parts)
 
 
+def _stroke(study: Flexure) -> Column:
+    return Column("stroke", "", study.move.unit, study.stroke)
+
+
+def five_numbers(study: Flexure, body: bool = False) -> list[tuple[str, str]]:
+    """Range, largest force of the actuator, least of the support stiffness, first unwanted frequency, largest stress;
+    what is not known is left out."""
+    by_name = {c.name: c for c in study.columns(body)}
+    unit, stroke = shown_column(study, _stroke(study))
+    rows = [("Range of motion", f"{cell_text(stroke[0])} to {cell_text(stroke[-1])} {unit}")]
+
+    def add(title: str, names: list[str], lowest: bool) -> None:
+        known = [by_name[n] for n in names if np.isfinite(by_name[n].values).any()]
+        if not known:
+            return
+        shown = [shown_column(study, c) for c in known]
+        sizes = [np.where(np.isfinite(v), v if lowest else np.abs(v), np.inf if lowest else -np.inf) for _, v in shown]
+        best = min if lowest else max
+        k = best(range(len(known)), key=lambda i: float(best(sizes[i])))
+        at = int(sizes[k].argmin() if lowest else sizes[k].argmax())
+        of = f", {known[k].title.partition(', ')[2]}" if len(names) > 1 else ""
+        value = f"{cell_text(shown[k][1][at], 4)} {unit_text(symbols(shown[k][0]))}"
+        rows.append((title, f"{value}{of}, at {cell_text(stroke[at])} {unit}"))
+
+    add("Largest actuator moment" if study.move.force_unit == "N m" else "Largest actuator force", ["force"], False)
+    add("Least of a support stiffness that remains", [f"remaining_{study.directions[i]}" for i in study.support], True)
+    add("First unwanted frequency", ["f_1"], True)
+    add("Largest von Mises stress", ["mises"], False)
+    return rows
+
+
+def _modes(study: Flexure) -> str:
+    """The lowest frequencies with the drive locked, and that of the free drive."""
+    count = min(MOST_MODES, study.frequencies.shape[1])
+    known = [study.frequencies[:, i] for i in range(count) if np.isfinite(study.frequencies[:, i]).any()]
+    if not known:
+        return ""
+    rows = [
+        (name, *(cell_text(values[k], 4) for k in (study.zero, 0, -1)))
+        for name, values in (*((f"mode {i}, drive locked", f) for i, f in enumerate(known, 1)),
+                             ("free drive", study.of("drive_hertz")))
+    ]  # fmt: skip
+    heads = ("frequency (Hz)", "undeflected", "first state", "last state")
+    return "<h2>Lowest modes</h2>" + html_table(rows, heads, "numbers")
+
+
 def _facts(study: Flexure) -> str:
-    stroke = Column("stroke", "", study.move.unit, study.stroke)
-    unit, values = shown_column(study, stroke)
+    unit, values = shown_column(study, _stroke(study))
     node = study.node
     beside = f" with orientation node {node.orientation}" if node.orientation else ""
     how = "loaded by a force" if study.move.pushed else "prescribed"
@@ -87,12 +145,6 @@ def extremes(study: Flexure, body: bool = False) -> list[tuple[str, ...]]:
     return rows
 
 
-def _extremes(study: Flexure, body: bool) -> str:
-    unit = shown_column(study, Column("stroke", "", study.move.unit, study.stroke))[0]
-    head = ("", "undeflected", "first", "last", f"smallest at ({unit})", f"largest at ({unit})")
-    return "<h2>Key results</h2>" + html_table(extremes(study, body), head, "numbers")
-
-
 def _pictures(study: Flexure, source: PictureSource, view: str | None) -> str:
     """The range of motion, the undeflected state in full where it is inside; the largest stress."""
     numbers = evenly(1, len(study), SHOWN)
@@ -112,7 +164,7 @@ def _pictures(study: Flexure, source: PictureSource, view: str | None) -> str:
             source.scene, source.x(k + 1), source.get("sig", k + 1), source.get("e", k + 1), source.settings,
             Extras(view=view or "iso", title=""), "mises",
         )  # fmt: skip
-        unit, where = shown_column(study, Column("stroke", "", study.move.unit, study.stroke))
+        unit, where = shown_column(study, _stroke(study))
         at = {0.0: "at its end p", 1.0: "at its end q"}.get(float(place[k]), f"at {place[k]:.3g} of its length")
         text = f"Von Mises stress at {cell_text(where[k])} {unit}, where it is largest: in element {element[k]} {at}."
         out += html_figure(still, text)

@@ -35,3 +35,14 @@ def test_no_shape_is_known(name, monkeypatch, tmp_path):
 def test_every_setting_that_is_read_is_checked():
     """`spacar check` knows the words that the pictures use, and no others."""
     assert set(WORDS) == set(RULES) | set(SPELLINGS)
+
+
+def test_curves_over_a_stroke_are_smooth_but_for_kinks():
+    """A parabola to 1 % of its range, |x| to rounding, and the computed states themselves."""
+    from spacar_drawing.stroke_figures import smooth
+
+    x = np.linspace(-1.0, 1.0, 9)
+    for y, error in ((1.0 - x**2, 0.01), (np.abs(x), 1e-15)):
+        dense, curve = smooth(x, y)
+        assert np.max(np.abs(curve - (np.abs(dense) if error < 1e-3 else 1.0 - dense**2))) <= error
+        np.testing.assert_allclose(np.interp(x, dense, curve), y, atol=1e-15)
