@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import click
 
@@ -22,8 +22,7 @@ MODE = re.compile(r"[+-]?\d+")
 FILE, TABLE = click.Path(path_type=Path), TablePath()
 
 
-@dataclass(frozen=True)
-class OptionRow:
+class OptionRow(NamedTuple):
     """An option: its spellings, what it means, and for one that takes a value what that is (none: a switch)."""
 
     spelled: str

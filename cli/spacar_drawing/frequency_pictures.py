@@ -48,8 +48,8 @@ def root_figure(steps: Sequence[Vibration], across: np.ndarray, text: str, title
         label = f"{text.partition(' (')[0]} = {across[k]:.4g}" if k in named else None
         left.scatter(np.full(len(oscillating), across[k]), oscillating.imag / (2 * np.pi), s=12, c=shade)
         right.scatter(values.real, values.imag, s=12, c=shade, label=label)
-    _dress(left, text, "frequency (Hz)")
-    _dress(right, "real part (1/s)", "imaginary part (rad/s)")
+    dress(left, text, "frequency (Hz)")
+    dress(right, "real part (1/s)", "imaginary part (rad/s)")
     right.axvline(0.0, color=INK, lw=0.8)
     left.set_ylim(bottom=0.0)
     if text.endswith("(rad/s)") and len(steps) > 1:  # what an imbalance excites
@@ -108,8 +108,8 @@ def bode_figure(
         low, high = upper.get_ylim()
         upper.set_ylim(low, min(high, max(tops, default=high)))
         unit = unit_text(units[chosen[0]])
-        _dress(upper, "", f"amplitude (dB, 0 is 1 {unit})" if unit else "amplitude (dB)")
-        _dress(lower, "frequency (Hz)" if not together or lower is panels[-1, -1] else "", "phase (deg)")
+        dress(upper, "", f"amplitude (dB, 0 is 1 {unit})" if unit else "amplitude (dB)")
+        dress(lower, "frequency (Hz)" if not together or lower is panels[-1, -1] else "", "phase (deg)")
         lower.yaxis.set_major_locator(_whole_turns(lower.get_ylim()))
         if not together:
             upper.set_title(f"from {escaped(system.inputs[chosen[0][1]])}", fontsize=8.5, color=INK, parse_math=False)
@@ -184,7 +184,7 @@ def _whole_turns(ends: tuple[float, float]) -> MultipleLocator:
     return MultipleLocator(next((step for step in (15, 30, 45, 90, 180, 360) if span / step <= 8), 720))
 
 
-def _dress(axes: Axes, x: str, y: str) -> None:
+def dress(axes: Axes, x: str, y: str) -> None:
     axes.set_xlabel(x, fontsize=8.5, color=INK)
     axes.set_ylabel(y, fontsize=8.5, color=INK)
     axes.grid(True, color=RULE, lw=0.6)

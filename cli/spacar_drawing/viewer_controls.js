@@ -11,7 +11,7 @@ function viewerControls(viewer) {
     play(false);
     viewer.load(model, keep);
     $("step").max = pictures() - 1;
-    $("step").value = 0;
+    $("step").value = state.k = Math.max(0, Math.min(pictures() - 1, model.shown || 0));
     $("controls").hidden = pictures() < 2;
     $("fields").hidden = !model.field;
   }

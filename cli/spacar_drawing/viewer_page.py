@@ -142,6 +142,7 @@ def view_model(
         "frames": mesh.frames,
         "times": [step_text(source, k).removeprefix(scene.title).strip() for k in chosen],
         "fps": fps,
+        "shown": len(chosen) - 1 if scene.analysis.stationary else 0,
         "nodes": [
             f"{n} ({','.join(map(str, turning[n]))})" if n in turning else str(n) for n in scene.position_nodes.tolist()
         ],

@@ -7,11 +7,16 @@ from typing import TYPE_CHECKING
 
 from spacar.errors import escaped
 from spacar_drawing.defaults import plain
+from spacar_drawing.frequency_pictures import dress
+from spacar_drawing.history import COLOURS
+from spacar_drawing.stage import INK
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from spacar.studies.policies.trade import Entry
+
+MARKS = ("o", "s", "^", "D")
 
 
 @plain
@@ -19,33 +24,38 @@ def work_precision_figure(
     entries: Sequence[Entry], reference_error: float, target: float, stationary: bool, title: str
 ) -> Figure:
     """The diagram; settings without error or cost are left out."""
-    from matplotlib.ticker import LogFormatterSciNotation, LogLocator
+    from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, MaxNLocator, NullLocator
 
     from spacar_drawing.shown_figure import ShownFigure
 
-    figure = ShownFigure(figsize=(10, 4.5), dpi=120, layout="constrained")
+    figure = ShownFigure(figsize=(9.0, 4.6), dpi=110, layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
-    for name, group in _curves(entries).items():
+    for k, (name, group) in enumerate(_curves(entries).items()):
+        look = {"color": COLOURS[k % len(COLOURS)], "marker": MARKS[k // len(COLOURS) % len(MARKS)], "lw": 1.3, "ms": 4}
         errors = [max(e.error, 1e-16) for e in group]
-        left.loglog([e.seconds for e in group], errors, "o-", label=name, markersize=4)
+        left.loglog([e.seconds for e in group], errors, label=name, **look)
         work = [(e.setup.elements if stationary else e.rhs) if e.setup is not None else None for e in group]
         points = [(w, e) for w, e in zip(work, errors, strict=True) if w]
         if points:
-            right.loglog(*zip(*points, strict=True), "o-", markersize=4)
-        else:
-            right.loglog([], [])  # keeps the colours of both sides the same
-    for axes in (left, right):
-        axes.axhline(target, color="0.5", linestyle="--", linewidth=0.8)
+            right.loglog(*zip(*points, strict=True), **look)
+    across = ("processor time (s)", "elements a beam" if stationary else "right-hand sides")
+    for axes, text in zip((left, right), across, strict=True):
+        axes.axhline(target, color=INK, ls="--", lw=0.9, label="target")
         if reference_error > 0.0:
-            axes.axhline(reference_error, color="0.5", linestyle=":", linewidth=0.8)
-        axes.grid(alpha=0.3)
-        axes.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))  # labels of less than two decades do not touch
-        axes.xaxis.set_minor_formatter(LogFormatterSciNotation(minor_thresholds=(2.0, 2.0)))
-    left.set_xlabel("processor time [s]")
-    left.set_ylabel("error (dashed: target, dotted: of the reference)")
-    right.set_xlabel("elements a beam" if stationary else "right-hand sides")
-    left.legend(fontsize="small")
-    figure.suptitle(escaped(title), parse_math=False)
+            axes.axhline(reference_error, color=INK, ls=":", lw=0.9, label="error of the reference")
+        dress(axes, text, "error" if axes is left else "")
+        axes.set_xscale("log")
+        low, high = axes.get_xlim()
+        if high < 8.0 * low:  # numbers that do not touch
+            axes.xaxis.set_major_locator(MaxNLocator(4))
+            axes.xaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:.3g}"))
+            axes.xaxis.set_minor_locator(NullLocator())
+        elif high < 100.0 * low:
+            axes.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+            axes.xaxis.set_minor_formatter(LogFormatterSciNotation(minor_thresholds=(2.0, 2.0)))
+        axes.tick_params(which="minor", labelsize=8, colors=INK, length=0)
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=7, frameon=False)
+    figure.suptitle(escaped(title), fontsize=10, color=INK, parse_math=False)
     return figure
 
 

@@ -199,3 +199,10 @@ def test_five_thousand_beams_in_a_browser(tmp_path):
         pytest.skip("this Chromium has no WebGL 2")
     assert state["state"] == "ready"
     assert float(state["script"]) < 100
+
+
+def test_a_stationary_result_is_opened_at_its_last_state():
+    for name, mode, shown in (("leafguide", 7, -1), ("crank", 1, 0)):
+        data = data_of(view_page(result_source(name, mode)))
+        assert len(data["times"]) > 1
+        assert data["shown"] == shown % len(data["times"])

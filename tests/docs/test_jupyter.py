@@ -1,0 +1,44 @@
+"""A notebook in a real kernel, with nothing but `import spacar`: figures, tables and an animation show themselves."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+nbformat = pytest.importorskip("nbformat")
+execute = pytest.importorskip("nbconvert.preprocessors")
+pytest.importorskip("ipykernel")
+pytestmark = pytest.mark.slow
+
+CRANK = Path(__file__).resolve().parents[2] / "data" / "crank.dat"
+CELLS = (
+    "import spacar",
+    f"result = spacar.run(1, {str(CRANK)!r})\nresult",
+    "result.draw(strobe=5)",
+    "result.plot('x[6,1]', 'sig[1,1]')",
+    "result.animate(frames=4, dpi=40)",
+    f"rows = spacar.sweep({str(CRANK)!r}, 1, {{'TIMESTEP 1': [0.01, 0.02]}}, ['max(x[6,1])'])\nrows",
+    "rows.to_pandas()",
+)
+
+
+def test_what_is_asked_for_is_shown(tmp_path):
+    book = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(text) for text in CELLS])
+    os.environ.pop("MPLBACKEND", None)
+    from jupyter_client.kernelspec import KernelSpec
+    from jupyter_client.manager import AsyncKernelManager
+
+    manager = AsyncKernelManager()
+    manager._kernel_spec = KernelSpec(argv=[sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"])
+    execute.ExecutePreprocessor(timeout=120).preprocess(book, {"metadata": {"path": str(tmp_path)}}, km=manager)
+    shown = [{kind for output in cell.outputs for kind in output.get("data", ())} for cell in book.cells]
+    texts = ["".join(str(output.get("data", {})) for output in cell.outputs) for cell in book.cells]
+    assert not shown[0]
+    assert "text/plain" in shown[1]
+    assert all("image/png" in kinds or "data:image/png" in text for kinds, text in zip(shown[2:4], texts[2:4], strict=True))
+    assert "image/gif" in shown[4] or "data:image/gif" in texts[4] or "text/html" in shown[4]
+    assert "text/plain" in shown[5]
+    assert "<table" in texts[6]
