@@ -13,14 +13,15 @@ execute = pytest.importorskip("nbconvert.preprocessors")
 pytest.importorskip("ipykernel")
 pytestmark = pytest.mark.slow
 
-CRANK = Path(__file__).resolve().parents[2] / "data" / "crank.dat"
+DATA = Path(__file__).resolve().parents[2] / "data"
+CRANK, FLEXIBLE = str(DATA / "crank.dat"), str(DATA / "crankfl.dat")
 CELLS = (
     "import spacar",
-    f"result = spacar.run(1, {str(CRANK)!r})\nresult",
+    f"result = spacar.run(1, {CRANK!r})\nresult",
     "result.draw(strobe=5)",
     "result.plot('x[6,1]', 'sig[1,1]')",
     "result.animate(frames=4, dpi=40)",
-    f"rows = spacar.sweep({str(CRANK)!r}, 1, {{'TIMESTEP 1': [0.01, 0.02]}}, ['max(x[6,1])'])\nrows",
+    f"rows = spacar.sweep({FLEXIBLE!r}, {{'XM.8': [0.03, 0.06]}}, 'slider: x[8,1]@end', duration=0.01, jobs=1)\nrows",
     "rows.to_pandas()",
 )
 
@@ -38,7 +39,8 @@ def test_what_is_asked_for_is_shown(tmp_path):
     texts = ["".join(str(output.get("data", {})) for output in cell.outputs) for cell in book.cells]
     assert not shown[0]
     assert "text/plain" in shown[1]
-    assert all("image/png" in kinds or "data:image/png" in text for kinds, text in zip(shown[2:4], texts[2:4], strict=True))
+    pictures = zip(shown[2:4], texts[2:4], strict=True)
+    assert all("image/png" in kinds or "data:image/png" in text for kinds, text in pictures)
     assert "image/gif" in shown[4] or "data:image/gif" in texts[4] or "text/html" in shown[4]
     assert "text/plain" in shown[5]
     assert "<table" in texts[6]
