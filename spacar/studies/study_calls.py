@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from spacar.arrays import Array
 from spacar.deck import Deck
 from spacar.deck.rewrite.refine import flexible_beams
 from spacar.errors import UsageError
@@ -32,7 +31,7 @@ INTERVAL = ("duration", "n_steps")  # options of trade, which chooses the others
 
 def sweep(
     source: Source,
-    change: Mapping[str, Sequence[float] | Array | str],
+    change: Mapping[str, Iterable[float] | str],
     results: str | Sequence[str],
     *,
     mode: int = 1,
@@ -179,7 +178,7 @@ def batches_of(
     return partial(in_batches, engine=engine, jobs=jobs, built=built), ""
 
 
-def _numbers(target: str, given: Sequence[float] | Array | str) -> tuple[float, ...]:
+def _numbers(target: str, given: Iterable[float] | str) -> tuple[float, ...]:
     """Values of a target, from numbers or a text such as 1:100:7:log. Raises UsageError."""
     if isinstance(given, str):
         return listed_values(given)
