@@ -219,3 +219,4 @@ def test_motions_of_any_size_keep_the_target(size: float) -> None:
         found = result.header["accuracy"]
         assert found.met
         assert error <= target
+        assert error <= 3.0 * found.estimate

@@ -58,6 +58,11 @@ def test_the_stiff_beam_is_named_and_the_soft_one_is_needed():
     assert found["the flexibility of beam 2"].line(0.1, 1.0).startswith("needed: the flexibility of beam 2")
 
 
+def test_rigid_beams_have_no_flexibility_to_leave_out():
+    trade, ref = asked(ARM, "x[5,2]")
+    assert list(prices(trade, Setup(beams="rigid"), ref, lambda: 60.0)) == []
+
+
 def test_nothing_is_looked_at_when_the_time_is_used():
     trade, ref = asked(ARM, "x[5,2]")
     assert list(prices(trade, Setup(), ref, lambda: 0.0)) == []

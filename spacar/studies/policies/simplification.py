@@ -84,7 +84,7 @@ def _variations(trade: Trade, setup: Setup) -> Iterator[Variation]:
     def same(d: Deck) -> Deck:
         return d
 
-    if beams:
+    if beams and setup.beams != "rigid":
         yield "flexible beams", f"leave out DYNE {', '.join(map(str, beams))}", rigid, {}
         if 1 < len(beams) <= MOST_BEAMS:
             for beam in beams:
