@@ -8,7 +8,7 @@ source distributions. `python hatch_build.py` builds in place.
                                   so that it is built without SymPy
     spacar/compiled/engine.so     C text -> one shared library, loaded with ctypes, so that one wheel serves all
                                   versions of Python: its tag is py3-none-PLATFORM
-    spacar/deck/model_statements.pyi    the methods of `spacar.Model`, for editors and type checkers
+    spacar/deck/keyword_methods.pyi    the methods of `spacar.Model`, for editors and type checkers
 
 Without a C compiler that knows GNU C nothing is derived, the library is left out with one line, and the program works
 without it. CC names the compiler (default: cc, gcc or clang), CFLAGS, LDFLAGS and ARCHFLAGS are added to its words.
@@ -34,7 +34,7 @@ HOME = HOUSE / "spacar" / "compiled"
 GENERATED = HOME / "generated"
 TEXTS = ("kernels.c", "derivatives.c")
 LEFT_OUT = "left_out.txt"  # why there is no library
-STUB = HOUSE / "spacar" / "deck" / "model_statements.pyi"
+STUB = HOUSE / "spacar" / "deck" / "keyword_methods.pyi"
 SYMPY = "1.14.0"  # its common subexpressions decide the last digits
 TO_DERIVE = (f"sympy=={SYMPY}", "numpy>=1.26")
 FLAGS = ("-O3", "-fno-math-errno", "-fno-trapping-math", "-std=gnu11", "-fvisibility=hidden", "-Wno-psabi")

@@ -120,7 +120,7 @@ def _words(arguments: Sequence[Argument], given: dict[str, Any]) -> list[Any]:
 def _described(method: Any, row: Keyword, declared: list[Given], result: str, lines: list[str]) -> Any:
     method.__name__ = method_name(row.name, row.block.number)
     method.__qualname__ = f"ModelStatements.{method.__name__}"
-    method.__module__ = "spacar.deck.model_statements"
+    method.__module__ = "spacar.deck.keyword_methods"
     method.__doc__ = "\n".join(lines)
     own = Given("self", Given.POSITIONAL_OR_KEYWORD)
     method.__signature__ = Signature([own, *declared], return_annotation=result)
@@ -202,7 +202,7 @@ class ModelStatements(ABC):
 
 
 def stub() -> str:
-    """The text of model_statements.pyi."""
+    """The text of keyword_methods.pyi."""
     parts = [STUB]
     for method in methods():
         described = indent(f'r"""{method.__doc__}\n"""', "        ")

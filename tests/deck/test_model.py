@@ -11,11 +11,11 @@ import pytest
 
 import spacar
 from spacar.deck.findings import Findings
+from spacar.deck.keyword_methods import ModelStatements
 from spacar.deck.keyword_table import ELEMENT_TYPES, KEYWORDS
 from spacar.deck.lexer import integer_of, number_of, scan
 from spacar.deck.model_arguments import element_arguments, method_name, statement_arguments
 from spacar.deck.model_methods import stub
-from spacar.deck.model_statements import ModelStatements
 from spacar.deck.splitter import split
 from spacar.errors import InputError
 
@@ -82,7 +82,7 @@ def same(one: spacar.Deck, other: spacar.Deck, drawn: bool = True) -> bool:
 
 def test_the_stub_declares_the_methods():
     """For editors and type checkers; `hatch_build.py` has written it."""
-    path = HOUSE / "spacar" / "deck" / "model_statements.pyi"
+    path = HOUSE / "spacar" / "deck" / "keyword_methods.pyi"
     assert path.read_text(encoding="utf-8") == stub(), "run: python hatch_build.py"
     [declared] = [node for node in ast.parse(stub()).body if isinstance(node, ast.ClassDef)]
     for node in declared.body[2:]:

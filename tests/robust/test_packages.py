@@ -15,7 +15,7 @@ import pytest
 from spacar_cli.command_table import TOPICS
 
 HOUSE = Path(__file__).parents[2]
-STUB = "spacar/deck/model_statements.pyi"
+STUB = "spacar/deck/keyword_methods.pyi"
 TEXTS = {f"spacar/compiled/generated/{name}" for name in ("kernels.c", "derivatives.c")}
 PACKAGES = {"spacar": "spacar", "formats/spacar_formats": "spacar_formats", "cli/spacar_cli": "spacar_cli",
             "cli/spacar_drawing": "spacar_drawing", "data": "spacar_cli/examples"}  # fmt: skip

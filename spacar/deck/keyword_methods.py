@@ -1,6 +1,6 @@
 """A method for every keyword of the input language: the base of `Model`, made from the keyword table (`model_methods`).
 
-For editors and type checkers the methods are declared in `model_statements.pyi`, which is written when the package is
+For editors and type checkers the methods are declared in `keyword_methods.pyi`, which is written when the package is
 built.
 """
 
