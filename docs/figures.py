@@ -186,12 +186,21 @@ def viewer(path: Path) -> None:
     )  # fmt: skip
 
 
+def editor(path: Path) -> None:
+    """One step of the story of the tutorial in `spacar edit` (Chromium, and playwright of PyPI)."""
+    sys.path.insert(0, str(HERE.parent))
+    from tests.editor.story import draw_story
+
+    draw_story(path)
+
+
 # picture -> function that writes it
 DRAWN: dict[str, Callable[[Path], None]] = {
     "beam-order.png": beam_order,
     "flexure-curves.png": flexure_curves,
     "flexure-stroke.png": flexure_stroke,
     "optimized-guide.png": optimized_guide,
+    **dict.fromkeys(("edit-new.png", "edit-error.png", "edit-free.png", "edit-plays.png"), editor),
     "robotsim-loop.gif": robot_loop,
     "view.png": viewer,
     "walk.png": walk_of_a_run,

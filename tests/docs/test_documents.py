@@ -18,7 +18,7 @@ PAGES = [HOUSE / "README.md", HOUSE / "CONTRIBUTING.md", HOUSE / "CHANGELOG.md",
 
 def test_tutorial(tmp_path):
     count = run_document(DOCS / "tutorial.md", tmp_path)
-    assert count.files == ["mycrank.dat", "guide.dat", "flexible.dat"]
+    assert count.files == ["mycrank.dat", "guide.dat", "flexible.dat", "myfourbar.dat"]
     assert count.commands >= 40
     assert count.numbers >= 100
 

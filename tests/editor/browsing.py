@@ -16,7 +16,7 @@ ARGUMENTS = (
     "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
 )  # fmt: skip
-PATIENCE = 60_000  # milliseconds that a step may take on a busy machine
+PATIENCE = 30_000  # milliseconds that a step may take on a busy machine
 
 
 @contextmanager

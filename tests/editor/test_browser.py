@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from .browsing import CHROMIUM, EditorPage, browser, served
+from .story import story, story_file
 
 pytestmark = [
     pytest.mark.slow,
@@ -48,6 +49,19 @@ def shot(tmp_path):
 def crank(tmp_path) -> Path:
     shutil.copy(DATA / "crank.dat", tmp_path)
     return tmp_path / "crank.dat"
+
+
+def test_from_an_empty_file_to_an_animated_four_bar(chromium, tmp_path, shot):
+    """The story of the tutorial: typed key by key, with a slip, a missing drive, a run, a curve."""
+    path = tmp_path / "myfourbar.dat"
+    with served(path) as address:
+        page = EditorPage(chromium, address)
+        for name in story(page):
+            shot(page, name)
+        assert page.data("run") == "ended 0"
+        assert page.data("curves") == "x[6,1]"
+        assert page.complaints == []
+    assert path.read_text() == story_file()
 
 
 def test_an_error_shows_at_its_line_and_goes_when_it_is_mended(chromium, crank, shot):
@@ -91,11 +105,12 @@ def test_completion_help_and_folding(chromium, crank, shot):
         page.line(3)
         page.page.keyboard.type("PLB")
         page.page.wait_for_selector(".cm-tooltip-autocomplete li")
-        page.page.wait_for_timeout(300)
-        shot(page, "completion")
         assert "planar beam element" in page.page.inner_text(".cm-tooltip-autocomplete")
+        page.page.keyboard.press("ArrowDown")
+        page.page.wait_for_selector(".cm-completionInfo")
+        shot(page, "completion")
         assert "deformation modes" in page.page.inner_text(".cm-completionInfo").lower()
-        page.page.keyboard.press("Enter")
+        page.page.keyboard.press("Tab")
         assert page.cursor().startswith("PLBEAM")
         page.page.keyboard.press("Shift+Home")
         page.page.keyboard.press("Delete")

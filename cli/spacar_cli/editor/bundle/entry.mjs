@@ -8,7 +8,10 @@ export { defaultKeymap, history, historyKeymap, indentWithTab, redo, undo } from
 export {
   HighlightStyle, StreamLanguage, bracketMatching, foldGutter, foldKeymap, foldService, syntaxHighlighting,
 } from "@codemirror/language";
-export { autocompletion, completionKeymap, startCompletion } from "@codemirror/autocomplete";
+export {
+  acceptCompletion, autocompletion, completionKeymap, completionStatus, moveCompletionSelection,
+  selectedCompletionIndex,
+} from "@codemirror/autocomplete";
 export { lintGutter, lintKeymap, setDiagnostics } from "@codemirror/lint";
 export { highlightSelectionMatches, search, searchKeymap } from "@codemirror/search";
 export { tags } from "@lezer/highlight";

@@ -66,7 +66,7 @@
   const results = makeResults({ text, change, insert, picked });
 
   // Checks while typing: messages first, then the picture, then the freedoms; what is outdated is not shown
-  let timer = 0, working = false, freeing = false, seen = -1;
+  let timer = 0, working = false, freeing = false, waiting = null, seen = -1;
   function later(wait = 200) {
     clearTimeout(timer);
     timer = setTimeout(look, wait);
@@ -96,18 +96,21 @@
       else seen = edits;
     }
   }
-  async function free(now, at) {
+  async function free(now, at) { // one question at a time; of those that wait the last one
+    waiting = { now, at };
     if (freeing) return;
     freeing = true;
-    try {
-      const found = await task("freedom", { text: now });
-      if (at === edits) results.freedom(found);
-    } catch (error) {
-      $("freedom").textContent = error.message;
-    } finally {
-      freeing = false;
-      if (at !== edits && !working) later(0);
+    while (waiting) {
+      const asked = waiting;
+      waiting = null;
+      try {
+        const found = await task("freedom", { text: asked.now });
+        if (asked.at === edits) results.freedom(found);
+      } catch (error) {
+        $("freedom").textContent = error.message;
+      }
     }
+    freeing = false;
   }
   function messages(found) {
     const { doc } = view.state, range = (line) => {

@@ -163,6 +163,13 @@ function inputLanguage(table, CM) {
     while (last < doc.lines && !isEnd(last + 1)) last++;
     return last > first ? { from: doc.line(first).to, to: doc.line(last).to } : null;
   });
-  const extensions = [mode, colours, CM.autocompletion({ override: [completion], icons: false }), hover, folding];
+  // Enter ends a line whatever is proposed; Tab takes the first proposal, or the one that the arrows chose
+  const take = (view) => {
+    if (CM.completionStatus(view.state) !== "active") return false;
+    if (CM.selectedCompletionIndex(view.state) < 0) CM.moveCompletionSelection(true)(view);
+    return CM.acceptCompletion(view);
+  };
+  const extensions = [mode, colours, hover, folding, CM.keymap.of([{ key: "Tab", run: take }]),
+    CM.autocompletion({ override: [completion], icons: false, selectOnOpen: false, interactionDelay: 0 })];
   return { extensions, statements, statementAt, subject, definition, help };
 }

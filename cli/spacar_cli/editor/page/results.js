@@ -139,6 +139,7 @@ function makeResults(page) {
     document.body.dataset.curves = curves.names.join(" ");
   }
   function redraw() {
+    $("curves").firstElementChild.hidden = Boolean(curves.data);
     if (!curves.data) return;
     const { names, columns } = curves.data;
     $("plots").replaceChildren(...names.slice(1).map(() => document.createElement("canvas")));
