@@ -25,7 +25,6 @@ evaluation. Here the same equations run in C:
                in the band; rest_equations.c has residual and tangent, rest_newton.c Newton's iteration, definite.c
                proves stability, band.c and dense.c have the linear systems,
                linearized.c gives what the linearized equations consist of
-    pencil.c   load multipliers, frequencies and compliances of small models, around LAPACK (`small_pencil`)
 
 What has no form in C (user functions, some elements, motions that are no polynomials) is evaluated in Python
 (`user_callbacks`); C calls the user function of a single case itself (`python_callbacks`). The engine is built with the

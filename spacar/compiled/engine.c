@@ -3,6 +3,7 @@
 #include "memory.c"
 #include "kernels.c"
 #include "sparse.c"
+#include "sparse_solve.c"
 #include "python_callbacks.c"
 #include "elements.c"
 #include "motion.c"
@@ -31,7 +32,6 @@
 #include "rest_newton.c"
 #include "definite.c"
 #include "linearized.c"
-#include "pencil.c"
 
 /* The kinds, then the functions in the order of `ELEMENT_FUNCTIONS` in library.py. */
 const void *const ELEMENTS[] = {
@@ -41,7 +41,6 @@ const void *const ELEMENTS[] = {
     spacar_equilibrium_begin, spacar_equilibrium_end, spacar_equilibrium_newton, spacar_equilibrium_point,
     spacar_equilibrium_factor, spacar_equilibrium_sign, spacar_equilibrium_definite,
     spacar_equilibrium_linearize,
-    spacar_pencil_reduce, spacar_pencil_back, spacar_pencil_error, spacar_compliances,
 };
 #endif
 

@@ -123,7 +123,7 @@ FUNCTIONS: dict[str, tuple[Any, ...]] = {  # in the order of the table in engine
 }  # fmt: skip
 
 # in the order of the second table in engine.c: batches.c, equilibrium.c, rest_newton.c,
-# definite.c, linearized.c, pencil.c
+# definite.c, linearized.c
 ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "strain": (None, *[POINTER] * 5),
     "convective": (None, *[POINTER] * 4),
@@ -141,10 +141,6 @@ ELEMENT_FUNCTIONS: dict[str, tuple[Any, ...]] = {
     "equilibrium_sign": (NUMBER, POINTER),
     "equilibrium_definite": (INTEGER, POINTER),
     "equilibrium_linearize": (INTEGER, POINTER, POINTER),
-    "pencil_reduce": (INTEGER, POINTER),
-    "pencil_back": (None, POINTER, POINTER),
-    "pencil_error": (INTEGER, POINTER, POINTER, POINTER, POINTER, ctypes.c_int64),
-    "compliances": (INTEGER, POINTER),
 }
 
 
@@ -183,10 +179,6 @@ class ElementFunctions:
     equilibrium_sign: Any
     equilibrium_definite: Any
     equilibrium_linearize: Any
-    pencil_reduce: Any
-    pencil_back: Any
-    pencil_error: Any
-    compliances: Any
 
 
 def _new_capsule() -> Callable[..., object] | None:

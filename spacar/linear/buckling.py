@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from spacar.arrays import Array, Index
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
-from spacar.linear.eigen import is_symmetric, small_pencil
+from spacar.linear.eigen import is_symmetric
 from spacar.linearization.matrices import Linearization
 from spacar.linearization.state_matrix import selected, selected_columns
 
@@ -59,20 +59,14 @@ class BucklingModes:
         return BucklingModes(self.multipliers[:n], modes / np.where(norm > 0.0, norm, 1.0))
 
 
-def buckling_modes(K0: Array, G0: Array, report: Report, compiled: bool = False) -> BucklingModes:
-    """Load multipliers of K0 + lambda G0, both (n, n). `compiled`: small ones in C, where that gives them."""
+def buckling_modes(K0: Array, G0: Array, report: Report) -> BucklingModes:
+    """Load multipliers of K0 + lambda G0, both (n, n)."""
     n = len(K0)
     if not G0.any():
         report.add(NO_STRESS)
         return BucklingModes(np.full(n, np.inf), np.eye(n))
     scale = _scale(K0)
     load, least = -G0, n * backward_error.EPS  # a pivot that is rounding
-    small = small_pencil(load, K0, scale, least) if compiled else None
-    if small is not None:
-        mu, modes = small.pairs()
-        multipliers, finite = _multipliers(mu)
-        backward_error.warn(report, small.error(mu, modes)[finite], multipliers[finite], "load multipliers")
-        return _ordered(multipliers, modes)
     product = scale[:, None] * scale
     K, load = K0 * product, load * product
     lower = None
@@ -188,17 +182,11 @@ def _scale(K: Array) -> Array:
     return 1.0 / np.where(d > NEGLIGIBLE * largest, d, largest or 1.0)
 
 
-def directional_compliances(L: Linearization, dynamic: Index, report: Report, compiled: bool = False) -> Array:
-    """(nx,) diagonal of W K^-1 W^T; infinite where a singular K moves the coordinate. `compiled`: small ones in C."""
+def directional_compliances(L: Linearization, dynamic: Index, report: Report) -> Array:
+    """(nx,) diagonal of W K^-1 W^T; infinite where a singular K moves the coordinate."""
     K, W = selected(L.stiffness, dynamic, dynamic), selected_columns(L.W, dynamic)
     if not len(dynamic):
         return np.zeros(len(W))
-    if compiled:
-        from spacar.compiled.small_pencil import compliances
-
-        found = compliances(K, W, NEGLIGIBLE, CERTAIN)
-        if found is not None:
-            return found
     scale = _scale(K)
     K, Ws = K * (scale[:, None] * scale), W * scale
     try:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
 from spacar.linear.descriptor import MASSLESS, DescriptorSystem
-from spacar.linear.eigen import Modes, arranged
+from spacar.linear.eigenmodes import Modes, arranged
 from spacar.linear.lowest import lost_pairs
 from spacar.linear.subspace import ROUGH, SPARE, TRIALS, dominant, ends_with_half_a_pair
 

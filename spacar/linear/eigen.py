@@ -11,22 +11,17 @@ Every returned pair is checked (`spacar.linear.backward_error`); a doubtful one 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
+from spacar.linear.eigenmodes import Modes, arranged
 from spacar.linear.graded import Factors, eigenvalues, graded_modes
 from spacar.linear_systems import DENSE_LIMIT
 from spacar.linearization.matrices import Linearization
 from spacar.linearization.state_matrix import assembled_state_matrix, require_mass, selected
-
-if TYPE_CHECKING:
-    from spacar.compiled.small_pencil import SmallPencil
 
 Complex = NDArray[np.complex128]
 SYMMETRIC = 1e-9  # relative asymmetry below which a matrix counts as symmetric (rounding of assembled sums)
@@ -40,43 +35,11 @@ SINGULAR = 1e3  # of M, row and column scaled, from which on its entries have to
 MOST_GRADED, MOST_DAMPED = 200, 10  # degrees of freedom, undamped and damped: 60 ms and 35 ms
 
 
-@dataclass(frozen=True)
-class Modes:
-    """values (n,), vectors (n_state, n): eigenvalues [rad/s] and state eigenvectors; n_positions rows are positions.
-
-    motions (nx, n): displacements of the coordinates, where they are computed without transfer functions.
-    """
-
-    values: Complex
-    vectors: Complex
-    n_positions: int
-    motions: Complex | None = None
-
-    def lowest(self, pairs: int) -> Modes:
-        """The last `pairs` pairs, conjugates never divided."""
-        first = max(len(self.values) - 2 * pairs, 0)
-        if first and self.values[first].imag < 0.0 and self.values[first - 1] == self.values[first].conj():
-            first -= 1
-        return Modes(self.values[first:], self.vectors[:, first:], self.n_positions)
-
-    @property
-    def zero(self) -> NDArray[np.bool_]:
-        """Eigenvalues that are zero to working precision: below sqrt(eps) times the largest."""
-        return is_zero(self.values)
-
-
-def is_zero(values: Complex) -> NDArray[np.bool_]:
-    """Below sqrt(eps) times the largest modulus: a multiple zero eigenvalue cannot be computed more accurately."""
-    largest = float(np.max(np.abs(values), initial=0.0))
-    return np.asarray(np.abs(values) <= np.sqrt(np.finfo(float).eps) * largest)
-
-
 def vibration_modes(
     L: Linearization, q: Index, s: Index, report: Report, static: Index | None = None, wanted: int | None = None,
-    compiled: bool = False,
 ) -> Modes:  # fmt: skip
     """Eigenvalues and eigenvectors about the linearization point for the rows q, s (see chosen_rows): all, or at least
-    the `wanted` pairs of lowest modulus. `compiled`: those of small undamped systems with C.
+    the `wanted` pairs of lowest modulus.
 
     `static` are degrees of freedom that may have no inertia: those without mass and damping follow the others by
     K alone, and only the finite eigenvalues are returned (theory-warping.md section 1).
@@ -88,12 +51,6 @@ def vibration_modes(
             return _condensed(M, C, K, still, report)
     require_mass(L, q)
     factors = Factors.of_linearization(L, q) if np.array_equal(q, s) and len(q) <= MOST_GRADED else None
-    if compiled and len(q) == len(s) and not C.any():
-        diagonal = M.diagonal()
-        if (diagonal > 0.0).all() and not _takes_few(len(q), wanted):
-            small = small_pencil(K, M, 1.0 / np.sqrt(diagonal))
-            if small is not None:
-                return undamped_modes(K, M, report, wanted, small, factors)
     return modes_of_matrices(M, C, K, selected(L.ak0, s, q), selected(L.bk0, s, s), report, wanted, factors)
 
 
@@ -130,7 +87,7 @@ def modes_of_matrices(
     if K.shape[0] == K.shape[1] and is_symmetric(K) and is_symmetric(M):
         if matters(C, M, K):
             return damped_modes(K, C, M, report, factors)
-        return undamped_modes(K, M, report, wanted, factors=factors)
+        return undamped_modes(K, M, report, wanted, factors)
     values, vectors = _eig(assembled_state_matrix(M, C, K, ak0, bk0), report)
     if K.shape[0] == K.shape[1] and np.array_equal(ak0, np.eye(len(K))) and not bk0.any():
         values, vectors = _with_low_modes_of_the_inverse(M, C, K, values, vectors)
@@ -222,20 +179,16 @@ def _eig(A: Array, report: Report) -> tuple[Complex, Complex]:
 
 
 def undamped_modes(
-    K: Array, M: Array, report: Report, wanted: int | None = None, small: SmallPencil | None = None,
-    factors: Factors | None = None,
-) -> Modes:  # fmt: skip
-    """Modes of M qdd + K q = 0 from the symmetric eigenproblem, all or the `wanted` of lowest modulus. `small`: that of
-    K and M in C. Raises AnalysisError for an indefinite mass matrix."""
-    squares, shapes = accurate(K, M, factors, wanted, small)
+    K: Array, M: Array, report: Report, wanted: int | None = None, factors: Factors | None = None
+) -> Modes:
+    """Modes of M qdd + K q = 0 from the symmetric eigenproblem, all or the `wanted` of lowest modulus. Raises
+    AnalysisError for an indefinite mass matrix."""
+    squares, shapes = accurate(K, M, factors, wanted)
     if wanted is not None and wanted < len(squares):
         lowest = np.abs(squares).argsort(kind="stable")[:wanted]
         lowest.sort()
         squares, shapes = squares[lowest], shapes[:, lowest]
-    if small is None:
-        eta = backward_error.of_pencil(K, M, squares, shapes, 1.0 / np.sqrt(M.diagonal()))
-    else:
-        eta = small.error(squares, shapes)
+    eta = backward_error.of_pencil(K, M, squares, shapes, 1.0 / np.sqrt(M.diagonal()))
     backward_error.warn(report, eta, squares, "omega^2", backward_error.rounding(len(K)))
     if (squares > 0.0).all():
         return _oscillations(squares, shapes)
@@ -258,16 +211,6 @@ def _oscillations(squares: Array, shapes: Array) -> Modes:
     vectors.real[:n] = shapes[:, :, None]
     vectors.imag[n:] = (shapes[:, :, None] * omega[:, None]) * (1.0, -1.0)
     return Modes(values.ravel(), vectors.reshape(2 * n, 2 * m), n)
-
-
-def small_pencil(A: Array, B: Array, scale: Array, least: float = 0.0) -> SmallPencil | None:
-    """A z = value B z in C, scaled from both sides; None where NumPy has to decide, or is as fast."""
-    from spacar.compiled.small_pencil import NotSmall, SmallPencil
-
-    try:
-        return SmallPencil(A, B, scale, SYMMETRIC, least)
-    except NotSmall:
-        return None
 
 
 def symmetric_pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Array, Array]:
@@ -322,14 +265,14 @@ def _pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Array, Array
 
 
 def accurate(
-    K: Array, M: Array, factors: Factors | None = None, wanted: int | None = None, small: SmallPencil | None = None
+    K: Array, M: Array, factors: Factors | None = None, wanted: int | None = None
 ) -> tuple[Array, Array]:
-    """omega^2 ascending and vectors, as `symmetric_pencil` or `small` give them, polished; by `graded` where that would
+    """omega^2 ascending and vectors, as `symmetric_pencil` gives them, polished; by `graded` where that would
     not give ten digits: the lowest modes are far below the highest, or M is nearly singular, so that the highest are
     far above K_ii/M_ii. Raises AnalysisError for a singular mass matrix."""
     n = len(K)
     try:
-        pairs = symmetric_pencil(K, M, wanted) if small is None else small.pairs()
+        pairs = symmetric_pencil(K, M, wanted)
     except AnalysisError:
         found = None if factors is None else graded_modes(factors, K)
         if found is None:
@@ -407,28 +350,3 @@ def matters(C: Array, M: Array, K: Array) -> bool:
     size = np.sqrt(np.sqrt(np.abs(np.diag(M) * np.diag(K))))
     bound = 1e-14 * np.outer(size, size)
     return bool(np.any(np.abs(C) > bound))
-
-
-def arranged(values: Complex, vectors: Complex, n_positions: int, motions: Complex | None = None) -> Modes:
-    """Norm 1, real largest position component, decreasing modulus, conjugates together; motions (nx, n) alike. What
-    belongs to values that are nan is nan."""
-    size = np.linalg.norm(vectors, axis=0)
-    vectors = vectors / size
-    motions = motions / size if motions is not None else None
-    if n_positions:
-        largest = np.argmax(np.abs(vectors[:n_positions]), axis=0)
-        pivot = vectors[largest, np.arange(len(values))]
-        phase = np.where(pivot != 0.0, np.abs(pivot) / np.where(pivot != 0.0, pivot, 1.0), 1.0)
-        vectors = vectors * phase
-        motions = motions * phase if motions is not None else None
-    unknown = np.isnan(values)
-    if unknown.any():
-        vectors[:, unknown] = np.nan
-        if motions is not None:
-            motions[:, unknown] = np.nan
-    modulus = np.abs(values)
-    # conjugates have equal moduli up to rounding: compare with fewer digits, then by imaginary part
-    size = 10.0 ** np.floor(np.log10(np.where(modulus > 0.0, modulus, 1.0)))
-    rounded = np.round(modulus / size, 10) * size
-    order = np.lexsort((-values.imag, -np.abs(values.imag), -rounded))
-    return Modes(values[order], vectors[:, order], n_positions, motions[:, order] if motions is not None else None)

@@ -15,7 +15,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.linear.buckling import BucklingModes
-from spacar.linear.eigen import Modes
+from spacar.linear.eigenmodes import Modes
 from spacar.stationary.tangent import STATIC, SparseTangent
 
 

@@ -20,7 +20,8 @@ from spacar.kinematics.regularity import Regularity
 from spacar.linear import form
 from spacar.linear.buckling import NO_STRESS, BucklingModes, buckling_modes, directional_compliances
 from spacar.linear.descriptor_modes import lowest_modes
-from spacar.linear.eigen import Modes, vibration_modes
+from spacar.linear.eigen import vibration_modes
+from spacar.linear.eigenmodes import Modes
 from spacar.linear.internal_unknowns import buckling_matrices
 from spacar.linear.large_results import buckling_motions, sparse_matrices, vibration_motions
 from spacar.linear.lowest import WANTED, lowest_vibration, sparse_compliances
@@ -104,8 +105,7 @@ class LinearizedSolution:
     """A stored stationary solution with its linearization L, for large systems the sparse tangent instead, or their
     coefficients `sparse` where there is no such tangent; L and the tangent where modes take less work with the tangent.
 
-    `wanted`: number of lowest modes; `reduced`: no dense matrices at any step of the run; `compiled`: L comes from C,
-    which also serves its small matrices.
+    `wanted`: number of lowest modes; `reduced`: no dense matrices at any step of the run.
     """
 
     frame: Frame
@@ -115,7 +115,6 @@ class LinearizedSolution:
     wanted: int
     reduced: bool
     condition: Conditioning
-    compiled: bool = False
     sparse: Coefficients | None = None
 
 
@@ -210,7 +209,7 @@ def stationary(
         helping = solver.sparse_tangent() if by_tangent else None
         if helping is not None:
             helping.sigma = state.sigma
-        yield LinearizedSolution(frame, dynamics, L, helping, wanted, reduced, condition, about is not None)
+        yield LinearizedSolution(frame, dynamics, L, helping, wanted, reduced, condition)
     if by_tangent:
         run.report.add(f"storage of the sparse tangent: {solver.sparse_tangent().storage}")
 
@@ -311,7 +310,7 @@ def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
     else:
         assert solution.L is not None
         rows, static = chosen_rows(solution.L, solution.dynamics), run.mechanism.numbering.twist_rates
-        modes = vibration_modes(solution.L, *rows, run.report, static, solution.wanted, solution.compiled)
+        modes = vibration_modes(solution.L, *rows, run.report, static, solution.wanted)
     store = solution.frame.matrices
     if solution.reduced:
         store.update(vibration_motions(modes))
@@ -343,12 +342,12 @@ def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = Tru
         frame.xcompl = np.zeros(run.mechanism.numbering.nx)
         run.report.add("no dynamic degrees of freedom: there are no load multipliers")
         return
-    tangent, L, compiled = solution.tangent, solution.L, solution.compiled
+    tangent, L = solution.tangent, solution.L
     if tangent is not None:
         frame.xcompl = sparse_compliances(tangent)
     else:
         assert L is not None
-        frame.xcompl = directional_compliances(L, dynamic, run.report, compiled)
+        frame.xcompl = directional_compliances(L, dynamic, run.report)
     try:
         if tangent is not None:
             modes = lowest_buckling(tangent, run.report, solution.wanted)
@@ -357,7 +356,7 @@ def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = Tru
         else:
             assert L is not None
             matrices = buckling_matrices(solution.dynamics, L, dynamic)
-            modes = buckling_modes(*matrices, run.report, compiled).first(len(dynamic))
+            modes = buckling_modes(*matrices, run.report).first(len(dynamic))
     except AnalysisError as error:
         if required:
             raise

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
-from spacar.linear.eigen import Modes, arranged
+from spacar.linear.eigenmodes import Modes, arranged
 from spacar.linear.subspace import (
     ROUGH,
     SPARE,

@@ -12,7 +12,8 @@ from spacar.deck.directed import nothing_lost
 from spacar.errors import AnalysisError, Report
 from spacar.expressions.frequencies import frequency_order
 from spacar.linear.buckling import BucklingModes, buckling_modes, directional_compliances
-from spacar.linear.eigen import Modes, is_symmetric, is_zero, matters, vibration_modes
+from spacar.linear.eigen import is_symmetric, matters, vibration_modes
+from spacar.linear.eigenmodes import Modes, is_zero
 from spacar.linear.internal_unknowns import buckling_matrices, internal_unknowns
 from spacar.linearization.contractions import geometric_stiffness
 from spacar.sensitivities.pencil_derivatives import Change, LinearizedState, PencilMode, null_vectors, together

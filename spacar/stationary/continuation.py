@@ -27,7 +27,7 @@ from typing import NamedTuple
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.errors import AnalysisError, Report
+from spacar.errors import Report
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.arc_length import LimitPoint, follow
@@ -35,6 +35,7 @@ from spacar.stationary.contract import Astray, Tangent
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.loading import LoadLevel, loads_grow
 from spacar.stationary.newton import Converged, Demand
+from spacar.stationary.path_failures import at_limit, given_up, unsupported
 from spacar.stationary.singular import FreeMotion
 from spacar.stationary.stability import Stability, critical_motion, is_regular
 from spacar.stationary.stationary_equations import Iterate, Prescribed, StationaryEquations
@@ -116,7 +117,7 @@ class Continuation:
             self.point, self.stable, self.path = before
             self.evaluator.branch[:] = branch
             if isinstance(reason, FreeMotion) and len(self.path) == 1:
-                raise self._unsupported(reason, target) from None
+                raise unsupported(self.evaluator, reason.coordinate, target) from None
             if part > (CRITICAL_PART if crossed else SMALLEST_PART):
                 if part == 1.0 and place == 0.0 and not crossed:
                     self.report.add(f"{target}: no convergence in one part, cut to 0.5 of its size")
@@ -337,12 +338,12 @@ class Continuation:
             e.load(until)
             last = e.newton(found.x, found.sigma, Demand.of(self.limit, self.tolerance, until.store))
         except LimitPoint as limit:
-            raise self._at_limit(origin.towards(target, limit.place), target, limit) from None
+            raise at_limit(e, origin.towards(target, limit.place), target, limit) from None
         except (Astray, SingularMatrixError):
             if not whole:
                 raise Bifurcation from None
             e.load(origin.towards(target, place))
-            raise self._given_up(origin.towards(target, place), target, reason) from None
+            raise given_up(origin.towards(target, place), target, SMALLEST_PART, reason, self._known_here()) from None
         self.path = []
         self._accept(until.path, last)
         before = self.stable
@@ -356,6 +357,11 @@ class Continuation:
         elif before is not None and self.stable is not None and self.stable.differs(before):
             self._say_passed(target, before)
         return found.iterations + last.iterations
+
+    def _known_here(self) -> str:
+        """What is known of the last solution."""
+        known = "" if self.stable is None else f"; the tangent stiffness there has {self.stable}"
+        return f"(largest residual {self.point.force:.3g}, tolerance {self.tolerance:.3g}){known}"
 
     def _before_turn(self, origin: LoadLevel, target: LoadLevel) -> tuple[Array, Array, float, Array]:
         """The last state of the path that lies on it to the accuracy of results and before any change of the sign of
@@ -378,40 +384,6 @@ class Continuation:
                 pass
             e.branch[:] = branch
         raise Astray("no state before the turn")
-
-    def _at_limit(self, reached: LoadLevel, target: LoadLevel, limit: LimitPoint) -> AnalysisError:
-        e = self.evaluator
-        e.load(reached)
-        e.dynamics.sweep.strain(limit.point.x)
-        motion = critical_motion(e.equations, e.tangent, limit.point, negative=False)
-        text = (
-            f"the equilibrium path has a limit point at {reached.initial:.8g} x initial + {reached.additional:.8g} x"
-            f" additional loading, before {target} is reached: no static solution is near beyond it, the mechanism"
-            " jumps" + (f" (the motion is largest at {motion})" if motion else "") + "; prescribe the displacement"
-            " instead of the load, or give ITERSTEP position 7 the value 1 to follow the path beyond limit points;"
-            " where beams bend by tens of degrees in one element, the model with more elements may have none"
-        )
-        return AnalysisError(text, "statics.limit-point", level=reached)
-
-    def _unsupported(self, reason: FreeMotion, target: LoadLevel) -> AnalysisError:
-        name = self.evaluator.mechanism.numbering.x_name(reason.coordinate)
-        text = (
-            f"no stationary solution at {target}: the stiffness matrix is singular and the load works on a motion"
-            f" without stiffness, mainly {name}; support it (FIX), prescribe it (INPUTX, INPUTE) or give it a stiffness"
-            " (ESTIFF)"
-        )
-        return AnalysisError(text, "statics.no-solution")
-
-    def _given_up(self, reached: LoadLevel, target: LoadLevel, reason: Exception) -> AnalysisError:
-        p = self.point
-        known = "" if self.stable is None else f"; the tangent stiffness there has {self.stable}"
-        text = (
-            f"the stationary solution did not converge at {target}: {reason}; the step was cut to {SMALLEST_PART:.3g}"
-            f" of its size, the last solution is at {reached.initial:.6g} x initial + {reached.additional:.6g} x"
-            f" additional loading (largest residual {p.force:.3g}, tolerance {self.tolerance:.3g}){known}; try more"
-            " iterations, more load steps or a smaller load (ITERSTEP)"
-        )
-        return AnalysisError(text, "statics.no-convergence", level=target)
 
 
 def _balanced(e: LevelEvaluator, x: Array, sigma: Array) -> Array:
