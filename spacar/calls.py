@@ -40,6 +40,13 @@ def frames(
 
     Raises UsageError (unknown mode or option, wrong value of one), InputError (bad input) now; AnalysisError while
     iterating.
+
+    >>> import spacar
+    >>> for frame in spacar.frames(1, "data/crank.dat"):
+    ...     if frame.t > 0.05:
+    ...         break
+    >>> frame.x.shape  # coordinates [m, rad]
+    (10,)
     """
     found = find_mode(mode)
     options, notes = checked_options(options)
@@ -98,6 +105,11 @@ def run(mode: int, source: Source, *, nominal: Any = None, **options: Any) -> Re
     mode      0 to 4, 7 to 10, see MODES;  source   path of the input file, a Deck, or a Model
     nominal   mode 3 only: result of mode 2, or of modes 7 to 10
     options   accuracy, variables, elements, rigid_beams, and what overrides the deck, see `frames`
+
+    >>> import spacar
+    >>> result = spacar.run(1, "data/crank.dat")
+    >>> result["x"].shape  # steps, coordinates [m, rad]
+    (101, 10)
     """
     from spacar.result import Result  # the command line needs no results in memory
 

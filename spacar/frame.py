@@ -42,6 +42,11 @@ class Frame:
     log           transfer functions that only the log asks for: dx de d2x d2e d3x d3e bigd
     statistics    what the log prints of this step: right-hand sides, iterations, residuals
     lost          sentences about stresses of a user function that cannot act, by their row of e; each is reported once
+
+    >>> import spacar
+    >>> frame = spacar.run(1, "data/crank.dat").frames[-1]
+    >>> f"{frame.t:.1f} s"
+    '0.1 s'
     """
 
     t: float

@@ -36,6 +36,11 @@ class Result:
     What a file holds once (rl0, einit, estiff, rxyz, nxp, ndof ...) has the same name here: `result['rl0']`; all
     of them are in `tables`. `header` holds what the analysis states: NNOM, NU, NY, condition ...; `nominal` is the
     motion that mode 3 linearized along.
+
+    >>> import spacar
+    >>> result = spacar.run(7, "data/plbeam5.dat")
+    >>> result.frequencies.shape  # steps, modes [Hz]
+    (1, 10)
     """
 
     mechanism: Mechanism

@@ -62,6 +62,11 @@ class Run:
     nominal   mode 3 only: the result of mode 2, or of modes 7 to 10, along which it linearizes
     accuracy  None, or the error of the result that is estimated and kept by several runs, which then choose the
               settings of `mechanism`
+
+    >>> import spacar
+    >>> run = spacar.frames(1, "data/crank.dat")
+    >>> sum(1 for frame in run)
+    101
     """
 
     mode: Mode

@@ -34,6 +34,11 @@ class Deck(ModelCalls):
     each block begins and ends in the text (line, column). `shorthand` are the statements UNITS, SECTION, MATERIAL and
     BEAMSEC as given: `statements` has what they stand for, in SI, and `sections` the constants. `divided` has the parts
     of every beam of the file that became several; `origin` is the deck of the file where this one was made of it.
+
+    >>> import spacar
+    >>> deck = spacar.read_deck("data/crank.dat").set("INPUTX", 2, 4, 300.0, block=2)
+    >>> deck.first("INPUTX", block=2).values[3]
+    300.0
     """
 
     statements: tuple[Statement, ...]
@@ -193,6 +198,10 @@ def read_deck(path: str | Path, mode: Purpose = None) -> Deck:
 
     `mode` is the mode that it shall be run in: what this mode does not use is checked less strictly; None: for all.
     Raises UsageError with the reason of the operating system, InputError with all errors of the file.
+
+    >>> import spacar
+    >>> spacar.read_deck("data/crank.dat").first("XM").values
+    (6, 0.033375)
     """
     file = path if isinstance(path, Path) else Path(path)
     name = str(file)
@@ -210,7 +219,13 @@ def read_deck(path: str | Path, mode: Purpose = None) -> Deck:
 
 
 def parse_deck(text: str, source: str = "<deck>", mode: Purpose = None) -> Deck:
-    """Check an input text; `source` names it in messages, `mode` as `read_deck`. Raises InputError with all errors."""
+    """Check an input text; `source` names it in messages, `mode` as `read_deck`. Raises InputError with all errors.
+
+    >>> import spacar
+    >>> deck = spacar.parse_deck("PLTRUSS 1 1 2 X 2 1. 0. FIX 1 FIX 2 2 END END")
+    >>> len(deck.statements)
+    4
+    """
     return parse(text, source, mode)
 
 

@@ -58,6 +58,12 @@ class Model(ModelStatements, ModelCalls):
     `m.run(1)` runs it, `str(m)` is the input file.
 
     source   its name in messages and results
+
+    >>> import spacar
+    >>> m = spacar.Model("bar")
+    >>> a, b = m.node(1, (0.0, 0.0)), m.node(2, (1.0, 0.0))
+    >>> m.pltruss(1, a, b)
+    1
     """
 
     def __init__(self, source: str = "<model>") -> None:

@@ -60,6 +60,11 @@ class Sensitivity:
     parameters, quantities   their names;  parameter_values (parameters,) in the unit of the file
     parameter_units, quantity_units   as text; a derivative is in the unit of its quantity per unit of its parameter
     notes   the lines of the report of the analysis, among them its warnings
+
+    >>> import spacar
+    >>> found = spacar.sensitivity("data/plbeam5.dat", ["EM.1"], ["frequency[1]@end"])
+    >>> found.values.shape
+    (1,)
     """
 
     parameters: tuple[str, ...]
@@ -136,6 +141,11 @@ def sensitivity(
     Raises UsageError for names that the model does not have and for models whose derivatives are not followed (linear
     quantities of wheels and with USERSIG), and AnalysisError as modes 7 to 10 and
     'sensitivity.singular' at critical states.
+
+    >>> import spacar
+    >>> found = spacar.sensitivity("data/plbeam5.dat", ["XF.11[3]"], ["x[11,2]@end"])
+    >>> found.derivatives.shape
+    (1, 1)
     """
     names = [parameters] if isinstance(parameters, str) else list(parameters)
     wanted = [quantity(q, STRESS_INDICES) for q in ([quantities] if isinstance(quantities, str) else quantities)]

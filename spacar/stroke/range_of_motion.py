@@ -56,6 +56,11 @@ def flexure(
     options      override the deck, as in `spacar.run` (beams, max_iterations ...)
 
     Raises UsageError and InputError for what is asked wrongly, AnalysisError where a state cannot be computed.
+
+    >>> import spacar
+    >>> study = spacar.flexure("data/leafguide.dat", move="7x=5", steps=1)
+    >>> len(study.result.frames)
+    2
     """
     options = checked_options(options)[0]
     if taken := OURS & options.keys():

@@ -56,6 +56,11 @@ def sweep(
     options   of `spacar.run`, such as rtol, duration, n_steps
 
     A case that fails is a row. Raises UsageError for a target, a value or an expression that cannot be, and InputError.
+
+    >>> import spacar
+    >>> rows = spacar.sweep("data/crank.dat", {"XM.6": [0.03, 0.06]}, "x[6,1]@end", jobs=1)
+    >>> [row["status"] for row in rows]
+    ['done', 'done']
     """
     if not change or not isinstance(change, Mapping):
         raise UsageError("nothing to vary: give targets and their values, such as {'XM.8': [1, 2]}", "usage.sweep")
@@ -97,6 +102,11 @@ def trade(
     options    of `spacar.run`: duration, n_steps, compiled
 
     Raises UsageError, InputError, and AnalysisError when the reference cannot be computed in the budget.
+
+    >>> import spacar
+    >>> answer = spacar.trade("data/plbeam5.dat", mode=7, target=1e-2, budget=5)
+    >>> type(answer.options)
+    <class 'dict'>
     """
     options, _ = checked_options(options)
     refused = sorted(set(options) - {*INTERVAL, "compiled"})
