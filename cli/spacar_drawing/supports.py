@@ -8,10 +8,12 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar_drawing import look as paint
+from spacar_drawing.bodies import beam_lines
 from spacar_drawing.drawn_shapes import Faces, Label, Line, Mark, Shape, circle, normal_pair, solid
 from spacar_drawing.look import Look, middle
+from spacar_drawing.machine_parts import span
 from spacar_drawing.placement import attachments
-from spacar_drawing.scene import ROUND, Pose, Scene
+from spacar_drawing.scene import ROUND, Element, Pose, Scene
 
 X, Y, Z = np.eye(3)
 
@@ -172,13 +174,29 @@ def number_labels(scene: Scene, pose: Pose, look: Look, nodes: bool, elements: b
             behind = f" ({','.join(map(str, turning[n]))})" if n in turning else ""
             shapes.append(Label(pose.place[n - 1], f"{n}{behind}", "#33414d"))
     if elements:
-        for e in scene.elements:
-            if e.number in look.settings.hidden:
-                continue
-            ends = [n for n in (e.p, e.q) if n]
-            at = middle(pose, tuple(ends) if ends else look.hinges.get(e.number, ()))
-            shapes.append(Label(at, str(e.number), "#7a3b12", True))
+        shown = [e for e in scene.elements if e.number not in look.settings.hidden]
+        at = _label_places(scene, pose, look, shown)
+        shapes += [Label(at[e.number], str(e.number), "#7a3b12", True) for e in shown]
     return shapes
+
+
+def _label_places(scene: Scene, pose: Pose, look: Look, elements: Sequence[Element]) -> dict[int, Array]:
+    """Where the number of each element stands: half-way along the line that is drawn of it."""
+    places: dict[int, Array] = {}
+    for warping in (False, True):
+        beams = [e for e in elements if e.shape == "beam" and e.p and e.q and bool(e.warping) == warping]
+        if beams:
+            middles = beam_lines(scene, pose, beams, 3)[0][:, 1]
+            places |= {e.number: at for e, at in zip(beams, middles, strict=True)}
+    for e in elements:
+        if e.number in places:
+            continue
+        if e.shape == "belt" and e.p and e.q:
+            places[e.number] = span(scene, pose, e)[0].mean(0)
+            continue
+        ends = [n for n in (e.p, e.q) if n]
+        places[e.number] = middle(pose, tuple(ends) if ends else look.hinges.get(e.number, ()))
+    return places
 
 
 def trace_lines(scene: Scene, xs: Array, nodes: Sequence[int]) -> list[Shape]:

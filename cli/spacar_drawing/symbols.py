@@ -14,7 +14,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
-from spacar_drawing.bodies import rows_of
+from spacar_drawing.bodies import beam_lines, rows_of
 from spacar_drawing.drawn_shapes import Colour, Faces, Line, Mark, Shape, circle, normal_pair
 from spacar_drawing.look import Look
 from spacar_drawing.magnified import stored
@@ -224,16 +224,23 @@ def _framed(scene: Scene) -> list[int]:
 
 
 def _axes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
-    """Local axes x', y', z' of elements with a frame, a little way from p into the element."""
+    """Local axes x', y', z' of elements with a frame, a little way from p on the drawn line, x' along it."""
     numbers = set(_framed(scene))
     every = max(1, -(-len(numbers) // MOST_AXES))
     shown = [e for e in scene.elements if e.number in numbers and e.number not in look.settings.hidden][::every]
     if not shown:
         return []
-    frames = pose.frames(scene, rows_of(shown))
+    frames = pose.frames(scene, rows_of(shown)).copy()
     ends = pose.place[scene.node_table[rows_of(shown)][:, [0, 2]] - 1]
     ends[:, 1] = np.where(np.array([[e.q > 0] for e in shown]), ends[:, 1], ends[:, 0])
     at = 0.7 * ends[:, 0] + 0.3 * ends[:, 1]
+    for i, e in enumerate(shown):
+        if e.shape == "beam" and e.q:
+            points, y, z = (part[0] for part in beam_lines(scene, pose, [e], 11))
+            along = points[4] - points[2]
+            size = float(np.linalg.norm(along))
+            if size > 0.0:
+                at[i], frames[i] = points[3], (along / size, y[3], z[3])
     return [
         Line(np.stack((at, at + 2.2 * look.size * frames[:, k]), axis=1), AXES[k], 1.6, 6)
         for k in range(2 if scene.planar else 3)

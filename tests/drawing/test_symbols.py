@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from spacar_drawing import draw
-from spacar_drawing.bodies import rows_of
+from spacar_drawing.bodies import beam_lines, rows_of
 from spacar_drawing.drawn_shapes import Line, Mark
 from spacar_drawing.look import look_of
+from spacar_drawing.machine_parts import span
 from spacar_drawing.magnified import magnified, start_of
 from spacar_drawing.scene import Pose, positions, rotations
+from spacar_drawing.supports import number_labels
 from spacar_drawing.symbols import ARROW, AXES, KINDS, LOAD, MASS, REACTION, Symbols, forces, moments
 
 import spacar
@@ -104,7 +106,19 @@ def test_local_axes_are_those_of_the_elements():
     frames = pose.frames(source.scene, rows_of(shown))
     for k, s in enumerate(shapes):
         assert s.colour == AXES[k]
-        np.testing.assert_allclose((s.points[:, 1] - s.points[:, 0]) / (2.2 * look.size), frames[:, k], atol=1e-12)
+        axes = (s.points[:, 1] - s.points[:, 0]) / (2.2 * look.size)
+        np.testing.assert_allclose(np.linalg.norm(axes, axis=1), 1.0, atol=1e-12)
+        for e, axis, frame, at in zip(shown, axes, frames[:, k], s.points[:, 0], strict=True):
+            if e.shape != "beam":
+                np.testing.assert_allclose(axis, frame, atol=1e-12)
+                continue
+            line = beam_lines(source.scene, pose, [e], 1001)[0][0]  # the axes stand on it, x' along it
+            np.testing.assert_allclose(at, line[300], atol=1e-9)
+            tangent = (line[301] - line[299]) / np.linalg.norm(line[301] - line[299])
+            if k == 0:
+                np.testing.assert_allclose(axis, tangent, atol=0.01)
+            else:
+                assert abs(axis @ tangent) < 0.01
 
 
 def test_results_of_an_earlier_version(results):
@@ -159,3 +173,22 @@ def test_rotations_are_enlarged_as_rotation_vectors():
 def test_the_title_says_the_scale(results):
     title = draw(results / "plbeam5", scale=50).axes[0].get_title(loc="left")
     assert title == "plbeam5   deflections \N{MULTIPLICATION SIGN} 50"
+
+
+def test_numbers_stand_at_what_is_drawn_of_their_element():
+    """A bent beam and a belt: half-way along the line, not between the nodes."""
+    source = result_source("finger", 7)
+    pose = Pose.of(source.scene, source.x(1))
+    look = look_of(source.scene, source.x(), source.settings)
+    at = {s.text: s.at for s in number_labels(source.scene, pose, look, False, True)}
+    for e in source.scene.elements:
+        if e.shape == "belt":
+            touching = span(source.scene, pose, e)[0]
+            sides = np.stack((touching[1] - touching[0], at[str(e.number)] - touching[0]))[:, :2]
+            assert abs(np.linalg.det(sides)) < 1e-12
+    source = result_source("plbeam5", 7)
+    pose = Pose.of(source.scene, source.x(source.steps))
+    for label in number_labels(source.scene, pose, look_of(source.scene, source.x(), source.settings), False, True):
+        e = source.scene.elements[int(label.text) - 1]
+        line = beam_lines(source.scene, pose, [e], 101)[0][0]
+        np.testing.assert_allclose(label.at, line[50], atol=1e-12)
