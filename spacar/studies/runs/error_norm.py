@@ -12,7 +12,7 @@ import numpy as np
 from spacar.arrays import Array
 
 CONSTANT = 1e-6  # a variable whose span is a smaller part of its magnitude may be constant
-ROUNDED = 1e4 * float(np.finfo(float).eps)  # a smaller span may be rounding
+ROUNDED = 1e6 * float(np.finfo(float).eps)  # a smaller span may be rounding, or left by iterations
 STILL = 1e-9  # a variable that stays below this part of the largest one is left out
 # The same for stationary solutions, which are iterated to 5e-7 (ITERSTEP): smaller values are errors of the iteration.
 STILL_STATIONARY = 1e-6
