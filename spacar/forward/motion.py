@@ -71,7 +71,17 @@ def _moved(
         yield from _at_home(run, moved, nodes) if own else moved
     else:
         watch = singularity_monitor(evaluator, run.report)
-        yield from frames(evaluator, y, times, run.mechanism.settings, run.report, watch=watch, standing=own)
+        try:
+            yield from frames(evaluator, y, times, run.mechanism.settings, run.report, watch=watch, standing=own)
+        except AnalysisError as error:
+            if error.code != "position.singular":
+                raise
+            from spacar.kinematics.failure import other_release
+
+            advice = other_release(run.mechanism, evaluator.placement().x)
+            if not advice:
+                raise
+            raise AnalysisError(f"{error}{advice}", error.code, **error.data) from None
 
 
 def _tumbling(

@@ -21,6 +21,8 @@ SHORT = 1e-6  # length over the undeformed one from which an element counts as c
 # Smallest over largest singular value at the last iterate: one that was zero (below ZERO of `diagnosis`) at the
 # reference configuration has grown by no more than the square root of that limit.
 NEARLY = ZERO**0.5
+HELD = 1e-6  # largest part of stresses that hold each other on what moves: half of the digits, as positions have
+POOR = 1e-3  # least part of the stress of a row that is proposed for release
 LARGEST_DIAGNOSED = 1000  # unknowns; a singular value decomposition of more would take longer than the analysis
 
 
@@ -186,3 +188,40 @@ def _candidates(diagnosis: Diagnosis) -> str:
     if not parts and len(diagnosis.singular):
         parts.append(f"smallest singular value {diagnosis.singular[-1]:.3g} of {diagnosis.singular[0]:.3g}")
     return "; ".join(parts) or "no candidates"
+
+
+
+def other_release(mechanism: Mechanism, x: Array) -> str:
+    """Advice where a motion stopped near x (nx,) because a release became singular; empty where that is not the cause.
+
+    A mechanism that is over-constrained and moves all the same (Bricard's) has a release that does not move: it and the
+    given rows hold each other with stresses u, u^T V = 0 in every position. The release determines the motion while its
+    own u is not zero; so does that of any fixed row in its place. Proposed is the fixed row whose u, relative to the
+    largest one, is farthest from zero both at the start and here.
+    """
+    n = mechanism.numbering
+    rows, columns, first = n.velocity_equations, n.velocity_unknowns, n.x_class["fixed"].stop
+    if len(rows) > LARGEST_DIAGNOSED:
+        return ""
+    sweep, gradients = ElementSweep(mechanism), []
+    for at in (mechanism.x0, x):
+        sweep.strain(at)
+        gradients.append(sweep.gradient() * mechanism.scale / mechanism.deformation_scale[:, None])
+    fixed = np.arange(n.e_class["fixed"].start, n.normalized.start)
+    best = POOR, -1, -1
+    for r in range(n.e_class["dynamic"].stop, n.ne):
+        held = []
+        for V in gradients:
+            chosen = np.append(rows, r)
+            u = np.zeros(n.ne)
+            u[chosen] = np.linalg.svd(V[np.ix_(chosen, columns)])[0][:, -1]
+            u /= np.abs(u).max()
+            moved = np.abs(u[n.q_e]).max(initial=0.0), np.abs(u @ V)[first:].max(initial=0.0)
+            held.append(np.abs(u) if max(moved) < HELD else np.zeros(n.ne))
+        both = np.minimum(*held)
+        if held[1][r] < 0.5 * held[0][r] and len(fixed) and both[fixed].max() > max(best[0], held[1][r]):
+            best = float(both[fixed].max()), r, int(fixed[np.argmax(both[fixed])])
+    if best[1] < 0:
+        return ""
+    old, new = (" ".join(map(str, ("RLSE", *n.e_owner(row)))) for row in best[1:])
+    return f"; the release {old} becomes singular here: give {new} in its place"
