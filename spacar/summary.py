@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from spacar.errors import SpacarError
 from spacar.registry import registered
+
+if TYPE_CHECKING:  # decks are read without NumPy
+    from spacar.arrays import Array
 
 MOST = 6  # numbers in a line
 LINES = 10
@@ -24,7 +25,7 @@ def with_picture(text: str, maker: str, thing: Any) -> str:
         return page
 
 
-def few(values: np.ndarray) -> str:
+def few(values: Array) -> str:
     """The first of them that are finite."""
-    values = values[np.isfinite(values)]
+    values = values[abs(values) < float("inf")]
     return ", ".join(f"{v:.6g}" for v in values[:MOST]) + (", ..." if len(values) > MOST else "") or "none"

@@ -50,6 +50,8 @@ def require_steady(now: Linearization, dynamics: Dynamics, y: Array, level: Load
     AnalysisError 'statics.not-steady' where they do in degrees of freedom that are coordinates.
     """
     n, m = dynamics.numbering, dynamics.mechanism
+    if not len(n.dynamic):
+        return
     w = _fastest(m, dynamics.drive.at(0.0))
     try:
         later, force = _later(dynamics, y, STEP / w)

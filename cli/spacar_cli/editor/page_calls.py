@@ -49,10 +49,10 @@ class PageCalls:
         return {"text": found.text, "digest": found.digest, "newline": found.newline, "marked": found.marked}
 
     def state(self, progress: bool = False) -> dict[str, Any]:
-        """What may change by itself: the digest of the file, the time of its result, the run."""
+        """What may change by itself: the digest of the file, the inode of its result (each is a new file), the run."""
         found = self._job.state() | {"digest": self.file.digest()}
         written = result_file(self.file.path, "sbd")
-        found["result"] = written.stat().st_mtime_ns if written.is_file() else 0
+        found["result"] = written.stat().st_ino if written.is_file() else 0
         if progress and found["running"]:
             found["progress"] = json.loads(self._task("progress", {})).get("result")
         return found
