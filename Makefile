@@ -26,7 +26,7 @@ define environment
 endef
 
 # The C text of the engine and what it is generated from: an installation with another one builds it again.
-ENGINE := hatch_build.py $(wildcard spacar/compiled/*.c) $(wildcard spacar/compiled/*definitions.py) \
+ENGINE := hatch_build.py $(wildcard spacar/compiled/*.[ch]) $(wildcard spacar/compiled/*definitions.py) \
           $(addprefix spacar/compiled/,element_parameters.py generate.py derivative_kernels.py element_texts.py)
 
 $(VENV)/.installed: pyproject.toml $(ENGINE)

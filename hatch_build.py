@@ -55,7 +55,7 @@ def source_digest(folder: Path = HOME) -> str:
     """Of the C text and what it is generated from, in the order of the names: `spacar.compiled.library` compares it."""
     text = hashlib.sha256()
     entering = (folder / name for name in GENERATED_FROM)
-    for path in sorted((*folder.glob("*.c"), *filter(Path.is_file, entering))):
+    for path in sorted((*folder.glob("*.[ch]"), *filter(Path.is_file, entering))):
         text.update(path.read_bytes().replace(b"\r\n", b"\n"))
     return text.hexdigest()[:16]
 

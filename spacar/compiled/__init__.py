@@ -3,6 +3,7 @@
 NumPy spends about a microsecond per call however small the arrays are; a slider-crank needs some hundred calls per
 evaluation. Here the same equations run in C:
 
+    engine.h   structures and functions that both sides read (`interface`); sizes are compared when the engine is loaded
     lanes.c    the number type: one double, or eight of as many cases that differ in numbers only
     memory.c   memory that is cut piece by piece and given back as a whole
     generated/kernels.c  the element functions, derived from the definitions of the deformations in `definitions`,

@@ -1,15 +1,4 @@
 /* Code 0, as spacar/integrators/adams.py; see there for formulas and sources. */
-enum { MAX_ORDER = 12 };
-
-typedef struct {
-    double *memory;                           /* (2 MAX_ORDER + 8, n) of the object in Python: phi, expected, y ... behind one another */
-    const double *gamma_star;                 /* (MAX_ORDER + 2) */
-    double *phi, *expected;                   /* (MAX_ORDER + 1, n) */
-    double *y, *y_new, *predicted, *d, *weight; /* (n) */
-    double psi[MAX_ORDER + 1], h_old, h_min;
-    int k, order, k_old, equal, starting, rejections; /* k: of the last step; order: of the next one */
-} Adams;
-
 /* Weighted norm of a, or of a + factor b; the largest one of a case. */
 static double adams_norm(const Adams *a, int n, const double *v, double factor, const double *w)
 {

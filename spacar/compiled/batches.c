@@ -2,11 +2,6 @@
    (rows, n), so that neighbouring elements are the lanes of a vector. In the last vector the last element fills up.
 
    Outputs are (..., n) too. Structural zeros are written. */
-typedef struct {
-    int kind, n, nxe, nee, np;
-    const double *p; /* (np, n) */
-} Elements;
-
 static inline void take(real *to, const double *rows, int count, int i, int n)
 {
     if (i + LANES <= n) { for (int k = 0; k < count; k++) memcpy(&to[k], rows + (size_t)k * n + i, sizeof(real)); return; }

@@ -17,7 +17,8 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.compiled.batch_output_block import BatchOutputBlock, not_followed
 from spacar.compiled.compiled_model import CompiledModel, State
-from spacar.compiled.library import INTEGER, NUMBER, POINTER, WIDTH, address_of
+from spacar.compiled.interface import INTEGER, NUMBER, POINTER
+from spacar.compiled.library import WIDTH, address_of
 from spacar.compiled.methods_in_c import (
     ARRIVED,
     INTERRUPTED,

@@ -6,22 +6,12 @@
    All vectors are in the order of the result files. V and M are lists of the entries of the elements. */
 enum { MAX_ITERATIONS = 20 };
 
-/* A batch that Python evaluates: with the elements last, as its families have them. */
-typedef struct {
-    real *x, *v, *branch;      /* (nxe, n), (nxe, n), (nee, n): where */
-    real *e, *V, *H, *M, *h; /* (nee, n), (nee, nxe, n), (nee, n), (nxe, nxe, n), (nxe, n): the answers */
-} Foreign;
-
 typedef struct {
     int kind, n, nxe, nee, np, inertia; /* kind -1: foreign; inertia: M and h depend on x */
     const int *x, *e;                   /* (n, nxe), (n, nee) */
     const real *p;                      /* (n, np) */
     const Foreign *foreign;
 } Batch;
-
-/* What a user function is told, and what it answers: forces (nx), stresses (ne).
-   lost: whether there have been sentences about stresses that cannot act: then Python is asked at outputs. */
-typedef struct { real *x, *xd, *force, *e, *ed, *sigma; int lost; } User;
 
 typedef struct { int n, *row, *column, *source; } Entries; /* (n) each; `source` is a place in `values` */
 
@@ -48,24 +38,13 @@ typedef struct {
     PythonCallbacks *asking;                       /* NULL where nothing is asked of Python */
 } Spec;
 
-/* The last evaluated state, shared with Python; (nx) or (ne). A model may have several, each on its own path. */
-typedef struct {
-    int known;                            /* rates and accelerations too, at t; 2: placed from outside, with no transfer functions */
-    double t;
-    real *x, *xd, *xdd, *e, *ed, *edd, *sigma, *given_e;
-    real *applied, *gravity, *total, *y;  /* forces (nx) and the state that belong to it where it is whole */
-    int64_t whole;                        /* number of the evaluation that gave all of it; Python sets it to 0 when it writes here */
-    int watched, signs;                   /* watched: derivatives keep the two below; 1: det V[E, U] was positive, 2: negative */
-    double mantissa, exponent;            /* of the inverse of its smallest size since these were cleared: mantissa 2^exponent */
-} State;
-
 enum { STATES = 3 }; /* from which a guess goes on */
 
 /* What is remembered of a state: of the last n evaluations with different times, the last first, the times, the degrees of freedom,
    their rates and accelerations (3 q); x, xd, xdd (3 nx) of those before the last. */
 typedef struct { const State *of; int n; double t[STATES]; real *degrees[STATES], *before[STATES - 1]; } Trace;
 
-typedef struct {
+struct Model {
     Memory memory, tree_memory;           /* of what stays with the model; of the tree, which other numbers may change */
     Spec s;
     int64_t evaluations;                  /* how many there were; also told of numbers that have changed (`spacar_forget`) */
@@ -92,7 +71,7 @@ typedef struct {
     struct Tree *tree; int of_tree;       /* NULL: not a rigid tree; of_tree: the last state was evaluated as one */
     int matrices_behind, factors_behind;  /* V and M, the factors of the position are those of an older state */
     Sparse first[3];                      /* the systems with the orders of pivots that other numbers begin with */
-} Model;
+};
 
 /* Add as many whole turns to e of one element as bring its angle closest to `branch`. */
 static inline void unwind(const Batch *k, const real *x, real branch, const real *p, real *e)

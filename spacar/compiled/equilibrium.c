@@ -7,35 +7,6 @@
    Elements have the arrays of batches.c, (..., n), one after the other in the arrays of the whole. */
 enum { FOUND = 0, ANOTHER_WAY = 1, NOT_A_NUMBER = 2, TOO_LARGE = 3, GROWING = 4, NO_END = 5 }; /* as in equilibrium.py */
 
-/* The elements of one type. */
-typedef struct {
-    const Elements *elements;
-    const int64_t *x, *e;      /* (nxe, n), (nee, n) places */
-    double *V;                 /* (nee, nxe, n) */
-    const double *S;           /* (nee, nee, n) stiffness; NULL: none */
-    int64_t curved, heavy, moving; /* V depends on x; gravity depends on x; the mass matrix depends on x */
-} Group;
-
-/* Coordinates: the first `x_free` and the n_x_input from `x_input` on are not free. Deformations: the first e_input and the n_e_input
-   behind them are given. */
-typedef struct {
-    const Group *groups;
-    const double *x0, *scale, *e_scale, *least; /* (nx) start and size, (ne) size, (nx) least size where lengths are compared */
-    const double *loads;       /* two parts, of which `parts` is taken: force (nx), gravity (nx), preload (ne), steps of what is prescribed */
-    const double *held;        /* (nx + ne) or NULL: forces and misfits of deformations of which `hold` is taken */
-    double *branch, *e;          /* (ne) of the sweep */
-    int64_t nx, ne, nf, n_groups, x_free, x_input, n_x_input, e_input, n_e_input, heavy, widest, dense;
-    double size, parts[2], hold;
-    double floor, singular, no_digits, spread, first_ratio, later_ratio, jump, symmetric, guess_forces, guess_lengths, weight, safe;
-    int64_t widest_definite;
-    /* what an iteration has to reach, from where, and what comes out */
-    double forces, lengths, correction, tolerance;
-    double *x, *sigma, *out, *sizes;                                                      /* out: x, sigma, right, rounding; (limit) */
-    int64_t limit, iterations, quiet;
-    double work_force, work, work_size, gap, noise, sign;
-    void *own;
-} Equilibrium;
-
 /* Of a group: room for its elements, the flexibility (nee, nee, n) times `size`; places in the band of the geometric stiffness and
    the gradient of gravity, of V and its transpose, of the flexibility, -1 for what is left out; places in the matrix of the proof. */
 typedef struct {

@@ -8,7 +8,7 @@ from __future__ import annotations
 import ctypes
 from typing import TYPE_CHECKING
 
-from spacar.compiled.library import DOUBLES, INTEGER, NUMBER, POINTER
+from spacar.compiled.interface import fields
 from spacar.integrators.radau import KAPPA, MAX_NEWTON, Radau
 from spacar.kinematics.kinematics import LARGEST_JUMP
 
@@ -19,17 +19,7 @@ NO_RATE = 2  # as in radau.c
 
 
 class CNewton(ctypes.Structure):
-    """`Newton` of radau.c."""
-
-    _fields_ = [
-        *((name, DOUBLES) for name in ("c", "a", "inverse", "to", "back")),
-        ("lu", DOUBLES), ("pair_lu", DOUBLES * 2), ("pivots", POINTER), ("pair_pivots", POINTER * 2),
-        *((name, DOUBLES) for name in ("y", "weight", "Z", "F", "change", "right")),
-        *((name, NUMBER) for name in (
-            "t", "h", "earliest", "latest", "converged", "jump", "kappa", "contraction", "size", "theta",
-        )),
-        *((name, INTEGER) for name in ("s", "n", "nq", "most", "iterations", "n_rhs")),
-    ]  # fmt: skip
+    _fields_ = fields("Newton")
 
 
 class Iterating:

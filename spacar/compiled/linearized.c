@@ -3,17 +3,6 @@
    they give. Formulas: spacar/linearization: coefficients.py, matrices.py, and spacar/kinematics: transfer.py, constraint_condition.py.
    Dense, for small models without kinematic coordinates: the given rows E of V are the first n, the unknowns U the n coordinates from
    `first` on, and the degrees of freedom follow each other in x and in e. */
-typedef struct {
-    const double *row, *column;                   /* sizes of the deformations E and of the coordinates U, (n) */
-    double *W, *We, *m0, *k0, *g0;                /* (nx, ndof), (ne, ndof), (ndof, ndof); all of these are zero before */
-    double *V, *S, *geometric, *mass, *gravity;   /* (ne, nx), (ne, ne), (nx, nx); mass has what does not depend on x before; or NULL */
-    double *sigma;                                /* (ne): those of the rows E come out */
-    int64_t n, first, q_x, n_q_x, q_e, n_q_e;     /* the first degree of freedom among x and e, and how many */
-    int64_t n_groups;                             /* with those behind the groups of the equations, which have mass only */
-    double bound, terms, guard;                   /* of the condition number; sum over the elements of their largest scaled stiffness;
-                                                     smallest guard of the elements */
-} Linearized;
-
 /* (|D|_1 |D|_inf)^1/2 |D^-1|_F of the scaled matrix D of V[E, U] and its inverse: see constraint_condition.py. */
 static double condition_bound(const Linearized *l, const double *V, int nx, const double *inverse)
 {

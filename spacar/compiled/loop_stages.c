@@ -4,16 +4,6 @@
        (loads of the mechanism, rates of the blocks' states) = matrix (1, signals, states, what is read).
 
    A state is (q, states of blocks, v), with q and v those of a mechanism without kinematic coordinates (spacar/simulation/stepping.py). */
-typedef struct {
-    Model *model;
-    State *at;
-    const int *read, *load;       /* places behind x of the state, and behind the forces of the model */
-    const double *matrix;         /* (n_load + n_states, 1 + n_given + n_states + n_read) */
-    double *z, *own, *rates;      /* of the product; y and y' of the mechanism */
-    int n_read, n_load, n_given, n_states;
-    double converged, jump;
-} Loop;
-
 static int loop_rates(const Loop *l, double t, const double *given, const double *y, double *out)
 {
 #if LANES == 1

@@ -8,18 +8,13 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.compiled.compiled_evaluator import CompiledDynamics
-from spacar.compiled.library import INTEGER, NUMBER, POINTER, address_of
+from spacar.compiled.interface import fields
+from spacar.compiled.library import address_of
 from spacar.kinematics.kinematics import CONVERGED, LARGEST_JUMP
 
 
 class CLoop(ctypes.Structure):
-    """`Loop` of loop_stages.c."""
-
-    _fields_ = (
-        *((name, POINTER) for name in ("model", "at", "read", "load", "matrix", "z", "own", "rates")),
-        *((name, INTEGER) for name in ("n_read", "n_load", "n_given", "n_states")),
-        ("converged", NUMBER), ("jump", NUMBER),
-    )  # fmt: skip
+    _fields_ = fields("Loop")
 
 
 class LoopStages:

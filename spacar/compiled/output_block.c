@@ -10,26 +10,6 @@
 /* An output: done; Python looks at it; C cannot evaluate it; F may have jumped before it, it is not done. As in output_block.py */
 enum { HARMLESS, LOOKED_AT, NOT_SHOWN, SUSPECT };
 
-/* The state y at a time in the last step: 0, or 2 when Python keeps an error. */
-typedef int (*Value)(double t, double *y);
-
-typedef struct {
-    State *shown;
-    const double *t;           /* (n) times of the outputs to come */
-    double *rows;              /* (n, width): x, xd, xdd, applied, gravity, total forces; e, ed, edd, sigma; y where it has no place of its own */
-    int *work;                 /* (n, 5) steps, derivatives, 0, rejected steps, 0 since the output before: `Counts` of problem.py */
-    const int *ground;         /* (n_ground) rows of sigma that may press but not pull */
-    Value value;               /* NULL: that of Adams */
-    double *y;                 /* of several cases: room for the state at an output */
-    double *around;            /* (2, n of y) room for states beside an output */
-    const int *rates;          /* (n of rates) places of the accelerations of the state in a row */
-    double suspect;            /* 0, or d of spacar/integrators/jumps.py from which on an output is not shown */
-    double exact, jump, singular, guard, longest; /* limits of a position, a jump, 1/condition, guards of elements; seconds */
-    int n, done, width, since, far, n_exact, n_ground, foreign, steps, n_rates;
-    int last, status;          /* how the last output came out, and its evaluation */
-    int counted[5];            /* what Stepper had counted at the last output of this call */
-} OutputBlock;
-
 static double seconds(void)
 {
     struct timespec now;

@@ -22,7 +22,8 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, CompiledModel, State
 from spacar.compiled.element_parameters import GUARD
-from spacar.compiled.library import DOUBLES, INTEGER, INTEGERS, NUMBER, POINTER, WIDTH, address_of
+from spacar.compiled.interface import INTEGER, NUMBER, POINTER, fields
+from spacar.compiled.library import WIDTH, address_of
 from spacar.frame import Frame, FramesInRows
 from spacar.integrators.problem import BlockOfOutputs, Counts, counts
 from spacar.integrators.times import EvenTimes
@@ -40,19 +41,7 @@ VALUE = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER)
 
 
 class COutputBlock(ctypes.Structure):
-    """`OutputBlock` of output_block.c."""
-
-    _fields_ = [
-        ("shown", POINTER), ("t", DOUBLES), ("rows", DOUBLES), ("work", INTEGERS),
-        ("ground", INTEGERS), ("value", POINTER), ("y", DOUBLES),
-        ("around", DOUBLES), ("rates", INTEGERS),
-        *((name, NUMBER) for name in ("suspect", "exact", "jump", "singular", "guard", "longest")),
-        *((name, INTEGER) for name in (
-            "n", "done", "width", "since", "far", "n_exact", "n_ground", "foreign", "steps", "n_rates",
-            "last", "status",
-        )),
-        ("counted", INTEGER * 5),
-    ]  # fmt: skip
+    _fields_ = fields("OutputBlock")
 
 
 def counted(c: COutputBlock, begun: Counts = NONE) -> Counts:

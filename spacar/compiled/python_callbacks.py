@@ -18,16 +18,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from spacar.compiled.library import POINTER, CPythonCallbacks, CUser
+from spacar.compiled.interface import POINTER, functions
+from spacar.compiled.library import CPythonCallbacks, CUser
 from spacar.errors import BY_USERS
 
-# in the order of `Python` in python_callbacks.c
-FUNCTIONS = (
-    "PyGILState_Ensure", "PyGILState_Release", "PyLong_FromLong", "PyFloat_FromDouble", "PyFloat_AsDouble",
-    "PyObject_CallFunctionObjArgs", "PyObject_IsTrue", "PyObject_Type", "PyList_Size", "PyTuple_Size",
-    "PyList_GetItem", "PyTuple_GetItem", "Py_DecRef", "PyErr_Occurred", "PyErr_ExceptionMatches", "PyErr_Clear",
-    "PyErr_Fetch", "PyErr_NormalizeException", "PyException_SetTraceback",
-)  # fmt: skip
+FUNCTIONS = tuple(functions("PYTHON_FUNCTIONS"))
 TYPES = float, np.float64, int, list, tuple, Exception
 BACK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_int, ctypes.c_double)
 Form = list[Any]  # of rows: two numbers and a place each
@@ -70,7 +65,7 @@ class PythonCallbacks:
         self.law: AnsweringLaw | None = None
         self.user, self.lost = user, lost
         self.caught: list[BaseException] = []
-        self.known: tuple[Form, Form] | None = None  # the forms that C knows, with the objects that it looks for
+        self.known: tuple[Form, Form] | None = None  # the forms that C knows
         table = python()
         if table is None:
             self.c = CPythonCallbacks()
@@ -78,8 +73,8 @@ class PythonCallbacks:
             self.c = CPythonCallbacks(ctypes.addressof(table))
         else:
             self.law = law
-            told = [id(argument) for argument in law.told]
-            self.c = CPythonCallbacks(ctypes.addressof(table), user.sigma, user.force, -1, id(law.function), *told)
+            told = tuple(map(id, law.told))
+            self.c = CPythonCallbacks(ctypes.addressof(table), user.sigma, user.force, -1, id(law.function), told)
 
     def calls(self, answer: Callable[[int, int, float], bool]) -> tuple[Any, ...]:
         """What C calls, for the model to keep (kept here it would be a circle of references). `answer` is given what is
@@ -108,9 +103,7 @@ class PythonCallbacks:
                 c.n_sigma = -1
                 return
             of_sig, of_f = forms
-            numbers = [id(number) for number in of_sig + of_f]
-            numbers[2::3] = of_sig[2::3] + of_f[2::3]
-            self.rows = array("q", numbers)
+            self.rows = array("d", of_sig + of_f)
             c.rows, c.n_sigma, c.n_force = self.rows.buffer_info()[0], len(of_sig) // 3, len(of_f) // 3
 
     def raised(self) -> BaseException | None:

@@ -2,17 +2,6 @@
    sources. One case; the LU factors are those of LAPACK (columns first, row i exchanged with pivots[i], counted from 0). */
 enum { MOST_STAGES = 5, ITERATED = 0, NOT_CONVERGED = 1, NO_RATE = 2 }; /* as in compiled_model.py */
 
-typedef struct {
-    const double *c, *a, *inverse, *to, *back; /* (s), (s, s) each */
-    const double *lu, *pair_lu[2];             /* (nu, nu), pairs of numbers of the complex systems */
-    const int *pivots, *pair_pivots[2];
-    const double *y, *weight;                  /* (n) */
-    double *Z, *F, *change, *right;            /* (s, n), (s, n), (s, n), (s, nu) */
-    double t, h, earliest, latest, converged, jump, kappa; /* kappa: of `size`, where the iteration ends */
-    double contraction, size, theta;           /* size of the last change */
-    int s, n, nq, most, iterations, n_rhs;
-} Newton;
-
 static void solve_real(const double *lu, const int *pivots, int n, double *b)
 {
     for (int i = 0; i < n; i++) { const double kept = b[i]; b[i] = b[pivots[i]]; b[pivots[i]] = kept; }

@@ -1,11 +1,4 @@
 /* Explicit Runge-Kutta codes with variable steps, as spacar/integrators/runge_kutta.py and the step loop of drive.py. */
-typedef struct {
-    const double *c, *a, *b, *errors;   /* (rows), (rows, rows), (stages), (1 or 2, rows of the estimate) */
-    double *K, *y, *y_new, *scaled;     /* (stages + 1, n), (n) each; scaled: the error over the tolerance */
-    double exponent, smallest, largest, safety, tiny, h; /* of the step control; h: size of the last step */
-    int stages, rows, estimated, two; /* rows: stages evaluated together; estimated: rows of the estimate; two of them */
-} RungeKutta;
-
 /* sum_j w_j K_j over the first `count` rows, into out. */
 static void combine(const RungeKutta *p, int n, int count, const double *w, double *out)
 {

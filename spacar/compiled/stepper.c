@@ -9,27 +9,6 @@
 enum { ARRIVED = 0, AT_OUTPUT = 1, PAUSED = 2, TOO_SMALL = 3, NOT_EVALUATED = 4, INTERRUPTED = 5 }; /* as in methods_in_c.py */
 enum { LOOK_NEVER, LOOK_AT_DETERMINANTS, LOOK_AT_VELOCITIES, LOOK_ALWAYS };
 
-/* 0; 1 when the state cannot be evaluated; 2 when all has to end: Python keeps the error. f NULL: an accepted step is told. */
-typedef int (*AskRate)(double t, const double *y, double *f);
-
-typedef struct {
-    Model *model;
-    State *at;
-    AskRate ask;
-    double *records;         /* (capacity, width) of the last accepted steps: t, sign, size of the determinant, known, y, x, xd, xdd, e */
-    const double *scale;     /* (nx) of the coordinates whose velocities are compared */
-    const double *atol;      /* (n) absolute error of every component of the state */
-    int n, capacity, width, look, back, most, max_reductions;
-    double reduction, rtol, longest, converged, jump, earliest, latest, half, inside, wide, far, share, noise, still;
-    double t, t_end, until, h, error, peak; /* peak: largest determinant since its last minimum */
-    double begin, sizes[2];  /* of the last step; sizes of it and of the one before */
-    int recorded, entered;   /* accepted steps in the records; entered: look always, as a dead point is being left */
-    int n_steps, n_rhs, n_rejected, reductions;
-    const int *lambda0;      /* of several cases: coordinates that may not come to zero, here nearer than half_turn */
-    double half_turn, signs[8]; /* signs of the determinants at the last accepted step */
-    int n_lambda0;
-} Stepper;
-
 static double *record(const Stepper *r, int k) { return r->records + (size_t)(k % r->capacity) * r->width; }
 
 /* F at a time inside the window: 0, 1, 2 as AskRate. */

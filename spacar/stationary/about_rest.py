@@ -7,7 +7,6 @@ zeros in the factors are passed over.
 
 from __future__ import annotations
 
-import ctypes
 from functools import partial
 from typing import NamedTuple
 
@@ -20,19 +19,7 @@ from spacar.kinematics.constraint_condition import Conditioning, of_gradient
 from spacar.linear_systems.matrix import DENSE_LIMIT, matrix, zero_matrix
 from spacar.linearization.matrices import Linearization, no_rates
 from spacar.mechanism.mechanism import Loads, Mechanism
-from spacar.stationary.equilibrium import DOUBLES, NUMBER, WHOLE, Equilibrium
-
-
-class CLinearized(ctypes.Structure):
-    """`Linearized` of linearized.c."""
-
-    _fields_ = [
-        *((name, DOUBLES) for name in (
-            "row", "column", "W", "We", "m0", "k0", "g0", "V", "S", "geometric", "mass", "gravity", "sigma",
-        )),
-        *((name, WHOLE) for name in ("n", "first", "q_x", "n_q_x", "q_e", "n_q_e", "n_groups")),
-        ("bound", NUMBER), ("terms", NUMBER), ("guard", NUMBER),
-    ]  # fmt: skip
+from spacar.stationary.equilibrium import Equilibrium
 
 
 class AboutRest(NamedTuple):
@@ -66,6 +53,7 @@ class AboutRest(NamedTuple):
     @classmethod
     def of(cls, equations: Equilibrium, x: Array, sigma: Array) -> AboutRest | None:
         """At x (nx,) with the stresses sigma (ne,), at the loads of the equations. None: for NumPy."""
+        from spacar.compiled.interface import structure
         from spacar.compiled.library import address_of
 
         m = equations.mechanism
@@ -82,7 +70,7 @@ class AboutRest(NamedTuple):
         gravity = np.zeros((nx, nx)) if equations.heavy else None
         for b, M in equations.constant_masses:
             np.add.at(mass, (b.x[:, None], b.x), M)
-        c = CLinearized(
+        c = structure("Linearized")(
             address_of(m.deformation_scale), address_of(column), *at_kept, *at_others,
             None if gravity is None else address_of(gravity), address_of(stresses), len(column),
             xs["calculable"].start, *_input_and_dynamic(xs), *_input_and_dynamic(es), equations.n_groups,

@@ -42,41 +42,6 @@ from spacar.stationary.resting_tangent import SYMMETRIC
 from spacar.stationary.stationary_equations import FLOOR, Iterate
 
 FOUND, ANOTHER_WAY, NOT_A_NUMBER, TOO_LARGE, GROWING, NO_END = range(6)  # as in equilibrium.c
-POINTER, NUMBER, WHOLE = ctypes.c_void_p, ctypes.c_double, ctypes.c_int64
-DOUBLES = INTEGERS = POINTER
-
-
-class CGroup(ctypes.Structure):
-    """`Group` of equilibrium.c."""
-
-    _fields_ = [
-        ("elements", POINTER), ("x", INTEGERS), ("e", INTEGERS), ("V", DOUBLES), ("S", DOUBLES), ("curved", WHOLE),
-        ("heavy", WHOLE), ("moving", WHOLE),
-    ]  # fmt: skip
-
-
-class CEquilibrium(ctypes.Structure):
-    """`Equilibrium` of equilibrium.c."""
-
-    _fields_ = [
-        ("groups", POINTER),
-        *((name, DOUBLES) for name in ("x0", "scale", "e_scale", "least", "loads", "held", "branch", "e")),
-        *((name, WHOLE) for name in (
-            "nx", "ne", "nf", "n_groups", "x_free", "x_input", "n_x_input", "e_input", "n_e_input", "heavy", "widest",
-            "dense",
-        )),
-        ("size", NUMBER), ("parts", NUMBER * 2), ("hold", NUMBER),
-        *((name, NUMBER) for name in (
-            "floor", "singular", "no_digits", "spread", "first_ratio", "later_ratio", "jump", "symmetric",
-            "guess_forces", "guess_lengths", "weight", "safe",
-        )),
-        ("widest_definite", WHOLE),
-        *((name, NUMBER) for name in ("forces", "lengths", "correction", "tolerance")),
-        *((name, DOUBLES) for name in ("x", "sigma", "out", "sizes")),
-        *((name, WHOLE) for name in ("limit", "iterations", "quiet")),
-        *((name, NUMBER) for name in ("work_force", "work", "work_size", "gap", "noise", "sign")),
-        ("own", POINTER),
-    ]  # fmt: skip
 
 
 class Equilibrium:
@@ -86,6 +51,7 @@ class Equilibrium:
     """
 
     def __init__(self, m: Mechanism) -> None:
+        from spacar.compiled.interface import structure
         from spacar.compiled.library import address_of, element_functions
 
         self._call, n = element_functions(), m.numbering
@@ -104,7 +70,7 @@ class Equilibrium:
         groups, n_groups = self._groups()
         self.n_groups = len(groups)
         self._held: Array | None = None
-        self.c = c = CEquilibrium(
+        self.c = c = structure("Equilibrium")(
             ctypes.addressof(groups), *map(address_of, self._keep[:5]), None, address_of(self.arrays.branch),
             address_of(self.arrays.e), n.nx, n.ne, self.nf, n_groups, first, xs.start, count, es.start,
             es.stop - es.start, self.heavy, BAND_LIMIT, DENSE_LIMIT,
@@ -217,13 +183,14 @@ class Equilibrium:
     def _groups(self) -> tuple[Any, int]:
         """What C needs of the batches, and how many of them are in the equations: they come before those that have mass
         only."""
+        from spacar.compiled.interface import structure
         from spacar.compiled.library import address_of
 
         layout, heavy, keep = self.mechanism.layout, self.heavy, self._keep
         moving, curved = {b.index for b in layout.moving}, {b.index for b in layout.curved}
         batches, others = list(layout.strained), [b for b in layout.moving if not b.family.n_deformations]
         count = len(batches) + heavy * len(others)
-        groups = (CGroup * (len(batches) + len(others)))()
+        groups = (structure("Group") * (len(batches) + len(others)))()
         keep.append(groups)
         gradient = address_of(self.arrays.entries)
         for group, b in zip(groups, batches + others, strict=True):

@@ -190,7 +190,7 @@ def test_a_library_of_another_text_is_not_used(elsewhere):
 def test_a_library_of_other_element_definitions_is_not_used(elsewhere):
     """A row that was added, and not built: a run says so and takes the general path."""
     home = HOUSE / "spacar" / "compiled"
-    for path in (*home.glob("*.c"), *(home / name for name in library.GENERATED_FROM), home / library.NAME):
+    for path in (*home.glob("*.[ch]"), *(home / name for name in library.GENERATED_FROM), home / library.NAME):
         shutil.copy(path, elsewhere)
     library._loaded.cache_clear()
     assert library.unavailable() is None
