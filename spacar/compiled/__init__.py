@@ -24,8 +24,7 @@ evaluation. Here the same equations run in C:
                linearized equations need (`compiled_elements`), with generated/derivatives.c
     equilibrium.c  states at rest, for `spacar.stationary.equilibrium`: structures, flexibility of the elements, places
                in the band; rest_equations.c has residual and tangent, rest_newton.c Newton's iteration, definite.c
-               proves stability, band.c and dense.c have the linear systems,
-               linearized.c gives what the linearized equations consist of
+               proves stability, band.c and dense.c have the linear systems
 
 What has no form in C (user functions, some elements, motions that are no polynomials) is evaluated in Python
 (`user_callbacks`); C calls the user function of a single case itself (`python_callbacks`). The engine is built with the

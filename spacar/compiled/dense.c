@@ -40,14 +40,3 @@ static void dense_solve(const double *a, int n, const int *pivots, double *x, in
         for (int c = 0; c < k; c++) x[i * k + c] /= a[i * n + i];
     }
 }
-
-/* The transposed matrix and one right-hand side. */
-static void dense_solve_transposed(const double *a, int n, const int *pivots, double *x)
-{
-    for (int j = 0; j < n; j++) {
-        x[j] /= a[j * n + j];
-        for (int c = j + 1; c < n; c++) x[c] -= a[j * n + c] * x[j];
-    }
-    for (int j = n - 1; j > 0; j--) for (int c = 0; c < j; c++) x[c] -= a[j * n + c] * x[j];
-    for (int j = n - 1; j >= 0; j--) { const double kept = x[j]; x[j] = x[pivots[j]]; x[pivots[j]] = kept; }
-}

@@ -35,7 +35,6 @@ static const size_t SIZES[] = { STRUCTURES(SIZE) };
 #include "rest_equations.c"
 #include "rest_newton.c"
 #include "definite.c"
-#include "linearized.c"
 
 /* The kinds, sizes, functions. */
 const void *const ELEMENTS[] = { DERIVED, SIZES, ELEMENT_FUNCTIONS(ADDRESS) };

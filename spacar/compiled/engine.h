@@ -161,7 +161,7 @@ typedef struct {
     const int64_t *x, *e;      /* (nxe, n), (nee, n) places */
     double *V;                 /* (nee, nxe, n) */
     const double *S;           /* (nee, nee, n) stiffness; NULL: none */
-    int64_t curved, heavy, moving; /* V depends on x; gravity depends on x; the mass matrix depends on x */
+    int64_t curved, heavy;     /* V depends on x; gravity depends on x */
 } Group;
 
 /* Coordinates: the first `x_free` and the n_x_input from `x_input` on are not free. Deformations: the first e_input and the n_e_input
@@ -184,21 +184,10 @@ typedef struct {
     void *own;
 } Equilibrium;
 
-typedef struct {
-    const double *row, *column;                   /* sizes of the deformations E and of the coordinates U, (n) */
-    double *W, *We, *m0, *k0, *g0;                /* (nx, ndof), (ne, ndof), (ndof, ndof); all of these are zero before */
-    double *V, *S, *geometric, *mass, *gravity;   /* (ne, nx), (ne, ne), (nx, nx); mass has what does not depend on x before; or NULL */
-    double *sigma;                                /* (ne): those of the rows E come out */
-    int64_t n, first, q_x, n_q_x, q_e, n_q_e;     /* the first degree of freedom among x and e, and how many */
-    int64_t n_groups;                             /* with those behind the groups of the equations, which have mass only */
-    double bound, terms, guard;                   /* of the condition number; sum over the elements of their largest scaled stiffness;
-                                                     smallest guard of the elements */
-} Linearized;
-
 #define STRUCTURES(F) \
     F(Elements) F(Foreign) F(User) F(Row) F(PythonCallbacks) F(State) F(Stepper) F(Adams) F(RungeKutta) F(Newton) \
       F(OutputBlock) F(Loop) \
-    F(Group) F(Equilibrium) F(Linearized)
+    F(Group) F(Equilibrium)
 
 /* Result, name behind spacar_, arguments: of a model and its motion; of batches of elements and of states at rest. */
 #define FUNCTIONS(F) \
@@ -248,5 +237,4 @@ typedef struct {
     F(int, equilibrium_point, (Equilibrium *q)) \
     F(int, equilibrium_factor, (Equilibrium *q)) \
     F(double, equilibrium_sign, (const Equilibrium *q)) \
-    F(int, equilibrium_definite, (Equilibrium *q)) \
-    F(int, equilibrium_linearize, (Equilibrium *q, Linearized *l))
+    F(int, equilibrium_definite, (Equilibrium *q))

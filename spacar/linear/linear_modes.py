@@ -167,19 +167,14 @@ def stationary(
     limits: Limits | None = None
     for stored, (level, iterations) in enumerate(solver.stored(load_program(settings))):
         dynamics, state = solver.dynamics, solver.solution
-        about = None if reduced or descriptor else solver.about()
-        condition = Conditioning.of(dynamics.kinematics) if about is None else about.condition
+        condition = Conditioning.of(dynamics.kinematics)
         if "condition" not in run.header:
             run.header["condition"] = condition.number
             if lost_digits(condition.at_most) > LOST:
                 say_lost_digits(run, reduced or descriptor)
         limits = limits or Limits(dynamics, run.report)
-        if about is None:
-            found = Accelerations(state.xdd, state.sigma, state.convective)
-            convected = dynamics.forces.inertia(dynamics.sweep, dynamics.xd)
-            frame = dynamics.complete(float(stored), found, convected)
-        else:
-            frame = about.frame(float(stored), state.sigma, dynamics.loads)
+        found = Accelerations(state.xdd, state.sigma, state.convective)
+        frame = dynamics.complete(float(stored), found, dynamics.forces.inertia(dynamics.sweep, dynamics.xd))
         limits.check_elements(dynamics, frame)
         singular = not _is_surely_regular(solver, condition)
         singular = singular and _is_dead_point(run, solver, level, frame.t, store is None)
@@ -200,7 +195,7 @@ def stationary(
             tangent.sigma = state.sigma
             yield LinearizedSolution(frame, dynamics, None, tangent, wanted, reduced, condition)
             continue
-        L = linearize(dynamics, state.xdd, state.sigma) if about is None else about.linearization()
+        L = linearize(dynamics, state.xdd, state.sigma)
         if solver.moving and n.holonomic:
             require_steady(L, dynamics, solver.y, level, run.report)
         frame.lost = {**frame.lost, **_doubts(L)}

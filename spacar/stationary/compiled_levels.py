@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from spacar.arrays import Array
 from spacar.mechanism.mechanism import Mechanism
-from spacar.stationary.about_rest import AboutRest
 from spacar.stationary.equilibrium import Equilibrium, NotCompiled, takes
 from spacar.stationary.level_dynamics import LevelDynamics
 from spacar.stationary.level_evaluator import LevelEvaluator
@@ -93,9 +92,3 @@ class CompiledLevelEvaluator(LevelEvaluator):
             return self.equilibrium.last_sign()
         sign = None if factored else self.equilibrium.sign(p)
         return super().sign(p, factored) if sign is None else sign
-
-    def about(self, x: Array, sigma: Array) -> AboutRest | None:
-        found = AboutRest.of(self.equilibrium, x, sigma)
-        if found is not None:
-            self._dynamics.guard = found.guard
-        return found

@@ -10,7 +10,6 @@ narrow band. It answers None where something is unusual: a singular matrix, a gr
 from __future__ import annotations
 
 import ctypes
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -67,12 +66,11 @@ class Equilibrium:
         sizes = n.nx, n.ne, n.nx + n.ne + 2 * (self.nf + n.ne), limit
         own = self._x, self._sigma, self._out, self._sizes = [np.empty(size) for size in sizes]
         self._keep: list[Any] = [m.x0, m.scale, m.deformation_scale, least, loads]
-        groups, n_groups = self._groups()
-        self.n_groups = len(groups)
+        groups = self._groups()
         self._held: Array | None = None
         self.c = c = structure("Equilibrium")(
             ctypes.addressof(groups), *map(address_of, self._keep[:5]), None, address_of(self.arrays.branch),
-            address_of(self.arrays.e), n.nx, n.ne, self.nf, n_groups, first, xs.start, count, es.start,
+            address_of(self.arrays.e), n.nx, n.ne, self.nf, len(groups), first, xs.start, count, es.start,
             es.stop - es.start, self.heavy, BAND_LIMIT, DENSE_LIMIT,
         )  # fmt: skip
         c.x, c.sigma, c.out, c.sizes = map(address_of, own)
@@ -140,11 +138,6 @@ class Equilibrium:
         self._from(p.x, p.sigma)
         return bool(self._call.equilibrium_definite(self.address))
 
-    def linearize(self, x: Array, sigma: Array, into: ctypes.Structure) -> bool:
-        """What `spacar.stationary.about_rest` describes, at x (nx,), sigma (ne,). False where Python has to do it."""
-        self._from(x, sigma)
-        return self._call.equilibrium_linearize(self.address, ctypes.addressof(into)) == FOUND
-
     def _from(self, x: Array, sigma: Array) -> None:
         self._x[:], self._sigma[:] = x, sigma
 
@@ -171,7 +164,7 @@ class Equilibrium:
             row[:a], row[b:c] = loads.force, loads.preload
             if loads.gravity.any():
                 row[a:b] = field = gravity_field(m, loads)
-                row[:a] += constant_gravity(field, self.constant_masses)
+                row[:a] += constant_gravity(field, self._constant_masses())
                 weighs = weighs or bool(field.any())
         if d > c or len(table[0]) > d:
             start = m.drive.at(0.0)
@@ -180,26 +173,23 @@ class Equilibrium:
                 table[1, c:d], table[1, d:] = more.x, more.e
         return table, weighs
 
-    def _groups(self) -> tuple[Any, int]:
-        """What C needs of the batches, and how many of them are in the equations: they come before those that have mass
-        only."""
+    def _groups(self) -> Any:
+        """What C needs of the batches in the equations: those that have mass only come last."""
         from spacar.compiled.interface import structure
         from spacar.compiled.library import address_of
 
         layout, heavy, keep = self.mechanism.layout, self.heavy, self._keep
         moving, curved = {b.index for b in layout.moving}, {b.index for b in layout.curved}
-        batches, others = list(layout.strained), [b for b in layout.moving if not b.family.n_deformations]
-        count = len(batches) + heavy * len(others)
-        groups = (structure("Group") * (len(batches) + len(others)))()
+        batches = [*layout.strained, *(b for b in layout.moving if heavy and not b.family.n_deformations)]
+        groups = (structure("Group") * len(batches))()
         keep.append(groups)
         gradient = address_of(self.arrays.entries)
-        for group, b in zip(groups, batches + others, strict=True):
+        for group, b in zip(groups, batches, strict=True):
             family: Any = b.family
             x, e = np.ascontiguousarray(b.x), np.ascontiguousarray(b.e)
             keep += family, x, e
             group.elements, group.x, group.e = ctypes.addressof(family.elements), address_of(x), address_of(e)
-            group.curved, group.moving = b.index in curved, b.index in moving
-            group.heavy = heavy and group.moving
+            group.curved, group.heavy = b.index in curved, heavy and b.index in moving
             if family.n_deformations:
                 group.V = gradient
                 gradient += 8 * len(b.e) * b.x.size
@@ -207,10 +197,9 @@ class Equilibrium:
                 if S.any():
                     keep.append(S)
                     group.S = address_of(S)
-        return groups, count
+        return groups
 
-    @cached_property
-    def constant_masses(self) -> list[tuple[Batch, Array]]:
+    def _constant_masses(self) -> list[tuple[Batch, Array]]:
         """Mass matrices that never change, (n_coordinates, n_coordinates, n) of each batch that has one."""
         found = []
         for b in self.mechanism.layout.massive:

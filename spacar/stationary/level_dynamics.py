@@ -18,13 +18,11 @@ class LevelDynamics(Dynamics):
 
     arrays  what its elements share with equations in C
     y       state vector: the kinematic values, and the rates that are kept
-    guard   the smallest one of all elements, where C has evaluated it at the state
     """
 
     def __init__(self, mechanism: Mechanism, loads: Loads, drive: Drive) -> None:
         super().__init__(mechanism, loads=loads, drive=drive)
         self.arrays: SweepArrays | None = None
-        self.guard = 0.0
         self._at: tuple[Array, bool] | None = None  # x, and is it a solution?
         self._is_made = False
         self.y = self.start_values()
@@ -43,13 +41,8 @@ class LevelDynamics(Dynamics):
         e[self.es["dynamic"]] = 0.0
         return x, e
 
-    def in_range(self) -> bool:
-        from spacar.compiled.element_parameters import GUARD  # not of the numeric core
-
-        return self.guard > GUARD
-
     def _go(self, x: Array, solution: bool) -> None:
-        self._at, self.guard = (x, solution), 0.0
+        self._at = x, solution
         if self._is_made:
             self._bring(self.kinematics)
 

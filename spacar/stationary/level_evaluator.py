@@ -7,7 +7,6 @@ from dataclasses import replace
 from spacar.arrays import Array
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.mechanism.mechanism import Loads, Mechanism
-from spacar.stationary.about_rest import AboutRest
 from spacar.stationary.contract import Tangent
 from spacar.stationary.flexibility import Flexibility
 from spacar.stationary.level_dynamics import LevelDynamics
@@ -203,10 +202,6 @@ class LevelEvaluator:
         if not factored:
             self.tangent.factor(p)
         return self.tangent.sign()
-
-    def about(self, x: Array, sigma: Array) -> AboutRest | None:
-        """The linearized equations at a state of this level, where C has them."""
-        return None
 
     def place(self) -> None:
         """A mechanism without dynamic degrees of freedom: the configuration of the prescribed values."""

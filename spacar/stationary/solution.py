@@ -13,7 +13,6 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
-from spacar.stationary.about_rest import AboutRest
 from spacar.stationary.compiled_levels import level_evaluator
 from spacar.stationary.continuation import Continuation
 from spacar.stationary.contract import Tangent
@@ -67,7 +66,6 @@ class StationarySolver:
         self.iterations = 0
         self._said: Stability | None = None
         self._walk: Continuation | None = None
-        self._determined = False  # does C say so?
         self._firm = True
         self._failed = False  # in one order of the loading?
 
@@ -96,17 +94,10 @@ class StationarySolver:
         tangent.factor(self._walk.point)
         return e.equations, tangent
 
-    def about(self) -> AboutRest | None:
-        """What the linearized equations at the solution that was stored last consist of, where C gives it. It has to
-        be used before the next level."""
-        found = self._evaluator.about(self.solution.x, self.solution.sigma)
-        self._determined = found is not None
-        return found
-
     @property
     def determined(self) -> bool:
         """Do the degrees of freedom determine the configuration of the solution that was stored last?"""
-        return self._determined or self.dynamics.kinematics.is_factored
+        return self.dynamics.kinematics.is_factored
 
     @property
     def moving(self) -> bool:
@@ -226,7 +217,6 @@ class StationarySolver:
         """The evaluator at the point, in terms of the degrees of freedom as far as they determine it."""
         e, n = self._evaluator, self.mechanism.numbering
         d = e.stand_at(p.x)
-        self._determined = False
         still_x, still_e, sigma = np.zeros(n.nx), np.zeros(n.ne), p.sigma.copy()
         m = p.motion or Motion(still_x, still_x, still_e, still_e, still_e)
         d.xd, d.ed = m.v, m.ed
