@@ -196,7 +196,9 @@ class CompiledModel:
             e.start, e.stop - e.start, p.start, p.stop - p.start, q.start, q.stop - q.start,
             self.slots.polynomial, len(position), len(numbers.moments[0]), len(numbers.coupling[0]),
         ]  # fmt: skip
-        lists = [position]
+        axis = np.full(n.nx, -1)
+        axis[n.positions] = np.arange(n.positions.shape[1])
+        lists = [position, axis]
         for rows, columns, _ in (numbers.mass, numbers.stiffness, numbers.damping, numbers.moments, numbers.coupling):
             if len(rows):
                 lists += rows, columns

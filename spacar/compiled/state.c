@@ -48,12 +48,32 @@ static double left_of_degrees(const Spec *s, const Trace *trace, const double (*
     return largest_lane(largest);
 }
 
-/* A guess of the calculable coordinates of x at t. OK, or JUMP when they would go too far.
+/* Is x, in the sizes of its coordinates, no farther than `far` from the last state? A common translation, which deforms no
+   element, is no distance: of each axis what all nodes go the same way. As `_jump` of kinematics.py. */
+static int is_near(const Spec *s, const State *at, const real *x, double far)
+{
+    double low[3][LANES], high[3][LANES];
+    for (int k = 0; k < 3; k++) EACH_LANE { low[k][w] = DBL_MAX; high[k][w] = -DBL_MAX; }
+    for (int i = 0; i < s->nx; i++) {
+        const real moved = (x[i] - at->x[i]) / s->scale[i];
+        const int k = s->axis[i];
+        EACH_LANE {
+            const double d = LANE(moved, w);
+            if (k < 0 && !(fabs(d) <= far)) return 0;
+            if (k >= 0) { low[k][w] = fmin(low[k][w], d); high[k][w] = fmax(high[k][w], d); }
+        }
+    }
+    for (int k = 0; k < 3; k++)
+        EACH_LANE if (!(high[k][w] - fmax(low[k][w], 0.0) <= far && fmin(high[k][w], 0.0) - low[k][w] <= far)) return 0;
+    return 1;
+}
+
+/* A guess of the calculable coordinates of x at t. OK, or JUMP when they go far.
 
    It goes on from as many states as come near to the degrees of freedom, which are known: from one more unless that comes
    twice as far. Where transfer functions are known the guess follows the degrees of freedom then, as stages of a step leave
    a smooth motion. */
-static int guess(Model *m, const State *at, double t, const real *y, double jump, real *x)
+static int guess(Model *m, const State *at, double t, const real *y, double far, real *x)
 {
     const Spec *s = &m->s;
     const int first = s->n_fixed_x, end = first + s->n_position, nx = s->nx, q = s->n_x_dynamic + s->n_e_dynamic;
@@ -85,11 +105,10 @@ static int guess(Model *m, const State *at, double t, const real *y, double jump
         ahead = lanes_larger(ahead, x[i] / s->scale[i]);
         x[i] += at->x[i];
     }
-    if (!(largest_lane(ahead) <= 0.5 * jump)) return JUMP; /* as FARTHEST_GUESS of the general path */
     if (traced && m->transfer_of == at)
         for (int i = first; i < end; i++)
             for (int k = 0; k < q; k++) x[i] += m->transfer[i * m->width + 1 + k] * left[k];
-    return OK;
+    return largest_lane(ahead) <= far ? OK : JUMP;
 }
 
 /* The evaluated state becomes the last one, and what was that is remembered if it has another time. */
@@ -146,10 +165,12 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
     const Spec *s = &m->s;
     const int nx = s->nx, n = s->n_position, q = s->n_x_dynamic + s->n_e_dynamic;
     real *x = m->next_x, *xd = m->next_xd, *xdd = m->next_xdd;
-    if (!m->tree && guess(m, at, t, y, jump, x)) return JUMP;
+    const double farthest = 0.5 * jump; /* as FARTHEST_GUESS of the general path */
+    const int far = !m->tree && guess(m, at, t, y, farthest, x);
+    if (take_given(m, at, t, y, x, xd, xdd)) return NOT_ANSWERED;
+    if (far && !is_near(s, at, x, farthest)) return JUMP;
     m->transfer_of = NULL;
     m->of_tree = m->matrices_behind = m->factors_behind = 0;
-    if (take_given(m, at, t, y, x, xd, xdd)) return NOT_ANSWERED;
     if (m->tree) {
         follow_tree(s, m->tree, x, xd, xdd, at->given_e, m->given_ed, m->given_edd);
         memset(xd + s->n_fixed_x, 0, sizeof(real) * n);
@@ -159,7 +180,7 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
     if (iterations < 0) return iterations;
     real moved = EVERY(0.0);
     for (int i = 0; i < nx; i++) moved = lanes_larger(moved, (x[i] - at->x[i]) / s->scale[i]);
-    if (!m->tree && !(largest_lane(moved) <= jump)) return JUMP; /* a tree has no other branches */
+    if (!m->tree && !(largest_lane(moved) <= jump) && !is_near(s, at, x, jump)) return JUMP; /* a tree has no other branches */
     const int status = accelerate(m, t, x, xd, m->next_e, m->given_edd, xdd, at->sigma, want_stress);
     if (status < 0) return status;
     keep(m, at, t, y, y + q + s->n_x_kinematic + s->n_e_kinematic);

@@ -26,10 +26,11 @@ position is wrong by sqrt(eps): `spacar.kinematics.fold`.
 
 D(x) = e has several solutions (a rigid beam may point to either side), so a target is reached continuously: when an
 iteration fails, or ends farther than 0.8 model lengths or rad from where it began, the way to the target is halved, at
-most 10 times. Where the prediction already goes farther, the way is divided at once. A way that is shorter than delta
-is not divided: its ends are one position to rounding. At a dead point delta is what rounding knows of the given values,
-and sqrt(delta) of the model what it knows of the position; two iterates that meet the constraints to delta there,
-without being single roots, end the iteration, as those that follow only wander in that range.
+most 10 times; what all nodes go the same way along an axis is no distance. Where the prediction already goes farther,
+the way is divided at once. A way that is shorter than delta is not divided: its ends are one position to rounding. At a
+dead point delta is what rounding knows of the given values, and sqrt(delta) of the model what it knows of the position;
+two iterates that meet the constraints to delta there, without being single roots, end the iteration, as those that
+follow only wander in that range.
 """
 
 from __future__ import annotations
@@ -153,16 +154,19 @@ class Kinematics(ConstraintMatrices):
     ) -> Array | None:
         x, c = x_given.copy(), self.c
         x_old, e_old = self.x, self.e_given
-        if guess is not None and largest((guess[c] - x_old[c]) / self.scale[c]) > FARTHEST_GUESS:
-            guess = None
-        x[c] = x_old[c] if guess is None else guess[c]
+        if guess is not None:
+            x[c] = guess[c]
+            if largest((x - x_old)[c] / self.scale[c]) > FARTHEST_GUESS and self._jump(x_old, x) > FARTHEST_GUESS:
+                guess = None
+        if guess is None:
+            x[c] = x_old[c]
         self.target = e_given
         if self.is_factored and guess is None:
             residual = self.sweep.rate(x - x_old)[self.h] - (e_given - e_old)[self.h]
             if residual.any():
                 with suppress(SingularMatrixError):
                     x[c] -= self.position_system.solve(residual)
-            ahead = largest((x - x_old) / self.scale)
+            ahead = self._jump(x_old, x)
             if depth == 0 and LARGEST_JUMP < ahead < MOST_PREDICTED:
                 self.sweep.follow(x_old, self.e)
                 self._approach(x_given, e_given, within, int(np.ceil(ahead / LARGEST_JUMP)), 1)
@@ -171,19 +175,19 @@ class Kinematics(ConstraintMatrices):
         way: float | None = None
         try:
             velocity = self._newton(x, e_given, v_given, e_rate, within)
-            jump = largest((x - x_old) / self.scale)
+            jump = self._jump(x_old, x)
             if jump <= LARGEST_JUMP or depth == MAX_DEPTH:
                 self.e_given = e_given
                 self._accept()
                 return velocity
         except Unplaced as failure:
-            way = self._distance(x_given - x_old, e_given - e_old)
+            way = self._distance(x_given, e_given - e_old)
             if depth == MAX_DEPTH or (guess is None and way <= self.rounding(x_old, e_given[self.h])):
                 raise failure.explain() from None
         self.x, self._factored = x_old, False
         self.sweep.follow(x_old, self.e)
         if way is None:
-            way = self._distance(x_given - x_old, e_given - e_old)
+            way = self._distance(x_given, e_given - e_old)
         jumps = 0.0 if depth else way / LARGEST_JUMP
         pieces = int(np.ceil(jumps)) if 2.0 < jumps <= MOST_PIECES else 2
         self._approach(x_given, e_given, within, pieces, depth + 1)
@@ -201,11 +205,23 @@ class Kinematics(ConstraintMatrices):
             x, e = x_old + part * (x_given - x_old), e_old + part * (e_given - e_old)
             self._solve(x, e, None, None, None, within, depth)
 
-    def _distance(self, x: Array, e: Array) -> float:
-        """Largest scaled change of the given coordinates and deformations."""
-        n = self.numbering
-        given = np.concatenate([x[n.x_class[k]] / self.scale[n.x_class[k]] for k in ("input", "dynamic", "kinematic")])
-        return max(largest(given), largest(e[self.h] / self.mechanism.deformation_scale[self.h]))
+    def _jump(self, a: Array, b: Array) -> float:
+        """Largest scaled difference of two configurations, without what all nodes go the same way along an axis: such a
+        translation deforms no element."""
+        d = (b - a) / self.scale
+        size = largest(d)
+        positions = self.numbering.positions
+        if size <= FARTHEST_GUESS or not len(positions):
+            return size
+        moved = d[positions]
+        d[positions] -= np.maximum(moved.min(axis=0), 0.0) + np.minimum(moved.max(axis=0), 0.0)
+        return largest(d)
+
+    def _distance(self, x_given: Array, e: Array) -> float:
+        """Largest scaled change of the given coordinates and, by e (ne,), deformations."""
+        x = x_given.copy()
+        x[self.c] = self.x[self.c]
+        return max(self._jump(self.x, x), largest(e[self.h] / self.h_scale))
 
     def _newton(
         self, x: Array, e_given: Array, v_given: Array | None, e_rate: Array | None, within: float
