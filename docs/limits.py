@@ -1,7 +1,7 @@
 """Writes the page of limits from the program: `python docs/limits.py > docs/limits.md`.
 
-A row is a constant in capitals that holds a small number or eps, with the comment beside or above it; of other small
-numbers the function that has them is named. So every file and constant on the page exists.
+A row is a constant that holds a small number or eps, with the comment beside or above it. So every file and constant
+on the page exists.
 """
 
 from __future__ import annotations
@@ -35,8 +35,7 @@ ROOMS = {
 HEAD = """# Limits of convergence and acceptance
 
 For readers who ask why a number was accepted, refused or warned about. `python docs/limits.py` makes this page from
-the program: every small constant that decides something, with the comment beside it. A name in small letters is a
-function with such a number inside.
+the program: every small constant that decides something, with the comment beside it.
 
 ε is 2.2e-16. A limit of *rounding* follows from ε and from the size or condition of what is compared; a *chosen* one
 has another reason. L is the size of the model; *scaled* means lengths over L, rotations as they are. Most limits lead
@@ -45,7 +44,7 @@ to a warning, few to a refusal; some decide only the cost.
 
 
 class Limit(NamedTuple):
-    """One row: file from the top folder, constant or function, its number as written, comment."""
+    """One row: file from the top folder, constant, its number as written, comment."""
 
     file: str
     name: str
@@ -86,10 +85,6 @@ def limits(path: Path) -> Iterator[Limit]:
             name = ast.unparse(target).strip("()").replace(" ", "")
             if is_small(value) and name != "EPS" and len(written := ast.unparse(value)) < 60:
                 yield Limit(file, name, written, comment(lines, node.lineno, node.end_lineno or node.lineno))
-        elif isinstance(node, ast.FunctionDef | ast.ClassDef):
-            values = {n.value for n in ast.walk(node) if isinstance(n, ast.Constant) and is_small(n)}
-            if values:
-                yield Limit(file, node.name, ", ".join(map(repr, sorted(values))), "")
 
 
 def sources() -> list[Path]:

@@ -46,8 +46,11 @@ LIMITS = (
 OPEN_LIMITS = (SimKey("lower", "numbers", "lower limit", "-inf"), SimKey("upper", "numbers", "upper limit", "inf"))
 
 
+EACH = ", one number for each signal"
+
+
 def _values(key: str, text: str, default: str | None = None, unit: str = "") -> SimKey:
-    return SimKey(key, "numbers", f"{text}, one number for each signal", default, unit)
+    return SimKey(key, "numbers", text + EACH, default, unit)
 
 
 BLOCKS: tuple[BlockType, ...] = (
@@ -210,24 +213,36 @@ def explanation(name: str) -> Iterator[str]:
         yield f"  {key.name:<{width}}  {key.text}{unit}; {key.kind}, {what}"
 
 
+def _line(key: SimKey) -> str:
+    """A key as a row of a list."""
+    default = "needed" if key.default is None else key.default and f"default {key.default}"
+    unit = f" [{key.unit}]" * bool(key.unit)
+    kind = ", ".join(filter(None, (key.kind, default)))
+    return f"- `{key.name}`{unit}: {key.text.removesuffix(EACH)} ({kind})"
+
+
 def page() -> str:
-    """The page blocks.md."""
+    """The page blocks.md: keys that three blocks or more have stand once, at its beginning."""
+    keys = [key for row in BLOCKS for key in row.keys]
+    shared = [key for key in dict.fromkeys(keys) if keys.count(key) > 2 and key not in OPEN_LIMITS]
     lines = [
         "# Blocks of a simulation",
         "",
-        "Made from the table of blocks by `python -m spacar_formats.sim_blocks > docs/reference/blocks.md`. A section",
-        "`[NAME]` of a `.sim` file has `block =` one of these and its keys; see [simulation](../simulation.md).",
-        "Numbers are separated by blanks or commas, rows of a matrix by `;`. Formulas and sources stand in",
-        "`spacar/simulation/switching_blocks.py`, `control_blocks.py`, `transport_delay.py` and `sampled_blocks.py`.",
+        "For writers of `.sim` files ([simulation](../simulation.md)). A section `[NAME]` has `block =` one of these and",
+        "its keys. Numbers are separated by blanks or commas, rows of a matrix by `;`; values of signals are one number",
+        "for each signal. Made by `python -m spacar_formats.sim_blocks > docs/reference/blocks.md`; formulas and",
+        "sources stand in `spacar/simulation/switching_blocks.py`, `control_blocks.py`, `transport_delay.py` and",
+        "`sampled_blocks.py`.",
+        "",
+        "Keys of several blocks, named there without explanation:",
+        "",
+        *map(_line, shared),
     ]
     for row in BLOCKS:
         text = f"{row.text[0].upper()}{row.text[1:]}: {row.formula.replace('*', '·')}."
-        lines += ["", f"## {row.name}", "", text, ""]
-        lines += ["| key | | kind | default | unit |", "|---|---|---|---|---|"]
-        for key in row.keys:
-            default = "needed" if key.default is None else key.default
-            cells = (f"`{key.name}`", key.text, key.kind, default, key.unit)
-            lines.append("|" + "|".join(f" {c} " if c else " " for c in cells) + "|")
+        own = [_line(key) for key in row.keys if key not in shared]
+        named = ", ".join(f"`{key.name}`" for key in row.keys if key in shared)
+        lines += ["", f"## {row.name}", "", text, "", *own, *([f"- {named}"] * bool(named))]
     return "\n".join(lines) + "\n"
 
 
