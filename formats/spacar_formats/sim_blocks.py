@@ -228,9 +228,9 @@ def page() -> str:
     lines = [
         "# Blocks of a simulation",
         "",
-        "For writers of `.sim` files ([simulation](../simulation.md)). A section `[NAME]` has `block =` one of these and",
-        "its keys. Numbers are separated by blanks or commas, rows of a matrix by `;`; values of signals are one number",
-        "for each signal. Made by `python -m spacar_formats.sim_blocks > docs/reference/blocks.md`; formulas and",
+        "For writers of `.sim` files ([simulation](../simulation.md)). A section `[NAME]` has `block =` one of these",
+        "and its keys. Numbers are separated by blanks or commas, rows of a matrix by `;`; values of signals are one",
+        "number for each signal. Made by `python -m spacar_formats.sim_blocks > docs/reference/blocks.md`; formulas and",
         "sources stand in `spacar/simulation/switching_blocks.py`, `control_blocks.py`, `transport_delay.py` and",
         "`sampled_blocks.py`.",
         "",
