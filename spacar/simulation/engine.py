@@ -72,10 +72,10 @@ class _Simulation:
         self.evaluator = DiagramEvaluator(self.s)
         self.delayed = [b for b in self.s.blocks if isinstance(b, TransportDelay)]
         longest = min([max_step, *(b.lag for b in self.delayed)])
-        self.stepping = Stepping(self.evaluator, code, self.tolerance, longest, float(times[-1]))
+        self.window = float(times[0]), float(times[-1])
+        self.stepping = Stepping(self.evaluator, code, self.tolerance, longest, self.window)
         self.axis = TimeAxis(float(times[0]), float(times[-1]), self.s.blocks)
         self.shift = self.axis.shift
-        self.window = (float(times[0]), float(times[-1]))
         self.restarts = self.samples = self.streak = 0
 
     # -- evaluation -----------------------------------------------------------------------------------------------
@@ -171,7 +171,7 @@ class _Simulation:
         return Response(
             self.times[:done], ys[:done], xs[:done], self.diagram, self.s.outputs, self.s.states, self.s.inputs,
             us[:done], tuple(log), (*self.s.notes, *self.doubts, *self.stepping.notes), self.statistics,
-            self.stepping.hint(float(self.times[0])),
+            self.stepping.hint(),
         )  # fmt: skip
 
     @property

@@ -3,19 +3,14 @@
 States are handed on as (q, others, v) with v the rates of the positions q of mechanisms, so that Radau IIA measures a
 rate by the displacement that it makes (integrators/radau.py).
 
-The automatic method takes 155, and 595 where a vibration or a decay of the loop that is faster than its motion limits
-the steps. After 200, 400, 800 ... steps of 155 of mean size h it asks for the largest eigenvalue of the Jacobian; where
-h |lambda| is above FAST (155 is stable up to about 1 near the imaginary axis, 3.3 on the real one) 595 is tried. It
-stays when more time passes for an evaluation of the diagram than with 155, over the LAST of at least TRIAL steps; they
-grow slowly while old vibrations are damped, so that a trial goes on up to LONGEST_TRIAL while each LAST of them are
-GROWING times the ones before. It is left when over WATCHED steps less than LEFT of that time passes. Sampling times and
-events, where the integration starts again, do not end a trial. A trial begins only where the steps ahead are worth it:
-what trials in vain have cost may be the part LOST of them.
+The automatic method (integrators/method_choice.py) takes 155, and 595 where a vibration or a decay of the loop that is
+faster than its motion limits the steps. Work is counted in evaluations of the diagram, Jacobians with all that they
+take; the largest omega is that of the eigenvalues of the Jacobian. Sampling times and events, where the integration
+starts again, do not end a trial.
 """
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
@@ -24,15 +19,15 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import AnalysisError
 from spacar.integrators import AUTOMATIC, METHODS, Step, Tolerance, steps
+from spacar.integrators.method_choice import Costs, MethodChoice
 from spacar.simulation.compiled_loop import loop_of
 from spacar.simulation.diagram_evaluator import DiagramEvaluator
 from spacar.simulation.plant import Spasim
 
 EXPLICIT, IMPLICIT = 155, 595
-FIRST_LOOK, FAST = 200, 0.5
-TRIAL, LAST, LONGEST_TRIAL, GROWING = 20, 10, 100, 1.2
-GAIN, LOST = 4.0, 0.2  # evaluations of a step of 595 over those of 155, about; see above
-WATCHED, LEFT = 100, 0.5
+# Evaluations of a step, counted with refused steps: 6.2 to 6.9 by 155, 8.6 (linear) to 17.6 by 595 (van der Pol)
+EVALUATIONS, ITERATED = 6.0, 18.0
+FAST = 0.33  # h omega above which a vibration may limit the steps: 155 is stable up to about 1 near the imaginary axis
 
 
 class _Mistake(Exception):
@@ -101,27 +96,26 @@ class Taken(NamedTuple):
 
 
 class Stepping:
-    """Steps up to the end of the simulation [s] by the code `method`, none longer than `longest` [s].
+    """Steps of a simulation `over` these times [s] by the code `method`, none longer than `longest` [s].
 
     n_steps, n_rhs   work so far;  notes   what the log says about a change of the method
     """
 
     def __init__(
-        self, evaluator: DiagramEvaluator, method: int, tolerance: Tolerance, longest: float, end: float
+        self, evaluator: DiagramEvaluator, method: int, tolerance: Tolerance, longest: float, over: tuple[float, float]
     ) -> None:
         self.problem = _Problem(evaluator, float(np.min(tolerance.absolute)))
-        self.tolerance, self.longest, self.end = tolerance, longest, end
+        self.tolerance, self.longest, (self.begun, self.end) = tolerance, longest, over
         self.automatic = method == AUTOMATIC
         self.code = EXPLICIT if self.automatic else method
         self.solver: Iterator[Step] | None = None
         self.size: float | None = None  # of the last step, with which an integration that starts anew begins
         self.n_steps = 0
         self.notes: list[str] = []
-        self.look, self.pace, self.lost = FIRST_LOOK, 0.0, 0.0
-        self.explicit, self.explicit_size = 0, 0.0
-        self.stays, self.fastest = False, 0.0
-        self.way: deque[tuple[float, int]] = deque(maxlen=WATCHED + 1)  # time passed and evaluations
-        self.passed = 0.0
+        look = self.problem.of_jacobian / EVALUATIONS
+        self.choice = MethodChoice(Costs(ITERATED / EVALUATIONS + look, look, FAST), self._largest)
+        self.choice.begin(self.begun, 0)
+        self.explicit = 0  # steps of 155
 
     @property
     def n_rhs(self) -> int:
@@ -148,7 +142,8 @@ class Stepping:
             if error.code != "integrator.step-too-small":
                 raise
             if self.automatic and self.code == EXPLICIT:
-                self._change(IMPLICIT)
+                self.choice.size = error.data["step"]
+                self._try(t)
                 return self.step(t, x, end, window)
             text = (
                 f"the step size became too small at t = {error.data.get('t', t):.9g}; the loop may be unstable or"
@@ -161,68 +156,45 @@ class Stepping:
         self.size = max(size, self.size or 0.0) if taken.t >= end else size
         found = Taken(float(taken.t), lambda time: np.asarray(taken.interpolate(time))[back], taken.y[back])
         if self.automatic:
-            self.passed += size
-            self.way.append((self.passed, self.n_rhs))
             self._choose(found)
         return found
 
-    def hint(self, begun: float) -> str:
-        """What limits the steps, where that is a vibration or decay that is faster than they need be; since `begun`."""
-        mean = (self.end - begun) / max(self.n_steps, 1)
-        if self.code == IMPLICIT or mean * self.fastest <= FAST:
+    def hint(self) -> str:
+        """What limits the steps, where that is a vibration or decay that is faster than they need be."""
+        mean, omega = (self.end - self.begun) / max(self.n_steps, 1), self.choice.omega
+        if self.code == IMPLICIT or mean * omega <= FAST:
             return ""
         return (
-            f"{self.n_steps} steps of {mean:.3g} s, as the loop has a vibration or decay of {self.fastest:.3g} rad/s: a"
+            f"{self.n_steps} steps of {mean:.3g} s, as the loop has a vibration or decay of {omega:.3g} rad/s: a"
             " slower filter or lower gain, stiff parts made rigid, or a larger rtol make the steps longer"
         )
 
     # -- the automatic method ------------------------------------------------------------------------------------
-    def _paced(self, n: int) -> float:
-        """Time for an evaluation over the last n steps [s]."""
-        (a, before), (b, now) = self.way[-1 - n], self.way[-1]
-        return (b - a) / (now - before)
-
     def _choose(self, at: Taken) -> None:
         """Whether another code goes on behind the step."""
-        made = len(self.way) - 1
+        choice = self.choice
         if self.code == EXPLICIT:
             self.explicit += 1
-            if self.explicit >= self.look and made:
-                self.look = 2 * self.explicit
-                self.pace = self._paced(made)
-                if self._limited(at, (self.way[-1][0] - self.way[0][0]) / made):
-                    self._change(IMPLICIT)
-        elif not self.stays and made >= TRIAL and made % LAST == 0:
-            grows = self._paced(LAST) >= GROWING * (self.way[-1 - LAST][0] - self.way[-1 - 2 * LAST][0]) / max(
-                self.way[-1 - LAST][1] - self.way[-1 - 2 * LAST][1], 1
+            if self.explicit >= choice.look and choice.limited(at.t, at.x, self.explicit, self.end):
+                self._try(at.t)
+            return
+        stood = choice.stays
+        if not choice.goes_on(at.t, self.n_rhs / EVALUATIONS):
+            if stood:
+                self.notes.append(f"from t = {at.t:.9g}: method {EXPLICIT} ({METHODS[EXPLICIT].name}) again")
+            choice.begin(at.t, self.explicit)
+            self.code, self.solver, self.size = EXPLICIT, None, choice.size
+        elif choice.stays and not stood:
+            self.notes.append(
+                f"from t = {at.t:.9g}: method {IMPLICIT} ({METHODS[IMPLICIT].name}), as a vibration or decay of the"
+                f" loop ({choice.omega:.3g} rad/s) limits the steps of {EXPLICIT}"
             )
-            self.stays = self._paced(LAST) > self.pace
-            if not self.stays and (made >= LONGEST_TRIAL or not grows):
-                self._leave(at.t)
-            elif self.stays:
-                self.notes.append(
-                    f"from t = {at.t:.9g}: method {IMPLICIT} ({METHODS[IMPLICIT].name}), as a vibration or decay of the"
-                    f" loop ({self.fastest:.3g} rad/s) limits the steps of {EXPLICIT}"
-                )
-        elif self.stays and made >= WATCHED and self._paced(WATCHED) < LEFT * self.pace:
-            self.notes.append(f"from t = {at.t:.9g}: method {EXPLICIT} ({METHODS[EXPLICIT].name}) again")
-            self._leave(at.t)
 
-    def _limited(self, at: Taken, size: float) -> bool:
-        """May something fast limit the steps of mean `size` [s], and are there enough of them ahead?"""
-        if LOST * (self.end - at.t) / size < self.lost + TRIAL * GAIN:
-            return False
-        found = self.problem.jacobian(at.t, at.x[self.problem.order])[0]
-        self.fastest = float(np.max(np.abs(np.linalg.eigvals(found)), initial=0.0))
-        self.explicit_size = size
-        return size * self.fastest > FAST
+    def _largest(self, t: float, x: Array) -> float:
+        """Size of the largest eigenvalue of the Jacobian [1/s]."""
+        found = self.problem.jacobian(t, x[self.problem.order])[0]
+        return float(np.max(np.abs(np.linalg.eigvals(found)), initial=0.0))
 
-    def _leave(self, t: float) -> None:
-        self.lost += 0.0 if self.stays else GAIN * (len(self.way) - 1)
-        self._change(EXPLICIT)
-        self.size = self.explicit_size
-
-    def _change(self, code: int) -> None:
-        self.code, self.solver, self.size, self.stays = code, None, None, False
-        self.way.clear()
-        self.way.append((self.passed, self.n_rhs))
+    def _try(self, t: float) -> None:
+        self.choice.attempt(t, self.n_rhs / EVALUATIONS)
+        self.code, self.solver, self.size = IMPLICIT, None, None
