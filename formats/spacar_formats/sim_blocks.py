@@ -242,7 +242,7 @@ def page() -> str:
         text = f"{row.text[0].upper()}{row.text[1:]}: {row.formula.replace('*', '·')}."
         own = [_line(key) for key in row.keys if key not in shared]
         named = ", ".join(f"`{key.name}`" for key in row.keys if key in shared)
-        lines += ["", f"## {row.name}", "", text, "", *own, *([f"- {named}"] * bool(named))]
+        lines += ["", f"## `{row.name}`", "", text, "", *own, *([f"- {named}"] * bool(named))]
     return "\n".join(lines) + "\n"
 
 
