@@ -188,3 +188,11 @@ def test_heavy_packages_are_imported_where_they_are_used():
         if module.startswith(heavy)
     ]
     assert not bad, "\n".join(bad)
+
+
+def test_no_file_is_long() -> None:
+    """400 lines of 120 characters: Python (ruff looks at its lines) and C."""
+    texts = {path: path.read_text("utf-8").splitlines() for _, path in sources()}
+    in_c = {path: path.read_text("utf-8").splitlines() for path in (HOUSE / "spacar" / "compiled").glob("*.[ch]")}
+    assert [path.name for path, lines in (texts | in_c).items() if len(lines) > 400] == []
+    assert [path.name for path, lines in in_c.items() if max(map(len, lines)) > 120] == []

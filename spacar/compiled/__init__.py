@@ -10,14 +10,14 @@ evaluation. Here the same equations run in C:
                which share nothing with the hand-written element families
     sparse.c   sparse LU in an order of the pivots that is chosen from numbers and kept as long as it is good
     elements.c what Python gives, the model, and its elements
-    motion.c   Newton's iteration, accelerations from the saddle-point form or, with few degrees of freedom, from the
-               reduced form
+    motion.c   what is given, Newton's iteration, accelerations from the saddle-point form or, with few degrees of
+               freedom, from the reduced form
     rigid_tree.c, tree_motion.c  mechanisms without loops whose positions need no equations: found, and evaluated;
                tree_blocks.c has V of them by blocks, for stresses and the condition
     state.c    states of the integrators: right-hand side, stages of a Runge-Kutta step
     outputs.c  everything of a state, as frames have it
-    given.c    what is given of a state
-    model.c    which entries V and M have; last_state.c answers what Python asks of a state
+    spec.c     what a model is made of; model.c which entries V and M have; last_state.c answers what Python asks of a
+               state
     stepper.c    accepted steps from output to output, by adams.c and runge_kutta.c
     radau.c    Newton's iteration of the stages of a Radau step, whose control stays in Python
     batches.c  all elements of a batch at a state, as the families of `spacar.elements` give them: what statics and

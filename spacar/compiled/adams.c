@@ -18,7 +18,8 @@ static void adams_weights(const Stepper *r, Adams *a)
     for (int i = 0; i < r->n; i++) a->weight[i] = 1.0 / (fabs(a->y[i]) * r->rtol + r->atol[i]);
 }
 
-/* Coefficients of a step h of order k whose last `equal` steps are equal: psi at its end, g and sigma (k + 1), beta (k). */
+/* Coefficients of a step h of order k whose last `equal` steps are equal: psi at its end, g and sigma (k + 1), beta
+   (k). */
 static void adams_coefficients(double h, int k, int equal, const double *psi, double *psi_new, double *g, double *sigma,
                                double *beta)
 {
@@ -80,8 +81,8 @@ static int spacar_adams_begin(Stepper *r, Adams *a)
 
 /* A trial step of size h and order k to t_new: its errors at orders k, k - 1, k - 2 in e, and when the first of them is
    accepted y_new and the derivative there in d. 0, 1, 2 as AskRate. */
-static int adams_trial(Stepper *r, Adams *a, double t_new, int k, const double *g, const double *sigma, const double *beta,
-                       double *e)
+static int adams_trial(Stepper *r, Adams *a, double t_new, int k, const double *g, const double *sigma, const double
+    *beta, double *e)
 {
     const int n = r->n;
     const double h = r->h, *gamma = a->gamma_star;
@@ -127,7 +128,8 @@ static int spacar_adams_value(const Stepper *r, const Adams *a, double t, double
     return 0;
 }
 
-/* Steps until the next output or the end. The first call goes on from `spacar_adams_begin`, others from the last call. */
+/* Steps until the next output or the end. The first call goes on from `spacar_adams_begin`, others from the last
+   call. */
 static int spacar_adams(Stepper *r, Adams *a)
 {
     const int n = r->n, first_steps = r->n_steps;

@@ -1,7 +1,9 @@
-/* Band matrices of one case: an order of the unknowns that makes the band narrow, LU with partial pivoting, Cholesky.
+/* Band matrices of one case: an order of the unknowns that makes the band narrow, LU with partial pivoting,
+   Cholesky.
 
-   Order: reverse Cuthill-McKee from an end of the graph (A. George, J. W. Liu, "Computer Solution of Large Sparse Positive Definite
-   Systems", 1981, chapter 4). Storage of LAPACK's gbtrf with b diagonals on both sides: (i, j) is number j (3b + 1) + 2b + i - j. */
+   Order: reverse Cuthill-McKee from an end of the graph (A. George, J. W. Liu, "Computer Solution of Large Sparse
+   Positive Definite Systems", 1981, chapter 4). Storage of LAPACK's gbtrf with b diagonals on both sides: (i, j) is
+   number j (3b + 1) + 2b + i - j. */
 typedef double quad __attribute__((vector_size(32), aligned(8), may_alias)); /* four right-hand sides side by side */
 
 typedef struct { int n, *start, *neighbour, *degree; } Graph;
@@ -41,8 +43,8 @@ static void free_graph(Graph *g)
     free(g->start); free(g->neighbour); free(g->degree);
 }
 
-/* From `first` outwards: the part of the graph that hangs together goes to `order`, `level` counts from 0. Neighbours come in the
-   order of their degrees. The number of unknowns; *depth: the number of levels. */
+/* From `first` outwards: the part of the graph that hangs together goes to `order`, `level` counts from 0.
+   Neighbours come in the order of their degrees. The number of unknowns; *depth: the number of levels. */
 static int spread(const Graph *g, int first, int *order, int *level, int *depth)
 {
     int count = 1;
@@ -73,7 +75,8 @@ static int band_order(const Graph *g, int *rank)
     for (int i = 0; i < n; i++) {
         if (level[i] >= 0) continue;
         int depth = 0, *part = order + done, count = spread(g, i, part, level, &depth);
-        for (int tries = 0; tries < 4; tries++) { /* the end that is farthest, of few neighbours, as long as it gets farther */
+        /* the end that is farthest, of few neighbours, as long as it gets farther */
+        for (int tries = 0; tries < 4; tries++) {
             int next = part[count - 1], before = depth;
             for (int k = count - 1; k >= 0 && level[part[k]] == depth - 1; k--)
                 if (g->degree[part[k]] < g->degree[next]) next = part[k];

@@ -12,8 +12,9 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, CompiledModel, State
 from spacar.compiled.element_parameters import GUARD
+from spacar.compiled.interface import structure
 from spacar.compiled.library import WIDTH, address_of
-from spacar.compiled.output_block import COUNTS, HARMLESS, LONGEST, NONE, NOT_SHOWN, UNLIMITED, COutputBlock, counted
+from spacar.compiled.output_block import COUNTS, HARMLESS, LONGEST, NONE, NOT_SHOWN, UNLIMITED, counted
 from spacar.errors import AnalysisError
 from spacar.integrators.problem import BlockOfOutputs, Counts
 from spacar.kinematics.kinematics import LARGEST_JUMP
@@ -28,7 +29,7 @@ class BatchOutputBlock:
     def __init__(self, solver: CompiledModel, begun: State, shown: State, size: int) -> None:
         self.solver, self.begun, self.shown = solver, begun, shown
         self.y = np.empty(size)
-        self.c = c = COutputBlock(ctypes.addressof(shown.c))
+        self.c = c = structure("OutputBlock")(ctypes.addressof(shown.c))
         c.y, c.exact, c.jump, c.guard, c.longest = self.y.ctypes.data, EXACT, LARGEST_JUMP, GUARD, LONGEST
         c.foreign = solver.slots.has_limits
         self.address = ctypes.addressof(c)

@@ -1,16 +1,23 @@
-/* All elements of a batch at a state, as the NumPy families give them (elements/family.py): arrays have the elements last,
-   (rows, n), so that neighbouring elements are the lanes of a vector. In the last vector the last element fills up.
+/* All elements of a batch at a state, as the NumPy families give them (elements/family.py): arrays have the elements
+   last, (rows, n), so that neighbouring elements are the lanes of a vector. In the last vector the last element
+   fills up.
 
    Outputs are (..., n) too. Structural zeros are written. */
 static inline void take(real *to, const double *rows, int count, int i, int n)
 {
-    if (i + LANES <= n) { for (int k = 0; k < count; k++) memcpy(&to[k], rows + (size_t)k * n + i, sizeof(real)); return; }
+    if (i + LANES <= n) {
+        for (int k = 0; k < count; k++) memcpy(&to[k], rows + (size_t)k * n + i, sizeof(real));
+        return;
+    }
     for (int k = 0; k < count; k++) EACH_LANE LANE(to[k], w) = rows[(size_t)k * n + (i + w < n ? i + w : n - 1)];
 }
 
 static inline void give(double *rows, const real *from, int count, int i, int n)
 {
-    if (i + LANES <= n) { for (int k = 0; k < count; k++) memcpy(rows + (size_t)k * n + i, &from[k], sizeof(real)); return; }
+    if (i + LANES <= n) {
+        for (int k = 0; k < count; k++) memcpy(rows + (size_t)k * n + i, &from[k], sizeof(real));
+        return;
+    }
     for (int k = 0; k < count; k++) for (int w = 0; i + w < n; w++) rows[(size_t)k * n + i + w] = LANE(from[k], w);
 }
 
@@ -58,9 +65,11 @@ static void spacar_elements_convective(const Elements *k, const double *x, const
 }
 
 /* M (nxe, nxe, n), or NULL, and M a + h (nxe, n), or NULL; a NULL: no accelerations. */
-static void spacar_elements_inertia(const Elements *k, const double *x, const double *v, const double *a, double *M, double *f)
+static void spacar_elements_inertia(const Elements *k, const double *x, const double *v, const double *a, double *M,
+    double *f)
 {
-    real xe[MAX_X], ve[MAX_X] = {EVERY(0.0)}, ae[MAX_X], p[MAX_P], fe[MAX_X], flow[MAX_X], Me[MAX_X * MAX_X] = {EVERY(0.0)};
+    real xe[MAX_X], ve[MAX_X] = {EVERY(0.0)}, ae[MAX_X], p[MAX_P], fe[MAX_X], flow[MAX_X],
+        Me[MAX_X * MAX_X] = {EVERY(0.0)};
     const int n = k->nxe;
     EACH_VECTOR {
         take(xe, x, n, i, k->n);

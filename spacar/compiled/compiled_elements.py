@@ -16,7 +16,8 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.compiled.compiled_model import why_general
 from spacar.compiled.element_parameters import GUARD, SUPPORTED
-from spacar.compiled.library import CElements, address_of, element_functions, engine, level
+from spacar.compiled.interface import structure
+from spacar.compiled.library import address_of, element_functions, engine, level
 from spacar.elements.family import Configuration, Family, Internal, Trouble
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stream import Run
@@ -85,7 +86,7 @@ class CompiledElements(Family):
         self.general = general
         self._parameters = np.ascontiguousarray(parameters)
         sizes = general.n, general.n_coordinates, general.n_deformations, len(parameters)
-        self.elements = CElements(kind, *sizes, address_of(self._parameters))
+        self.elements = structure("Elements")(kind, *sizes, address_of(self._parameters))
         self._at = ctypes.c_void_p(ctypes.addressof(self.elements))
         self._shape = (general.n_coordinates, general.n)
         self._call = element_functions()

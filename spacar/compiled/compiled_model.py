@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.compiled.element_parameters import GUARD
-from spacar.compiled.library import WIDTH, CState, address_of, engine, why_off
+from spacar.compiled.interface import structure
+from spacar.compiled.library import WIDTH, address_of, engine, why_off
 from spacar.compiled.numbers import Numbers, without_form
 from spacar.compiled.user_callbacks import UserCallbacks
 from spacar.kinematics.kinematics import FARTHEST_GUESS, LARGEST_JUMP
@@ -56,7 +57,7 @@ class State:
         self._sizes = nx, ne = n.nx, n.ne
         self._together = together = np.empty((6 * nx + 5 * ne + 2 * n.nddof + n.nk, model.cases))
         self.x_address = first = address_of(together)
-        self.c = CState()
+        self.c = structure("State")()
         self.address = ctypes.addressof(self.c)
         model.engine.state(model.handle, self.address, first)
 

@@ -17,7 +17,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.compiled.batch_output_block import BatchOutputBlock, not_followed
 from spacar.compiled.compiled_model import CompiledModel, State
-from spacar.compiled.interface import INTEGER, NUMBER, POINTER
+from spacar.compiled.interface import INTEGER, NUMBER, POINTER, structure
 from spacar.compiled.library import WIDTH, address_of
 from spacar.compiled.methods_in_c import (
     ARRIVED,
@@ -31,7 +31,6 @@ from spacar.compiled.methods_in_c import (
     vector,
 )
 from spacar.compiled.output_block import SUSPECT, OutputBlock
-from spacar.compiled.stepper_structures import CStepper
 from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, STILL, Accepted, LoadedMechanism, Moving
 from spacar.errors import AnalysisError
 from spacar.integrators.adams import Adams
@@ -116,7 +115,7 @@ class CompiledStepper:
         first = address_of(memory)
         self.error: BaseException | None = None
         most = max(1, min(MOST, COMPONENTS // (nx + ne)))
-        self.c = CStepper(
+        self.c = structure("Stepper")(
             model.handle, evaluator.state.address, None, first, address_of(self.scale),
             first + WIDTH * capacity * width, n, capacity, width, monitor.look, monitor.back, most,
             MAX_REDUCTIONS, REDUCTION,

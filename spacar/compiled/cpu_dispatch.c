@@ -1,8 +1,8 @@
 /* What the library shows: the builds of the engine that this processor can run, chosen when it is loaded.
 
-   On x86-64 there are builds for three levels of the processor (x86-64 psABI, "micro-architecture levels"): all, AVX2 with FMA
-   (level 3), AVX-512 (level 4). Vectors of the level hold 2, 4 and 8 doubles, and as many cases are evaluated at a time. A single
-   case gains nothing from level 4. Elsewhere the compiler's own level serves. */
+   On x86-64 there are builds for three levels of the processor (x86-64 psABI, "micro-architecture levels"): all,
+   AVX2 with FMA (level 3), AVX-512 (level 4). Vectors of the level hold 2, 4 and 8 doubles, and as many cases are
+   evaluated at a time. A single case gains nothing from level 4. Elsewhere the compiler's own level serves. */
 #if defined(_WIN32)
 #define SHOWN __declspec(dllexport)
 #else
@@ -22,7 +22,8 @@ static Level found(void)
     __builtin_cpu_init();
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi")
         && __builtin_cpu_supports("bmi2")) {
-        if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd")
+        if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw")
+            && __builtin_cpu_supports("avx512cd")
             && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
             return (Level){ "x86-64-v4", 8, v3_1, v4_8, v3_elements };
         return (Level){ "x86-64-v3", 4, v3_1, v3_4, v3_elements };

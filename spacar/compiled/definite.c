@@ -4,8 +4,10 @@
 static int definite_pattern(const Equilibrium *q, Own *w)
 {
     size_t squares = 0;
-    for (int k = 0; k < q->n_groups; k++) squares += (size_t)q->groups[k].elements->nxe * q->groups[k].elements->nxe * q->groups[k].elements->n;
-    int *rows = malloc((squares + 1) * sizeof(int)), *columns = malloc((squares + 1) * sizeof(int)), count = 0, status = NO_MEMORY;
+    for (int k = 0; k < q->n_groups; k++)
+        squares += (size_t)q->groups[k].elements->nxe * q->groups[k].elements->nxe * q->groups[k].elements->n;
+    int *rows = malloc((squares + 1) * sizeof(int)), *columns = malloc((squares + 1) * sizeof(int)), count = 0,
+        status = NO_MEMORY;
     int *rank = malloc((q->nf + 1) * sizeof(int));
     Graph graph = {0};
     for (int k = 0; rows && columns && k < q->n_groups; k++) pairs_of(w, &q->groups[k], rows, columns, &count);
@@ -21,7 +23,8 @@ static int definite_pattern(const Equilibrium *q, Own *w)
         for (int k = 0; k < q->n_groups; k++) {
             const int s = q->groups[k].elements->nxe * q->groups[k].elements->nxe * q->groups[k].elements->n;
             for (int i = 0; i < s; i++, count++) { /* the lower half */
-                const int r = rows[count] < 0 ? -1 : rank[rows[count]], c = columns[count] < 0 ? -1 : rank[columns[count]];
+                const int r = rows[count] < 0 ? -1 : rank[rows[count]], c = columns[count] < 0 ? -1
+                    : rank[columns[count]];
                 w->pieces[k].definite_row[i] = r < c || c < 0 ? -1 : r;
                 w->pieces[k].definite_column[i] = c;
             }
@@ -51,13 +54,15 @@ static int spacar_equilibrium_definite(Equilibrium *q)
         if (!g->curved && !g->heavy) continue;
         for (int a = 0; a < nxe; a++) for (int c = 0; c < nxe; c++) for (int i = 0; i < m; i++) {
             const int64_t x = g->x[a * m + i], y = g->x[c * m + i];
-            if (w->place[x] >= 0 && w->place[y] >= 0) size = larger(size, p->H[(a * nxe + c) * m + i] * q->scale[x] * q->scale[y]);
+            if (w->place[x] >= 0 && w->place[y] >= 0)
+                size = larger(size, p->H[(a * nxe + c) * m + i] * q->scale[x] * q->scale[y]);
         }
     }
     if (!(size > 0.0 && size < INFINITY)) return 0;
     memset(w->definite_size, 0, sizeof(double) * n);
     memset(w->definite_band, 0, sizeof(double) * n * ((size_t)b + 1));
-    for (int k = 0; k < q->n_groups; k++) { /* V' (S + springs) V of every element; the sum of the sizes on the diagonal */
+    /* V' (S + springs) V of every element; the sum of the sizes on the diagonal */
+    for (int k = 0; k < q->n_groups; k++) {
         const Group *g = &q->groups[k];
         const Piece *p = &w->pieces[k];
         const int nxe = g->elements->nxe, nee = g->elements->nee, m = g->elements->n;
@@ -67,7 +72,8 @@ static int spacar_equilibrium_definite(Equilibrium *q)
             double *restrict stiffness = p->sigma, most_stiff = 0.0; /* of all elements */
             for (int i = 0; i < m; i++) {
                 const int64_t e = g->e[r * m + i], f = g->e[c * m + i];
-                const int given = prescribes(q, e), both = !given && !prescribes(q, f) && w->coupled[e] != 0.0 && w->coupled[f] != 0.0;
+                const int given = prescribes(q, e), both = !given && !prescribes(q, f) && w->coupled[e] != 0.0
+                    && w->coupled[f] != 0.0;
                 stiffness[i] = both && g->S ? g->S[(r * nee + c) * m + i] : 0.0;
                 if (r == c && given) stiffness[i] = q->weight * size / (q->e_scale[e] * q->e_scale[e]);
                 most_stiff = larger(most_stiff, stiffness[i]);

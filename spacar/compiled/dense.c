@@ -9,7 +9,8 @@ static int dense_factor(double *a, int n, int *pivots)
         pivots[j] = p;
         if (a[p * n + j] == 0.0) return SINGULAR;
         double *row = a + j * n;
-        if (p != j) for (int c = 0; c < n; c++) { const double kept = row[c]; row[c] = a[p * n + c]; a[p * n + c] = kept; }
+        if (p != j)
+            for (int c = 0; c < n; c++) { const double kept = row[c]; row[c] = a[p * n + c]; a[p * n + c] = kept; }
         for (int i = j + 1; i < n; i++) {
             double *to = a + i * n;
             if (to[j] == 0.0) continue;

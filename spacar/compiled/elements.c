@@ -1,8 +1,8 @@
 /* What Python gives, a model, and its elements: strains, convective terms, inertia, guards.
 
-   The functions of the kinds, STRAIN, CONVECTIVE, INERTIA, FLOW, WHOLE_TURN, ANGLE and GUARD, are the tables at the end of kernels.c. What has no
-   function here is asked of Python, which shares the arrays of `Foreign` and answers for all elements of a batch at once;
-   so it is with user functions and prescribed motions that are no polynomials.
+   The functions of the kinds, STRAIN, CONVECTIVE, INERTIA, FLOW, WHOLE_TURN, ANGLE and GUARD, are the tables at the
+   end of kernels.c. What has no function here is asked of Python, which shares the arrays of `Foreign` and answers
+   for all elements of a batch at once; so it is with user functions and prescribed motions that are no polynomials.
    All vectors are in the order of the result files. V and M are lists of the entries of the elements. */
 enum { MAX_ITERATIONS = 20 };
 
@@ -41,14 +41,16 @@ typedef struct {
 
 enum { STATES = 3 }; /* from which a guess goes on */
 
-/* What is remembered of a state: of the last n evaluations with different times, the last first, the times, the degrees of freedom,
-   their rates and accelerations (3 q); x, xd, xdd (3 nx) of those before the last. */
+/* What is remembered of a state: of the last n evaluations with different times, the last first, the times, the
+   degrees of freedom, their rates and accelerations (3 q); x, xd, xdd (3 nx) of those before the last. */
 typedef struct { const State *of; int n; double t[STATES]; real *degrees[STATES], *before[STATES - 1]; } Trace;
 
 struct Model {
-    Memory memory, tree_memory;           /* of what stays with the model; of the tree, which other numbers may change */
+    /* of what stays with the model; of the tree, which other numbers may change */
+    Memory memory, tree_memory;
     Spec s;
-    int64_t evaluations;                  /* how many there were; also told of numbers that have changed (`spacar_forget`) */
+    /* how many there were; also told of numbers that have changed (`spacar_forget`) */
+    int64_t evaluations;
     int factored;                         /* the matrix of the position is that of some state before */
     int holonomic;                        /* positions and velocities have the same matrix */
     int *v_start, *v_column; /* V by rows: the places in `values` are those of v_column */
@@ -59,11 +61,13 @@ struct Model {
     int *coupling_first, *coupling_second; real *coupling_weight;
     int reduced, width;                   /* accelerations from the reduced form; numbers in a row of `transfer` */
     const State *transfer_of;             /* the state that `transfer` belongs to */
-    Trace traces[2];                      /* of a motion and of its outputs, or of two companions; the first one is the last used */
+    /* of a motion and of its outputs, or of two companions; the first one is the last used */
+    Trace traces[2];
     Sparse position, velocity, motion;    /* `velocity` where it is not that of the position */
     real *values;                         /* V, then M of moving elements, then the constant M */
     real *factored_x;                     /* (nx) where the matrix of the position is the factored one */
-    real *h, *convected, *applied, *b, *force, *next_x, *next_xd, *next_xdd, *branch, *next_e, *given_ed, *given_edd, *stage, *piece;
+    real *h, *convected, *applied, *b, *force, *next_x, *next_xd, *next_xdd, *branch, *next_e, *given_ed, *given_edd,
+        *stage, *piece;
     real *transfer, *weighted, *small;
     int *v_place;                         /* (n_v) order of V's rows: place in `values` */
     int *m_start, *m_column, *m_place;    /* M by rows in the same way, for the reduced form */
@@ -112,7 +116,8 @@ static int strain(const Model *m, const real *x, const real *branch, real *e)
         if (k->foreign && k->nee) {
             const Foreign *f = k->foreign;
             for (int i = 0; i < n; i++) for (int j = 0; j < k->nxe; j++) f->x[j * n + i] = x[k->x[i * k->nxe + j]];
-            for (int i = 0; i < n; i++) for (int r = 0; r < k->nee; r++) f->branch[r * n + i] = branch[k->e[i * k->nee + r]];
+            for (int i = 0; i < n; i++) for (int r = 0; r < k->nee; r++)
+                f->branch[r * n + i] = branch[k->e[i * k->nee + r]];
             if (ask(m->s.asking, ASK_STRAIN, b, 0.0)) return NOT_ANSWERED;
             for (int i = 0; i < n; i++) for (int r = 0; r < k->nee; r++) e[k->e[i * k->nee + r]] = f->e[r * n + i];
             memcpy(m->values + *offset, f->V, sizeof(real) * n * k->nee * k->nxe);
@@ -158,7 +163,8 @@ static int inertia(const Model *m, const real *x, const real *v, int want_convec
                 }
             if (k->nee) {
                 if (ask(m->s.asking, ASK_CONVECTIVE, b, 0.0)) return NOT_ANSWERED;
-                for (int i = 0; i < n; i++) for (int r = 0; r < k->nee; r++) m->h[k->e[i * k->nee + r]] = f->H[r * n + i];
+                for (int i = 0; i < n; i++) for (int r = 0; r < k->nee; r++)
+                    m->h[k->e[i * k->nee + r]] = f->H[r * n + i];
             }
             if (k->inertia) {
                 if (ask(m->s.asking, ASK_INERTIA, b, 0.0)) return NOT_ANSWERED;

@@ -1,4 +1,5 @@
-/* One build of the engine, -DBUILD=name -DLANES=n: the table of its functions under that name. cpu_dispatch.c knows all builds. */
+/* One build of the engine, -DBUILD=name -DLANES=n: the table of its functions under that name. cpu_dispatch.c knows
+   all builds. */
 #include "lanes.c"
 #include "engine.h"
 #include "memory.c"
@@ -8,12 +9,12 @@
 #include "python_callbacks.c"
 #include "elements.c"
 #include "motion.c"
-#include "given.c"
 #include "tree_blocks.c"
 #include "rigid_tree.c"
 #include "tree_motion.c"
 #include "state.c"
 #include "outputs.c"
+#include "spec.c"
 #include "model.c"
 #include "last_state.c"
 #include "start.c"

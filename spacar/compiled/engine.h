@@ -1,5 +1,6 @@
-/* What the engine and Python share: structures, functions. C includes this text; spacar/compiled/interface.py reads the same text, and
-   compares the sizes of the structures when the library is loaded. Structures hold numbers and addresses only. */
+/* What the engine and Python share: structures, functions. C includes this text; spacar/compiled/interface.py reads
+   the same text, and compares the sizes of the structures when the library is loaded. Structures hold numbers and
+   addresses only. */
 typedef struct Model Model;
 enum { MAX_ORDER = 12, ORDERS = 13 };
 
@@ -31,7 +32,8 @@ typedef struct Python {
     void *real_type, *numpy_real, *whole_type, *list_type, *tuple_type, *exception;
 } Python;
 
-/* 0; 1 when the state cannot be evaluated; 2 when all has to end: Python keeps the error. f NULL: an accepted step is told. */
+/* 0; 1 when the state cannot be evaluated; 2 when all has to end: Python keeps the error. f NULL: an accepted step
+   is told. */
 typedef int (*AskRate)(double t, const double *y, double *f);
 
 /* The state y at a time in the last step: 0, or 2 when Python keeps an error. */
@@ -62,24 +64,31 @@ typedef struct {
     const Python *python;
     double *sigma, *force;      /* where the answers of a user function that C calls are written */
     int n_sigma;                /* rows of stresses as those of an earlier answer; negative: none are known */
-    void *function, *told[8];   /* the user function of a single case, or NULL; what it is called with, behind the time */
+    /* the user function of a single case, or NULL; what it is called with, behind the time */
+    void *function, *told[8];
     Back back;                  /* where there is no `python`: callback of ctypes, not 0 when C has to stop */
-    void *answer, *keep, *read; /* called with the same, true when C has to stop; with what was raised; with the time and an answer */
+    /* called with the same, true when C has to stop; with what was raised; with the time and an answer */
+    void *answer, *keep, *read;
     const Row *rows;            /* of stresses and behind them of forces */
     double t;                   /* of the last question to `function` */
     int n_force;
-    int within, stopped;        /* whether `function` itself has raised; set by what is no Exception: nobody is asked any more */
+    /* whether `function` itself has raised; set by what is no Exception: nobody is asked any more */
+    int within, stopped;
 } PythonCallbacks;
 
 /* The last evaluated state, shared with Python; (nx) or (ne). A model may have several, each on its own path. */
 typedef struct {
-    int known;                            /* rates and accelerations too, at t; 2: placed from outside, with no transfer functions */
+    /* rates and accelerations too, at t; 2: placed from outside, with no transfer functions */
+    int known;
     double t;
     real *x, *xd, *xdd, *e, *ed, *edd, *sigma, *given_e;
     real *applied, *gravity, *total, *y;  /* forces (nx) and the state that belong to it where it is whole */
-    int64_t whole;                        /* number of the evaluation that gave all of it; Python sets it to 0 when it writes here */
-    int watched, signs;                   /* watched: derivatives keep the two below; 1: det V[E, U] was positive, 2: negative */
-    double mantissa, exponent;            /* of the inverse of its smallest size since these were cleared: mantissa 2^exponent */
+    /* number of the evaluation that gave all of it; Python sets it to 0 when it writes here */
+    int64_t whole;
+    /* watched: derivatives keep the two below; 1: det V[E, U] was positive, 2: negative */
+    int watched, signs;
+    /* of the inverse of its smallest size since these were cleared: mantissa 2^exponent */
+    double mantissa, exponent;
 } State;
 
 /* What the steps of a method share. */
@@ -87,7 +96,8 @@ typedef struct {
     Model *model;
     State *at;
     AskRate ask;
-    double *records;         /* (capacity, width) of the last accepted steps: t, sign, size of the determinant, known, y, x, xd, xdd, e */
+    /* (capacity, width) of the last accepted steps: t, sign, size of the determinant, known, y, x, xd, xdd, e */
+    double *records;
     const double *scale;     /* (nx) of the coordinates whose velocities are compared */
     const double *atol;      /* (n) absolute error of every component of the state */
     int n, capacity, width, look, back, most, max_reductions;
@@ -102,7 +112,8 @@ typedef struct {
 } Stepper;
 
 typedef struct {
-    double *memory;                           /* (2 MAX_ORDER + 8, n) of the object in Python: phi, expected, y ... behind one another */
+    /* (2 MAX_ORDER + 8, n) of the object in Python: phi, expected, y ... behind one another */
+    double *memory;
     const double *gamma_star;                 /* (MAX_ORDER + 2) */
     double *phi, *expected;                   /* (MAX_ORDER + 1, n) */
     double *y, *y_new, *predicted, *d, *weight; /* (n) */
@@ -114,7 +125,8 @@ typedef struct {
     const double *c, *a, *b, *errors;   /* (rows), (rows, rows), (stages), (1 or 2, rows of the estimate) */
     double *K, *y, *y_new, *scaled;     /* (stages + 1, n), (n) each; scaled: the error over the tolerance */
     double exponent, smallest, largest, safety, tiny, h; /* of the step control; h: size of the last step */
-    int stages, rows, estimated, two; /* rows: stages evaluated together; estimated: rows of the estimate; two of them */
+    /* rows: stages evaluated together; estimated: rows of the estimate; two of them */
+    int stages, rows, estimated, two;
 } RungeKutta;
 
 typedef struct {
@@ -131,15 +143,18 @@ typedef struct {
 typedef struct {
     State *shown;
     const double *t;           /* (n) times of the outputs to come */
-    double *rows;              /* (n, width): x, xd, xdd, applied, gravity, total forces; e, ed, edd, sigma; y where it has no place of its own */
-    int *work;                 /* (n, 5) steps, derivatives, 0, rejected steps, 0 since the output before: `Counts` of problem.py */
+    /* (n, width): x, xd, xdd, applied, gravity, total forces; e, ed, edd, sigma; y where it has no place of its own */
+    double *rows;
+    /* (n, 5) steps, derivatives, 0, rejected steps, 0 since the output before: `Counts` of problem.py */
+    int *work;
     const int *ground;         /* (n_ground) rows of sigma that may press but not pull */
     Value value;               /* NULL: that of Adams */
     double *y;                 /* of several cases: room for the state at an output */
     double *around;            /* (2, n of y) room for states beside an output */
     const int *rates;          /* (n of rates) places of the accelerations of the state in a row */
     double suspect;            /* 0, or d of spacar/integrators/jumps.py from which on an output is not shown */
-    double exact, jump, singular, guard, longest; /* limits of a position, a jump, 1/condition, guards of elements; seconds */
+    /* limits of a position, a jump, 1/condition, guards of elements; seconds */
+    double exact, jump, singular, guard, longest;
     int n, done, width, since, far, n_exact, n_ground, foreign, steps, n_rates;
     int last, status;          /* how the last output came out, and its evaluation */
     int counted[5];            /* what Stepper had counted at the last output of this call */
@@ -164,21 +179,25 @@ typedef struct {
     int64_t curved, heavy;     /* V depends on x; gravity depends on x */
 } Group;
 
-/* Coordinates: the first `x_free` and the n_x_input from `x_input` on are not free. Deformations: the first e_input and the n_e_input
-   behind them are given. */
+/* Coordinates: the first `x_free` and the n_x_input from `x_input` on are not free. Deformations: the first e_input
+   and the n_e_input behind them are given. */
 typedef struct {
     const Group *groups;
-    const double *x0, *scale, *e_scale, *least; /* (nx) start and size, (ne) size, (nx) least size where lengths are compared */
-    const double *loads;       /* two parts, of which `parts` is taken: force (nx), gravity (nx), preload (ne), steps of what is prescribed */
+    /* (nx) start and size, (ne) size, (nx) least size where lengths are compared */
+    const double *x0, *scale, *e_scale, *least;
+    /* two parts, of which `parts` is taken: force (nx), gravity (nx), preload (ne), steps of what is prescribed */
+    const double *loads;
     const double *held;        /* (nx + ne) or NULL: forces and misfits of deformations of which `hold` is taken */
     double *branch, *e;          /* (ne) of the sweep */
     int64_t nx, ne, nf, n_groups, x_free, x_input, n_x_input, e_input, n_e_input, heavy, widest, dense;
     double size, parts[2], hold;
-    double floor, singular, no_digits, spread, first_ratio, later_ratio, jump, symmetric, guess_forces, guess_lengths, weight, safe;
+    double floor, singular, no_digits, spread, first_ratio, later_ratio, jump, symmetric, guess_forces, guess_lengths,
+        weight, safe;
     int64_t widest_definite;
     /* what an iteration has to reach, from where, and what comes out */
     double forces, lengths, correction, tolerance;
-    double *x, *sigma, *out, *sizes;                                                      /* out: x, sigma, right, rounding; (limit) */
+    /* out: x, sigma, right, rounding; (limit) */
+    double *x, *sigma, *out, *sizes;
     int64_t limit, iterations, quiet;
     double work_force, work, work_size, gap, noise, sign;
     void *own;
@@ -198,7 +217,8 @@ typedef struct {
     F(void, dropped, (void *capsule)) \
     F(void, renew, (Model *m)) \
     F(void, state, (const Model *m, State *at, real *memory)) \
-    F(int, start, (Model *m, State *at, const real *y, real *out, double converged, double jump, double farthest, int checked)) \
+    F(int, start, (Model *m, State *at, const real *y, real *out, double converged, double jump, double farthest, \
+      int checked)) \
     F(int, evaluate, (Model *m, State *at, double t, const real *y, double converged, double jump)) \
     F(int, rhs, (Model *m, State *at, double t, const real *y, real *out, double converged, double jump)) \
     F(int, stages, (Model *m, State *at, int from, int n, const double *c, const double *a, double t, double h, \
@@ -224,12 +244,13 @@ typedef struct {
 #define ELEMENT_FUNCTIONS(F) \
     F(void, elements_strain, (const Elements *k, const double *x, const double *branch, double *e, double *V)) \
     F(void, elements_convective, (const Elements *k, const double *x, const double *v, double *h)) \
-    F(void, elements_inertia, (const Elements *k, const double *x, const double *v, const double *a, double *M, double *f)) \
+    F(void, elements_inertia, (const Elements *k, const double *x, const double *v, const double *a, double *M, \
+      double *f)) \
     F(void, elements_geometric, (const Elements *k, const double *x, const double *sigma, double *Hs)) \
     F(void, elements_rates, (const Elements *k, const double *x, const double *v, int second, double *H1)) \
     F(void, elements_transport, (const Elements *k, const double *x, const double *v, double *H2)) \
-    F(void, elements_inertia_gradient, (const Elements *k, const double *x, const double *v, const double *a, double *by_x, \
-      double *by_v)) \
+    F(void, elements_inertia_gradient, (const Elements *k, const double *x, const double *v, const double *a, \
+      double *by_x, double *by_v)) \
     F(double, elements_guard, (const Elements *k, const double *x)) \
     F(int, equilibrium_begin, (Equilibrium *q)) \
     F(void, equilibrium_end, (Equilibrium *q)) \

@@ -1,14 +1,18 @@
-/* Equilibrium at rest: the structures of the mixed equations with all coordinates and all stresses as unknowns, and where their parts are
-   in a band matrix. For one holonomic mechanism without user functions, moments and flow. Formulas, criteria and constants are those of
-   spacar/stationary (stationary_equations.py, flexibility.py, newton.py, tangent.py, definite.py), which gives the constants; what is
-   unusual (a singular matrix, a tangent that is not symmetric) ends with ANOTHER_WAY, and Python does it all over in its own way.
-   rest_equations.c has the residual and the blocks of the tangent, rest_newton.c Newton's iteration; definite.c proves that a state is stable.
+/* Equilibrium at rest: the structures of the mixed equations with all coordinates and all stresses as unknowns, and
+   where their parts are in a band matrix. For one holonomic mechanism without user functions, moments and flow.
+   Formulas, criteria and constants are those of spacar/stationary (stationary_equations.py, flexibility.py,
+   newton.py, tangent.py, definite.py), which gives the constants; what is unusual (a singular matrix, a tangent that
+   is not symmetric) ends with ANOTHER_WAY, and Python does it all over in its own way. rest_equations.c has the
+   residual and the blocks of the tangent, rest_newton.c Newton's iteration; definite.c proves that a state is
+   stable.
 
    Elements have the arrays of batches.c, (..., n), one after the other in the arrays of the whole. */
-enum { FOUND = 0, ANOTHER_WAY = 1, NOT_A_NUMBER = 2, TOO_LARGE = 3, GROWING = 4, NO_END = 5 }; /* as in equilibrium.py */
+/* as in equilibrium.py */
+enum { FOUND = 0, ANOTHER_WAY = 1, NOT_A_NUMBER = 2, TOO_LARGE = 3, GROWING = 4, NO_END = 5 };
 
-/* Of a group: room for its elements, the flexibility (nee, nee, n) times `size`; places in the band of the geometric stiffness and
-   the gradient of gravity, of V and its transpose, of the flexibility, -1 for what is left out; places in the matrix of the proof. */
+/* Of a group: room for its elements, the flexibility (nee, nee, n) times `size`; places in the band of the geometric
+   stiffness and the gradient of gravity, of V and its transpose, of the flexibility, -1 for what is left out; places
+   in the matrix of the proof. */
 typedef struct {
     double *x, *branch, *e, *H, *by_x, *sigma, *C;
     int *at, *v_at, *turned_at, *c_at, *definite_row, *definite_column;
@@ -21,7 +25,8 @@ typedef struct {
     double *coupled, *band;                     /* coupled (ne): 1 for rows that contain e, else 0 */
     quad *z;
     Piece *pieces;
-    double *applied, *given_x, *given_e, *preload, *x, *sigma, *force, *sizes, *gap, *lengths, *right, *rounding, *dx, *inertia, *weight, *still, *before;
+    double *applied, *given_x, *given_e, *preload, *x, *sigma, *force, *sizes, *gap, *lengths, *right, *rounding, *dx,
+        *inertia, *weight, *still, *before;
     int definite_b, definite_known;
     double elastic, *definite_band, *definite_size;
     Memory memory;
@@ -44,8 +49,8 @@ static void spacar_equilibrium_end(Equilibrium *q)
     q->own = NULL;
 }
 
-/* The flexibility of every element, `coupled`, `size`, as flexibility.py. ANOTHER_WAY where less than six
-   of its binary digits are left (more than 2^-6 of the inverse may be rounding): flexibility.py decides what is singular. */
+/* The flexibility of every element, `coupled`, `size`, as flexibility.py. ANOTHER_WAY where less than six of its
+   binary digits are left (more than 2^-6 of the inverse may be rounding): flexibility.py decides what is singular. */
 static int flexibility_of(Equilibrium *q, Own *w)
 {
     double size = 0.0, longest = 0.0;
@@ -58,7 +63,8 @@ static int flexibility_of(Equilibrium *q, Own *w)
             w->coupled[e] = !prescribes(q, e) && g->S[(r * nee + r) * n + i] != 0.0;
         }
         for (int r = 0; r < nee; r++) for (int c = 0; c < nee; c++) for (int i = 0; i < n; i++)
-            if (w->coupled[g->e[r * n + i]] != 0.0 && w->coupled[g->e[c * n + i]] != 0.0) size = larger(size, g->S[(r * nee + c) * n + i]);
+            if (w->coupled[g->e[r * n + i]] != 0.0 && w->coupled[g->e[c * n + i]] != 0.0)
+                size = larger(size, g->S[(r * nee + c) * n + i]);
     }
     if (!isfinite(size)) return ANOTHER_WAY;
     q->size = size > 0.0 ? size : 1.0;

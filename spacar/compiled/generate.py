@@ -55,12 +55,8 @@ class LanePrinter(C99CodePrinter):
     _print_sin = _print_cos = _print_atan2 = _print_Function
     _print_turn0 = _print_turn1 = _print_turn2 = _print_turn3 = _print_Function
 
-    def text(self, expr: sp.Expr) -> str:
-        """As `doprint`, which first looks for what no expression here has."""
-        return str(self._print(expr))
 
-
-printed = LanePrinter().text
+printed = LanePrinter()._print  # `doprint` first looks for what no expression here has
 
 
 def text(own: dict[str, list[str]]) -> str:
@@ -249,11 +245,9 @@ def pull(
 @cache
 def slope(expression: sp.Expr, by: sp.Symbol) -> sp.Expr:
     """Derivative; every row and both directions ask for the same ones. As `sp.diff`, which takes five times as long."""
-    if by not in expression.free_symbols:
-        return sp.Integer(0)
     args = expression.args
-    if expression == by:
-        return sp.Integer(1)
+    if expression.is_Symbol or by not in expression.free_symbols:
+        return sp.Integer(expression == by)
     if expression.is_Add:
         return sp.Add(*(slope(term, by) for term in args))
     if expression.is_Mul:

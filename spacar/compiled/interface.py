@@ -39,7 +39,7 @@ def fields(structure: str) -> list[tuple[str, Any]]:
 
 @cache
 def structure(name: str) -> Any:
-    """A structure of which nothing else is known."""
+    """As ctypes has it."""
     return type(name, (ctypes.Structure,), {"_fields_": fields(name)})
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import ctypes
 from typing import TYPE_CHECKING
 
-from spacar.compiled.interface import fields
+from spacar.compiled.interface import structure
 from spacar.integrators.radau import KAPPA, MAX_NEWTON, Radau
 from spacar.kinematics.kinematics import LARGEST_JUMP
 
@@ -16,10 +16,6 @@ if TYPE_CHECKING:
     from spacar.compiled.compiled_model import CompiledModel, State
 
 NO_RATE = 2  # as in radau.c
-
-
-class CNewton(ctypes.Structure):
-    _fields_ = fields("Newton")
 
 
 class Iterating:
@@ -30,7 +26,7 @@ class Iterating:
         m = method.method
         kept = m.c, m.a, m.inverse, m.to, m.back
         self.kept = tuple(v.copy(order="C") for v in kept)
-        self.c = c = CNewton(*(v.ctypes.data for v in self.kept))
+        self.c = c = structure("Newton")(*(v.ctypes.data for v in self.kept))
         c.y, c.Z, c.F = method.y.ctypes.data, method.Z.ctypes.data, method.F.ctypes.data
         c.change, c.right, c.weight = (v.ctypes.data for v in (method.change, method.right, method.weight))
         c.jump, c.kappa = LARGEST_JUMP, KAPPA

@@ -1,4 +1,5 @@
-/* The number type: one double, or LANES doubles, one of each of as many cases of a mechanism that differ in numbers only.
+/* The number type: one double, or LANES doubles, one of each of as many cases of a mechanism that differ in numbers
+   only.
 
    A vector of the compiler does arithmetic on all lanes at once; what it has no operator for is done lane by lane. */
 #include <float.h>
@@ -63,7 +64,12 @@ LANE_BY_LANE(lanes_turn1, turn_1)
 LANE_BY_LANE(lanes_turn2, turn_2)
 LANE_BY_LANE(lanes_turn3, turn_3)
 
-static inline real lanes_atan2(real a, real b) { real r; EACH_LANE LANE(r, w) = atan2(LANE(a, w), LANE(b, w)); return r; }
+static inline real lanes_atan2(real a, real b)
+{
+    real r;
+    EACH_LANE LANE(r, w) = atan2(LANE(a, w), LANE(b, w));
+    return r;
+}
 
 /* Larger of m and |a|, lane by lane; m where a is not a number. */
 static inline real lanes_larger(real m, real a)

@@ -1,6 +1,7 @@
 /* What Python asks of the last evaluated state: V, its determinant and condition, the reduced mass matrix. */
 
-/* The entries of V: rows, columns and values, each with room for all of them (n); their number. Only this when row is NULL. */
+/* The entries of V: rows, columns and values, each with room for all of them (n); their number. Only this when row
+   is NULL. */
 static int spacar_gradient(Model *m, int *row, int *column, real *value)
 {
     if (value) catch_up_matrices(m);
@@ -30,9 +31,10 @@ static int unknown(const Model *m, int j)
     return j < nc ? m->s.n_fixed_x + j : m->s.x_kinematic + j - nc;
 }
 
-/* Norm of the columns of diag(1/e_scale) A diag(scale), and a bound for that of its inverse, A the matrix of the velocities at the
-   last evaluated state. |A^-1| is not larger than that of factors whose entries are their sizes, negative off the diagonal (N.
-   Higham, "Accuracy and Stability of Numerical Algorithms", 2002, section 8.3): one transposed solution. */
+/* Norm of the columns of diag(1/e_scale) A diag(scale), and a bound for that of its inverse, A the matrix of the
+   velocities at the last evaluated state. |A^-1| is not larger than that of factors whose entries are their sizes,
+   negative off the diagonal (N. Higham, "Accuracy and Stability of Numerical Algorithms", 2002, section 8.3): one
+   transposed solution. */
 static real norm_of_rates(Model *m, real *of_inverse)
 {
     const Sparse *s = of_rates(m);
@@ -58,9 +60,9 @@ static real norm_of_rates(Model *m, real *of_inverse)
     return norm;
 }
 
-/* Reciprocal condition of diag(1/e_scale) A diag(scale) in the 1-norm, A the matrix of the velocities at the last evaluated state,
-   the smallest of the lanes: a bound from below where that is more than `enough`; else itself, from n solutions, or 0 when there
-   are more than `most` unknowns. */
+/* Reciprocal condition of diag(1/e_scale) A diag(scale) in the 1-norm, A the matrix of the velocities at the last
+   evaluated state, the smallest of the lanes: a bound from below where that is more than `enough`; else itself, from
+   n solutions, or 0 when there are more than `most` unknowns. */
 static double spacar_rcond(Model *m, double enough, int most)
 {
     const Sparse *s = of_rates(m);
@@ -85,8 +87,8 @@ static double spacar_rcond(Model *m, double enough, int most)
     return 1.0 / largest_lane(norm * inverse);
 }
 
-/* The reduced mass matrix (q, q) of the degrees of freedom at the last evaluated state: from the factors of the reduced form,
-   or W^T M W with the motions W of each degree of freedom alone. 0 when there is none, or no memory. */
+/* The reduced mass matrix (q, q) of the degrees of freedom at the last evaluated state: from the factors of the
+   reduced form, or W^T M W with the motions W of each degree of freedom alone. 0 when there is none, or no memory. */
 static int spacar_reduced_mass(Model *m, real *out)
 {
     const Spec *s = &m->s;

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spacar.arrays import Array
-from spacar.compiled.interface import POINTER, STRUCTURES, fields, functions, size
+from spacar.compiled.interface import POINTER, STRUCTURES, functions, size
 from spacar.errors import UsageError
 
 HERE = Path(__file__).parent
@@ -30,26 +30,6 @@ GENERATED_FROM = (
     "definitions.py", "planar_definitions.py", "spatial_definitions.py", "element_parameters.py", "generate.py",
     "derivative_kernels.py", "element_texts.py",
 )  # fmt: skip
-
-
-class CElements(ctypes.Structure):
-    _fields_ = fields("Elements")
-
-
-class CForeign(ctypes.Structure):
-    _fields_ = fields("Foreign")
-
-
-class CUser(ctypes.Structure):
-    _fields_ = fields("User")
-
-
-class CPythonCallbacks(ctypes.Structure):
-    _fields_ = fields("PythonCallbacks")
-
-
-class CState(ctypes.Structure):
-    _fields_ = fields("State")
 
 
 WIDTH = ctypes.sizeof(ctypes.c_double)  # of a number in memory

@@ -8,13 +8,9 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.compiled.compiled_evaluator import CompiledDynamics
-from spacar.compiled.interface import fields
+from spacar.compiled.interface import structure
 from spacar.compiled.library import address_of
 from spacar.kinematics.kinematics import CONVERGED, LARGEST_JUMP
-
-
-class CLoop(ctypes.Structure):
-    _fields_ = fields("Loop")
 
 
 class LoopStages:
@@ -39,7 +35,7 @@ class LoopStages:
         own_at = first + 8 * self.matrix.shape[1]
         self.stage = own_at + 16 * n
         shared = (array.ctypes.data for array in (self.read, self.load, self.matrix))
-        self.c = CLoop(
+        self.c = structure("Loop")(
             model.handle, evaluator.state.address, *shared, first, own_at, own_at + 8 * n,
             len(self.read), len(self.load), n_given, n_states, CONVERGED, LARGEST_JUMP,
         )  # fmt: skip

@@ -4,7 +4,8 @@ enum { LINE = 64, BLOCK = 1 << 15 };
 typedef struct Block { struct Block *before; } Block;
 typedef struct { Block *last; char *next; size_t left; } Memory; /* zeros: nothing yet */
 
-/* Room that is written before it is read, at the start of a line of the cache: a vector is one line. NULL when there is no memory. */
+/* Room that is written before it is read, at the start of a line of the cache: a vector is one line. NULL when there
+   is no memory. */
 static void *taken(Memory *of, size_t count, size_t size)
 {
     const size_t bytes = (count * size + LINE - 1) / LINE * LINE;

@@ -13,9 +13,9 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.compiled.batch_output_block import BatchOutputBlock
+from spacar.compiled.interface import structure
 from spacar.compiled.library import Engine, address_of
 from spacar.compiled.output_block import VALUE, OutputBlock
-from spacar.compiled.stepper_structures import CAdams, CRungeKutta, CStepper
 from spacar.integrators.adams import GAMMA_STAR, Adams
 from spacar.integrators.runge_kutta import TINY, ExplicitRungeKutta
 
@@ -29,7 +29,7 @@ class AdamsInC:
 
     def __init__(self, engine: Engine, take_steps: int, method: Adams) -> None:
         self.engine, self.to, self.method, self.y = engine, take_steps, method, method.y
-        self.c = CAdams(address_of(method.memory), GAMMA_AT)
+        self.c = structure("Adams")(address_of(method.memory), GAMMA_AT)
         self.at = ctypes.addressof(self.c)
 
     def begin(self) -> int:
@@ -64,7 +64,7 @@ class RungeKuttaInC:
     answered."""
 
     def __init__(
-        self, engine: Engine, take_steps: CStepper, method: ExplicitRungeKutta, answered: Callable[..., int]
+        self, engine: Engine, take_steps: ctypes.Structure, method: ExplicitRungeKutta, answered: Callable[..., int]
     ) -> None:
         m = method
         self.engine, self.of, self.method, self.y = engine, take_steps, method, m.y_new
@@ -72,7 +72,7 @@ class RungeKuttaInC:
         c, a, errors, safety = m.coefficients()
         tableau = m.tableau
         self.kept = c, a, errors  # what C points at
-        self.c = CRungeKutta(
+        self.c = structure("RungeKutta")(
             c.ctypes.data, a.ctypes.data, tableau.b.ctypes.data, errors.ctypes.data, m.stages.ctypes.data,
             m.y.ctypes.data, m.y_new.ctypes.data, m.scaled.ctypes.data, *m.controller, safety, TINY, 0.0,
             len(tableau.c), len(c), errors.shape[1], len(errors) - 1,

@@ -93,8 +93,8 @@ static void reference_values(Model *m)
     }
 }
 
-/* What the functions of an element write is an entry; the rest of the element matrix is structurally zero. They are called
-   once with marked values in the matrices. The number of values, or NO_MEMORY. */
+/* What the functions of an element write is an entry; the rest of the element matrix is structurally zero. They are
+   called once with marked values in the matrices. The number of values, or NO_MEMORY. */
 static int find_entries(Model *m, Memory *work, Entries *V)
 {
     const Spec *s = &m->s;
@@ -117,7 +117,8 @@ static int find_entries(Model *m, Memory *work, Entries *V)
     }
     const int n_values = at + s->n_constant;
     m->values = taken(&m->memory, n_values, sizeof(real));
-    if (!m->values || entries_begin(work, V, n_v) || entries_begin(&m->memory, &m->mass, n_values - n_v)) return NO_MEMORY;
+    if (!m->values || entries_begin(work, V, n_v) || entries_begin(&m->memory, &m->mass, n_values - n_v))
+        return NO_MEMORY;
     for (int k = 0; k < n_values; k++) m->values[k] = untouched();
     reference_values(m);
     element = 0;
@@ -176,9 +177,9 @@ static void put(Sparse *system, int row, int column, int source)
     system->source[at] = source;
 }
 
-/* Whether the reduced form takes less time than the saddle-point form: its operations on vectors of ROW numbers against the
-   entries of the factors of the saddle-point matrix, which are counted where its own entries leave it open (measured
-   break-even, docs/performance.md). */
+/* Whether the reduced form takes less time than the saddle-point form: its operations on vectors of ROW numbers
+   against the entries of the factors of the saddle-point matrix, which are counted where its own entries leave it
+   open (measured break-even, docs/performance.md). */
 static int takes_reduced_form(Model *m, int q)
 {
     Sparse *motion = &m->motion;
@@ -203,7 +204,8 @@ static int assemble(Model *m)
     if (!status && !m->holonomic) status = sparse_begin(&m->memory, &m->velocity, n, entries);
     if (!status) status = entries_begin(&m->memory, &m->dynamic, entries);
     const int with_motion = !s->prescribed && !m->tree;
-    if (!status && with_motion) status = sparse_begin(&m->memory, &m->motion, nf + nr, m->mass.n + m->coupling.n + 2 * entries);
+    if (!status && with_motion)
+        status = sparse_begin(&m->memory, &m->motion, nf + nr, m->mass.n + m->coupling.n + 2 * entries);
     if (!status) status = entries_begin(&m->memory, &m->given, m->mass.n);
     if (!status) {
         for (int k = 0; k < m->mass.n; k++) {
@@ -263,106 +265,15 @@ static void spacar_end(Model *m)
     give_back(&memory);
 }
 
-/* A capsule of Python ends a model with its last reference: a `__del__` would drop the Ctrl-C that is noticed within it. */
+/* A capsule of Python ends a model with its last reference: a `__del__` would drop the Ctrl-C that is noticed within
+   it. */
 static void *(*capsule_pointer)(void *capsule, const char *name);
 static void spacar_capsules(void *(*pointer)(void *, const char *)) { capsule_pointer = pointer; }
 static void spacar_dropped(void *capsule) { spacar_end(capsule_pointer(capsule, NULL)); }
 
-static const int *next_whole(const int **at, int n) { *at += n; return *at - n; }
-static real *next_numbers(real **at, size_t n) { *at += n; return *at - n; }
-static const double *next_sizes(real **at, size_t n)
-{
-    const double *first = (const double *)*at;
-    *at = (real *)(first + n);
-    return first;
-}
-
-/* Columns of a list (rows, n) one after the other; the place behind them. */
-static int *turned(int *to, const int *list, int rows, int n)
-{
-    for (int i = 0; i < n; i++) for (int j = 0; j < rows; j++) *to++ = list[j * n + i];
-    return to;
-}
-
-/* The parameters of the elements, those of an element together, from the numbers of `read_spec`. */
-static void take_parameters(Model *m)
-{
-    const real *p = m->given_parameters;
-    real *parameter = m->parameters;
-    for (int b = 0; b < m->s.n_batches; b++) {
-        const Batch *k = &m->s.batches[b];
-        for (int i = 0; i < k->n; i++) for (int j = 0; j < k->np; j++) *parameter++ = p[j * k->n + i];
-        p += k->n * k->np;
-    }
-}
-
-/* The spec from its two arrays, which must stay: whole numbers (counts in the order of Spec, those of each batch in the order of
-   Batch, lists) and numbers of the cases (lists), the sizes last. Those of batches have the elements last. `foreign`: of each batch, or NULL when there are none. OK or NO_MEMORY. */
-static int read_spec(Model *m, const int *whole, real *numbers, const Foreign *const *foreign)
-{
-    Spec *s = &m->s;
-    const int counts = (int)(offsetof(Spec, n_coupled) / sizeof(int)) + 1, of_batch = (int)(offsetof(Batch, inertia) / sizeof(int)) + 1;
-    memcpy(s, next_whole(&whole, counts), counts * sizeof(int));
-    Batch *batches = cleared(&m->memory, s->n_batches, sizeof(Batch));
-    const int n_calculable = s->x_input - s->n_fixed_x;
-    s->n_free = n_calculable + s->n_x_dynamic + s->n_x_kinematic;
-    int *free_x = cleared(&m->memory, s->n_free, sizeof(int));
-    s->batches = batches;
-    s->free = free_x;
-    if (!batches || !free_x) return NO_MEMORY;
-    for (int i = 0; i < n_calculable; i++) *free_x++ = s->n_fixed_x + i;
-    for (int i = 0; i < s->n_x_dynamic; i++) *free_x++ = s->x_dynamic + i;
-    for (int i = 0; i < s->n_x_kinematic; i++) *free_x++ = s->x_kinematic + i;
-    for (int b = 0; b < s->n_batches; b++) {
-        memcpy(&batches[b], next_whole(&whole, of_batch), of_batch * sizeof(int));
-        if (batches[b].kind < 0) batches[b].foreign = foreign[b];
-    }
-    s->x_motion = next_numbers(&numbers, 3 * s->n_x_input);
-    s->e_motion = next_numbers(&numbers, 3 * s->n_e_input);
-    s->force = next_numbers(&numbers, s->nx);
-    s->preload = next_numbers(&numbers, s->ne);
-    s->x0 = next_numbers(&numbers, s->nx);
-    s->field = next_numbers(&numbers, s->nx);
-    s->position = next_whole(&whole, s->n_position);
-    s->axis = next_whole(&whole, s->nx);
-    const struct { int n; const int **row, **column; const real **value; } entries[] = {
-        { s->n_constant, &s->constant_row, &s->constant_column, &s->constant_mass },
-        { s->n_stiffness, &s->s_rows, &s->s_columns, &s->s_values },
-        { s->n_damping, &s->d_rows, &s->d_columns, &s->d_values },
-        { s->n_moments, &s->moment_rows, &s->moment_columns, &s->moments },
-        { s->n_coupled, &s->coupled_rows, &s->coupled_columns, &s->coupled },
-    };
-    for (int k = 0; k < 5; k++) {
-        *entries[k].row = next_whole(&whole, entries[k].n);
-        *entries[k].column = next_whole(&whole, entries[k].n);
-        *entries[k].value = next_numbers(&numbers, entries[k].n);
-    }
-    int n_places = 0, n_parameters = 0;
-    for (int b = 0; b < s->n_batches; b++) {
-        n_places += batches[b].n * (batches[b].nxe + batches[b].nee);
-        n_parameters += batches[b].n * batches[b].np;
-    }
-    int *place = m->places = cleared(&m->memory, n_places, sizeof(int));
-    real *parameter = m->parameters = cleared(&m->memory, n_parameters, sizeof(real));
-    if (!place || !parameter) return NO_MEMORY;
-    m->given_parameters = next_numbers(&numbers, n_parameters);
-    for (int b = 0; b < s->n_batches; b++) {
-        Batch *k = &batches[b];
-        k->x = place;
-        place = turned(place, next_whole(&whole, k->n * k->nxe), k->nxe, k->n);
-        k->e = place;
-        place = turned(place, next_whole(&whole, k->n * k->nee), k->nee, k->n);
-        k->p = parameter;
-        parameter += k->n * k->np;
-    }
-    s->scale = next_sizes(&numbers, s->nx);
-    s->e_scale = next_sizes(&numbers, s->ne);
-    take_parameters(m);
-    return OK;
-}
-
 /* A model of the arrays of `read_spec`; NULL when there is no memory. */
-static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const *foreign, const User *user, PythonCallbacks *asking)
+static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const *foreign, const User *user,
+    PythonCallbacks *asking)
 {
     Memory memory = {0};
     Model *m = cleared(&memory, 1, sizeof(Model));
@@ -388,11 +299,13 @@ static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const
     if (!status) status = find_tree(m);
     if (!status) status = assemble(m);
     const int q = spec->n_x_dynamic + spec->n_e_dynamic;
-    real *vector = status ? NULL : cleared(&m->memory, 10 * (nx + ne) + 2 * nx + 2 * (3 * (STATES - 1) * nx + 3 * STATES * q), sizeof(real));
+    real *vector = status ? NULL
+        : cleared(&m->memory, 10 * (nx + ne) + 2 * nx + 2 * (3 * (STATES - 1) * nx + 3 * STATES * q), sizeof(real));
     if (!vector) { spacar_end(m); return NULL; }
     real **vectors[] = {&m->h, &m->branch, &m->next_e, &m->given_ed, &m->given_edd};
     for (int k = 0; k < 5; k++, vector += ne) *vectors[k] = vector;
-    real **coordinates[] = {&m->convected, &m->applied, &m->force, &m->next_x, &m->next_xd, &m->next_xdd, &m->factored_x};
+    real **coordinates[] =
+        {&m->convected, &m->applied, &m->force, &m->next_x, &m->next_xd, &m->next_xdd, &m->factored_x};
     for (int k = 0; k < 7; k++, vector += nx) *coordinates[k] = vector;
     m->b = vector;
     m->stage = m->b + nx + ne;
@@ -411,15 +324,17 @@ static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const
     return m;
 }
 
-/* Other numbers of the same cases stand in the array of `read_spec`, of a model without foreign batches. GRAVITY is the same, as
-   the lists depend on where it acts. Nothing is left of the states that were evaluated with the old numbers but the orders of
-   pivots, which are those of the first call: rounding does not depend on the numbers in between. */
+/* Other numbers of the same cases stand in the array of `read_spec`, of a model without foreign batches. GRAVITY is
+   the same, as the lists depend on where it acts. Nothing is left of the states that were evaluated with the old
+   numbers but the orders of pivots, which are those of the first call: rounding does not depend on the numbers in
+   between. */
 static void spacar_renew(Model *m)
 {
     const Spec *s = &m->s;
     take_parameters(m);
     reference_values(m);
-    for (int k = 0; k < s->n_constant; k++) m->values[m->mass.source[m->mass.n - s->n_constant + k]] = s->constant_mass[k];
+    for (int k = 0; k < s->n_constant; k++)
+        m->values[m->mass.source[m->mass.n - s->n_constant + k]] = s->constant_mass[k];
     pairs(m, NULL, 0, NULL, NULL, m->coupling_weight);
     first_order(&m->position, &m->first[0]);
     first_order(&m->velocity, &m->first[1]);

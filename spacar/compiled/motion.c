@@ -1,7 +1,8 @@
 /* Position, velocity and acceleration of a holonomic mechanism (theory-system.md (1), (2), (9)).
 
-   The accelerations come from the saddle-point form, or with few degrees of freedom from the reduced form, whose transfer
-   functions need nothing but solutions with the matrix of the position; stresses are computed where somebody looks. */
+   The accelerations come from the saddle-point form, or with few degrees of freedom from the reduced form, whose
+   transfer functions need nothing but solutions with the matrix of the position; stresses are computed where
+   somebody looks. */
 
 static const double CONVERGED = 1e-11, ROUNDING = 64 * DBL_EPSILON, GROWN = 1e-6;
 
@@ -37,8 +38,8 @@ static int corrections(double error, double converged)
     return n;
 }
 
-/* Whether a correction with the factors of another position saves one with new factors. It leaves of an error as much as the
-   gradient has changed, about the distance of the positions in their sizes. Only time depends on it. */
+/* Whether a correction with the factors of another position saves one with new factors. It leaves of an error as
+   much as the gradient has changed, about the distance of the positions in their sizes. Only time depends on it. */
 static int takes_old_factors(const Model *m, const real *x, double error, double converged)
 {
     const int first = m->s.n_fixed_x, end = first + m->s.n_position;
@@ -47,11 +48,11 @@ static int takes_old_factors(const Model *m, const real *x, double error, double
     return corrections(largest_lane(moved) * error, converged) < corrections(error, converged);
 }
 
-/* Position and velocity. x comes with the given values and a guess of the calculable ones, xd and ed with the given rates.
-   The first correction uses the matrix of the last state, which is still factored, where that saves something. The limits
-   are those of spacar/kinematics/kinematics.py: a correction that follows one below CONVERGED or rounding is as small as
-   rounding allows and passes always. A residual that stays at rounding with larger corrections is left to the general
-   path, which looks at the condition. */
+/* Position and velocity. x comes with the given values and a guess of the calculable ones, xd and ed with the given
+   rates. The first correction uses the matrix of the last state, which is still factored, where that saves
+   something. The limits are those of spacar/kinematics/kinematics.py: a correction that follows one below CONVERGED
+   or rounding is as small as rounding allows and passes always. A residual that stays at rounding with larger
+   corrections is left to the general path, which looks at the condition. */
 static int place(Model *m, real *x, real *xd, real *e, const real *branch, const real *e_given, const real *e_rate,
                  double converged)
 {
@@ -110,7 +111,8 @@ static int place(Model *m, real *x, real *xd, real *e, const real *branch, const
     return NO_CONVERGENCE;
 }
 
-/* Constitutive stresses, and the applied forces but gravity on moving elements. ed: NULL where they are V xd. OK or NOT_ANSWERED. */
+/* Constitutive stresses, and the applied forces but gravity on moving elements. ed: NULL where they are V xd. OK or
+   NOT_ANSWERED. */
 static int stresses(const Model *m, double t, const real *x, const real *e, const real *xd, const real *ed, real *sigma)
 {
     const Spec *s = &m->s;
@@ -118,7 +120,8 @@ static int stresses(const Model *m, double t, const real *x, const real *e, cons
     for (int k = 0; k < s->n_moments; k++) m->applied[s->moment_rows[k]] += s->moments[k] * x[s->moment_columns[k]];
     memcpy(sigma, s->preload, sizeof(real) * s->ne);
     for (int i = 0; i < s->n_stiffness; i++) sigma[s->s_rows[i]] += s->s_values[i] * e[s->s_columns[i]];
-    for (int i = 0; i < s->n_damping; i++) sigma[s->d_rows[i]] += s->d_values[i] * (ed ? ed[s->d_columns[i]] : rate(m, s->d_columns[i], xd));
+    for (int i = 0; i < s->n_damping; i++)
+        sigma[s->d_rows[i]] += s->d_values[i] * (ed ? ed[s->d_columns[i]] : rate(m, s->d_columns[i], xd));
     const User *user = s->user;
     if (!user) return OK;
     memcpy(user->x, x, sizeof(real) * s->nx);
@@ -137,7 +140,8 @@ static int stresses(const Model *m, double t, const real *x, const real *e, cons
 static void out_of_balance(const Model *m, const real *xdd, const real *sigma, int first_row, real *out)
 {
     const Spec *s = &m->s;
-    const Entries *given = s->prescribed ? &m->mass : &m->given; /* without degrees of freedom all accelerations are known */
+    /* without degrees of freedom all accelerations are known */
+    const Entries *given = s->prescribed ? &m->mass : &m->given;
     for (int i = 0; i < s->nx; i++) out[i] = m->applied[i] - m->convected[i];
     for (int k = 0; k < given->n; k++) {
         const int j = given->column[k];
@@ -148,11 +152,12 @@ static void out_of_balance(const Model *m, const real *xdd, const real *sigma, i
     for (int r = first_row; r < s->ne; r++) subtract_transposed(m, r, sigma[r], out);
 }
 
-/* Solve A b = -r with a positive definite A, as L^T D L from the last row up, which a tree whose degrees of freedom are counted
-   from the ground outwards does not fill (Featherstone, "Efficient factorization of the joint-space inertia matrix for branched
-   kinematic trees", 2005). Rows `width` apart hold r, then the lower triangle of A. SINGULAR when a pivot is lost in rounding:
-   45 eps of the diagonal from which it is the difference. That accepts and refuses nothing; it hands the state to the saddle-
-   point form of the general path, which does not form these differences. */
+/* Solve A b = -r with a positive definite A, as L^T D L from the last row up, which a tree whose degrees of freedom
+   are counted from the ground outwards does not fill (Featherstone, "Efficient factorization of the joint-space
+   inertia matrix for branched kinematic trees", 2005). Rows `width` apart hold r, then the lower triangle of A.
+   SINGULAR when a pivot is lost in rounding: 45 eps of the diagonal from which it is the difference. That accepts
+   and refuses nothing; it hands the state to the saddle-point form of the general path, which does not form these
+   differences. */
 static int solve_positive(real *A, int width, int n, real *diagonal, real *b)
 {
     for (int k = 0; k < n; k++) diagonal[k] = A[k * width + 1 + k];
@@ -174,10 +179,10 @@ static int solve_positive(real *A, int width, int n, real *diagonal, real *b)
     return OK;
 }
 
-/* `parts` columns of ROW numbers of the rows of M X from `first` on, into out; X and out (nx, width), both from that column on.
-   `parts` is a constant here and below, so that the sums stay in registers. */
-static inline __attribute__((always_inline)) void mass_times(const Model *m, int first, const real *X, int width, real *out,
-                                                             const int parts)
+/* `parts` columns of ROW numbers of the rows of M X from `first` on, into out; X and out (nx, width), both from that
+   column on. `parts` is a constant here and below, so that the sums stay in registers. */
+static inline __attribute__((always_inline)) void mass_times(const Model *m, int first, const real *X, int width,
+    real *out, const int parts)
 {
     for (int i = first; i < m->s.nx; i++) {
         row_part sum[parts], *to = (row_part *)(out + i * width);
@@ -220,13 +225,15 @@ static void project(const real *X, const real *MX, int width, int n, int q, real
     }
 }
 
-/* Reduced form: columns of `transfer` (nx, width) are the acceleration without the degrees of freedom, less gravity, and the
-   transfer functions of these q; zeros fill up the rows. `weighted` is M times them, without the rows of what is fixed, with the
-   forces subtracted from its first column. xdd and, when wanted, sigma are completed from the given ones. */
+/* Reduced form: columns of `transfer` (nx, width) are the acceleration without the degrees of freedom, less gravity,
+   and the transfer functions of these q; zeros fill up the rows. `weighted` is M times them, without the rows of
+   what is fixed, with the forces subtracted from its first column. xdd and, when wanted, sigma are completed from
+   the given ones. */
 static int reduced_form(Model *m, const real *edd_given, real *xdd, real *sigma, int want_stress)
 {
     const Spec *s = &m->s;
-    const int nx = s->nx, n = s->n_equations, first = s->n_fixed_x, a = s->n_x_dynamic, q = a + s->n_e_dynamic, width = m->width;
+    const int nx = s->nx, n = s->n_equations, first = s->n_fixed_x, a = s->n_x_dynamic, q = a + s->n_e_dynamic,
+        width = m->width;
     real *X = m->transfer, *MX = m->weighted, *A = m->small;
     real *right = X + first * width;
     memset(X, 0, sizeof(real) * nx * width);
@@ -272,10 +279,10 @@ static int reduced_form(Model *m, const real *edd_given, real *xdd, real *sigma,
     return OK;
 }
 
-/* xdd comes with the given accelerations (zero elsewhere); it is completed, and so is sigma when wanted. The position system
-   must be factored. */
-static int accelerate(Model *m, double t, const real *x, const real *xd, const real *e, const real *edd_given, real *xdd,
-                      real *sigma, int want_stress)
+/* xdd comes with the given accelerations (zero elsewhere); it is completed, and so is sigma when wanted. The
+   position system must be factored. */
+static int accelerate(Model *m, double t, const real *x, const real *xd, const real *e, const real *edd_given,
+    real *xdd, real *sigma, int want_stress)
 {
     const Spec *s = &m->s;
     const int n = s->n_equations, nf = s->n_free, nr = s->n_rows;
@@ -303,4 +310,42 @@ static int accelerate(Model *m, double t, const real *x, const real *xd, const r
     for (int i = 0; i < nf; i++) { xdd[s->free[i]] = b[i]; sum += b[i]; }
     memcpy(sigma, b + nf, sizeof(real) * nr);
     return isfinite(largest_lane(sum)) ? OK : NOT_FINITE;
+}
+
+/* Value, rate and acceleration of a prescribed motion. */
+static void prescribed(const Spec *s, const real *row, double t, real *value, real *rate, real *acceleration)
+{
+    *value = s->polynomial ? row[0] + t * (row[1] + 0.5 * t * row[2]) : row[0];
+    *rate = s->polynomial ? row[1] + t * row[2] : row[1];
+    *acceleration = row[2];
+}
+
+/* What is given of x, xd and xdd at t, and of e and its rates; the rest of x stays, that of xd and xdd is zero. OK
+   or NOT_ANSWERED. */
+static int take_given(Model *m, State *at, double t, const real *y, real *x, real *xd, real *xdd)
+{
+    const Spec *s = &m->s;
+    const int nx = s->nx, a = s->n_x_dynamic, q = a + s->n_e_dynamic;
+    const real *kinematic = y + q, *rates = kinematic + s->n_x_kinematic + s->n_e_kinematic;
+    m->evaluations++;
+    memcpy(x, s->x0, sizeof(real) * s->n_fixed_x);
+    memset(xd, 0, sizeof(real) * nx);
+    memset(xdd, 0, sizeof(real) * nx);
+    if (!s->polynomial && ask(s->asking, ASK_MOTION, 0, t)) return NOT_ANSWERED;
+    for (int i = 0; i < s->n_x_input; i++) {
+        const int k = s->x_input + i;
+        prescribed(s, s->x_motion + 3 * i, t, &x[k], &xd[k], &xdd[k]);
+    }
+    for (int i = 0; i < s->n_e_input; i++) {
+        const int k = s->e_input + i;
+        prescribed(s, s->e_motion + 3 * i, t, &at->given_e[k], &m->given_ed[k], &m->given_edd[k]);
+    }
+    for (int i = 0; i < a; i++) { x[s->x_dynamic + i] = y[i]; xd[s->x_dynamic + i] = rates[i]; }
+    for (int i = a; i < q; i++) {
+        at->given_e[s->e_dynamic + i - a] = y[i];
+        m->given_ed[s->e_dynamic + i - a] = rates[i];
+    }
+    memcpy(x + s->x_kinematic, kinematic, sizeof(real) * s->n_x_kinematic);
+    memcpy(at->given_e + s->e_kinematic, kinematic + s->n_x_kinematic, sizeof(real) * s->n_e_kinematic);
+    return OK;
 }

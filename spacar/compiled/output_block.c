@@ -1,13 +1,15 @@
 /* Many outputs of one motion in one call (`spacar.compiled.output_block`).
 
-   A state of its own is evaluated at every output time, as the driver (spacar/forward/driver.py) does it one by one: from the
-   output before, or from the begin of the last step when that was long ago. Its numbers go to a row. The call ends where
-   Python has to look at an output, and after some time, so that Ctrl-C is heard and outputs are handed on.
+   A state of its own is evaluated at every output time, as the driver (spacar/forward/driver.py) does it one by one:
+   from the output before, or from the begin of the last step when that was long ago. Its numbers go to a row. The
+   call ends where Python has to look at an output, and after some time, so that Ctrl-C is heard and outputs are
+   handed on.
 
    Rows of several cases have all lanes of a number behind one another. */
 #include <time.h>
 
-/* An output: done; Python looks at it; C cannot evaluate it; F may have jumped before it, it is not done. As in output_block.py */
+/* An output: done; Python looks at it; C cannot evaluate it; F may have jumped before it, it is not done. As in
+   output_block.py */
 enum { HARMLESS, LOOKED_AT, NOT_SHOWN, SUSPECT };
 
 static double seconds(void)
@@ -29,7 +31,10 @@ static int harmless(Model *m, const OutputBlock *p)
 static double *row_of(const OutputBlock *p, int i) { return p->rows + (size_t)i * p->width; }
 
 /* The state at the i-th output: at the end of its row, or for itself. */
-static double *state_of(const Model *m, const OutputBlock *p, int i) { return p->y ? p->y : row_of(p, i) + 6 * m->s.nx + 4 * m->s.ne; }
+static double *state_of(const Model *m, const OutputBlock *p, int i)
+{
+    return p->y ? p->y : row_of(p, i) + 6 * m->s.nx + 4 * m->s.ne;
+}
 
 /* Evaluate the i-th output, whose y stands at `state_of`; whether the call goes on. */
 static int show(Model *m, OutputBlock *p, int i)
@@ -86,8 +91,8 @@ static int disagrees(const Stepper *r, const void *adams, const OutputBlock *p, 
 
 typedef int (*Go)(Stepper *r, void *method);
 
-/* Steps, and the outputs in them, those in the step that was made last first. n: room for outputs, of which there is one at
-   least. As the calls that make steps; AT_OUTPUT: there may be more of them in the last step. */
+/* Steps, and the outputs in them, those in the step that was made last first. n: room for outputs, of which there is
+   one at least. As the calls that make steps; AT_OUTPUT: there may be more of them in the last step. */
 static int pass(Stepper *r, void *method, Go go, const double *end, OutputBlock *p)
 {
     const double begin = seconds();
@@ -127,4 +132,7 @@ static int go_adams(Stepper *r, void *method) { return spacar_adams(r, method); 
 static int go_runge_kutta(Stepper *r, void *method) { return spacar_runge_kutta(r, method); }
 
 static int spacar_pass_adams(Stepper *r, Adams *a, OutputBlock *p) { return pass(r, a, go_adams, a->y, p); }
-static int spacar_pass_runge_kutta(Stepper *r, RungeKutta *k, OutputBlock *p) { return pass(r, k, go_runge_kutta, k->y_new, p); }
+static int spacar_pass_runge_kutta(Stepper *r, RungeKutta *k, OutputBlock *p)
+{
+    return pass(r, k, go_runge_kutta, k->y_new, p);
+}

@@ -15,14 +15,14 @@ import ctypes
 from collections.abc import Iterator, Sequence
 from functools import partial
 from operator import add, sub
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, CompiledModel, State
 from spacar.compiled.element_parameters import GUARD
-from spacar.compiled.interface import INTEGER, NUMBER, POINTER, fields
+from spacar.compiled.interface import INTEGER, NUMBER, POINTER, structure
 from spacar.compiled.library import WIDTH, address_of
 from spacar.frame import Frame, FramesInRows
 from spacar.integrators.problem import BlockOfOutputs, Counts, counts
@@ -40,11 +40,7 @@ COUNTS = 5 * ctypes.sizeof(ctypes.c_int)  # of an output
 VALUE = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER)
 
 
-class COutputBlock(ctypes.Structure):
-    _fields_ = fields("OutputBlock")
-
-
-def counted(c: COutputBlock, begun: Counts = NONE) -> Counts:
+def counted(c: Any, begun: Counts = NONE) -> Counts:
     """What had been counted at the last output of a call, with what was before it."""
     return counts(map(add, begun, c.counted))
 
@@ -78,7 +74,7 @@ class OutputBlock:
         self.sizes = n.nx, n.ne
         self.of_y = 6 * n.nx + 4 * n.ne  # where it begins in a row
         self.width = self.of_y + shown.n_positions + n.nddof
-        self.c = c = COutputBlock(ctypes.addressof(shown.state.c))
+        self.c = c = structure("OutputBlock")(ctypes.addressof(shown.state.c))
         if len(ground):
             self.ground = np.ascontiguousarray(ground, np.int32)  # C points at it
             c.ground = address_of(self.ground)

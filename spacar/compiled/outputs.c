@@ -1,4 +1,5 @@
-/* Everything of a state: what its derivatives need, and stresses, rates of all deformations and nodal forces, as frames have them.
+/* Everything of a state: what its derivatives need, and stresses, rates of all deformations and nodal forces, as
+   frames have them.
 
    Of a rigid tree they come without equations, stresses from the tips inwards (theory-system.md section 13). */
 
@@ -58,7 +59,8 @@ static void complete(Model *m, State *at)
     for (int r = 0; r < s->ne; r++) subtract_transposed(m, r, -at->sigma[r], total);
 }
 
-/* Whether the deformations of all elements at next_x are those of the tree: a residual as small as the iteration of positions leaves. */
+/* Whether the deformations of all elements at next_x are those of the tree: a residual as small as the iteration of
+   positions leaves. */
 static int is_placed(const Model *m, const State *at)
 {
     const Spec *s = &m->s;
@@ -74,7 +76,8 @@ static int is_placed(const Model *m, const State *at)
     if (near) return 1;
     const real allowed = CONVERGED + rounding(m, m->next_x, at->given_e);
     for (int r = 0; r < s->ne; r++)
-        if (!(largest_lane(lanes_larger(zero, m->next_e[r] - at->given_e[r]) - allowed * s->e_scale[r]) <= 0.0)) return 0;
+        if (!(largest_lane(lanes_larger(zero, m->next_e[r] - at->given_e[r]) - allowed * s->e_scale[r]) <= 0.0))
+            return 0;
     return 1;
 }
 
@@ -112,8 +115,9 @@ static void add_stresses(const Model *m, const Part *part, int element, const re
     for (int c = 0; c < nxe; c++) total[x[c]] += sum[c];
 }
 
-/* Stresses of a tree, inwards: those of an element balance what is left over at its outer end, where the elements that it carries have
-   been added to `total`. Then those of normalizations, of what is left over along the Euler parameters. */
+/* Stresses of a tree, inwards: those of an element balance what is left over at its outer end, where the elements
+   that it carries have been added to `total`. Then those of normalizations, of what is left over along the Euler
+   parameters. */
 static void tree_stresses(const Model *m, State *at)
 {
     const Spec *s = &m->s;

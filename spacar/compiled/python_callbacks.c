@@ -1,9 +1,9 @@
 /* Questions to Python (spacar/compiled/python_callbacks.py).
 
-   The engine is not built against any version of Python: it is given the addresses of functions of Python's stable C interface, and
-   of a few types. The user function of a single case is called from here: an answer with the form of an earlier one, almost every one
-   of a run, is taken here; Python reads the others.
-   Nothing that is raised passes through C: it is handed to `keep`, and the evaluation ends. */
+   The engine is not built against any version of Python: it is given the addresses of functions of Python's stable C
+   interface, and of a few types. The user function of a single case is called from here: an answer with the form of
+   an earlier one, almost every one of a run, is taken here; Python reads the others. Nothing that is raised passes
+   through C: it is handed to `keep`, and the evaluation ends. */
 enum { ASK_MOTION, ASK_STRESS, ASK_STRAIN, ASK_CONVECTIVE, ASK_INERTIA, ASK_OUTPUT }; /* as in user_callbacks.py */
 
 /* Types live as long as the object. */
@@ -14,7 +14,8 @@ static void *type_of(const Python *py, void *object)
     return type;
 }
 
-/* Write the values of n rows of the known form, and give their sum; NAN when Python has to read them: some may have been written. */
+/* Write the values of n rows of the known form, and give their sum; NAN when Python has to read them: some may have
+   been written. */
 static double take_rows(const Python *py, void *rows, const Row *known, int n, double *values)
 {
     if (type_of(py, rows) != py->list_type || py->PyList_Size(rows) != n) return NAN;
@@ -73,7 +74,8 @@ static int ask(PythonCallbacks *a, int what, int batch, double t)
     if (!py) return a->back(what, batch, t) ? NOT_ANSWERED : OK;
     const int held = py->PyGILState_Ensure();
     void *of[] = {py->PyLong_FromLong(what), py->PyLong_FromLong(batch), py->PyFloat_FromDouble(t)};
-    void *answer = of[0] && of[1] && of[2] ? py->PyObject_CallFunctionObjArgs(a->answer, of[0], of[1], of[2], NULL) : NULL;
+    void *answer = of[0] && of[1] && of[2] ? py->PyObject_CallFunctionObjArgs(a->answer, of[0], of[1], of[2], NULL)
+        : NULL;
     const int stops = answer ? py->PyObject_IsTrue(answer) : -1;
     a->within = 0;
     if (stops < 0) keep_raised(a);
@@ -92,7 +94,9 @@ static int ask_stresses(PythonCallbacks *a, double t)
     void *const *w = a->told;
     const int held = py->PyGILState_Ensure();
     void *time = py->PyFloat_FromDouble(t), *done = NULL;
-    void *given = time ? py->PyObject_CallFunctionObjArgs(a->function, time, w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], NULL) : NULL;
+    void *given = time
+        ? py->PyObject_CallFunctionObjArgs(a->function, time, w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], NULL)
+        : NULL;
     a->t = t;
     a->within = !given;
     int answered = given && is_taken(a, given);

@@ -18,8 +18,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from spacar.compiled.interface import POINTER, functions
-from spacar.compiled.library import CPythonCallbacks, CUser
+from spacar.compiled.interface import POINTER, functions, structure
 from spacar.errors import BY_USERS
 
 FUNCTIONS = tuple(functions("PYTHON_FUNCTIONS"))
@@ -61,20 +60,20 @@ class PythonCallbacks:
     lost   list whose only entry is given the sentences about stresses that cannot act
     """
 
-    def __init__(self, law: Any, user: CUser | None, lost: list[dict[int, str]]) -> None:
+    def __init__(self, law: Any, user: Any | None, lost: list[dict[int, str]]) -> None:
         self.law: AnsweringLaw | None = None
         self.user, self.lost = user, lost
         self.caught: list[BaseException] = []
         self.known: tuple[Form, Form] | None = None  # the forms that C knows
         table = python()
         if table is None:
-            self.c = CPythonCallbacks()
+            self.c = structure("PythonCallbacks")()
         elif law is None or user is None:
-            self.c = CPythonCallbacks(ctypes.addressof(table))
+            self.c = structure("PythonCallbacks")(ctypes.addressof(table))
         else:
             self.law = law
-            told = tuple(map(id, law.told))
-            self.c = CPythonCallbacks(ctypes.addressof(table), user.sigma, user.force, -1, id(law.function), told)
+            known = user.sigma, user.force, -1, id(law.function), tuple(map(id, law.told))
+            self.c = structure("PythonCallbacks")(ctypes.addressof(table), *known)
 
     def calls(self, answer: Callable[[int, int, float], bool]) -> tuple[Any, ...]:
         """What C calls, for the model to keep (kept here it would be a circle of references). `answer` is given what is
@@ -122,7 +121,7 @@ class PythonCallbacks:
 
 
 def _guarded(
-    answer: Callable[[int, int, float], bool], keep: Callable[[BaseException], None], c: CPythonCallbacks
+    answer: Callable[[int, int, float], bool], keep: Callable[[BaseException], None], c: Any
 ) -> Callable[[int, int, float], int]:
     """For a callback of ctypes, through which no exception may pass."""
 

@@ -1,5 +1,6 @@
-/* Simplified Newton iteration of codes 553 and 595, as `_newton` of spacar/integrators/radau.py; see there for formulas and
-   sources. One case; the LU factors are those of LAPACK (columns first, row i exchanged with pivots[i], counted from 0). */
+/* Simplified Newton iteration of codes 553 and 595, as `_newton` of spacar/integrators/radau.py; see there for
+   formulas and sources. One case; the LU factors are those of LAPACK (columns first, row i exchanged with pivots[i],
+   counted from 0). */
 enum { MOST_STAGES = 5, ITERATED = 0, NOT_CONVERGED = 1, NO_RATE = 2 }; /* as in compiled_model.py */
 
 static void solve_real(const double *lu, const int *pivots, int n, double *b)
@@ -71,7 +72,8 @@ static int spacar_newton(Model *m, State *at, Newton *r)
             }
         solve_real(r->lu, r->pivots, nu, r->right);
         for (int p = 0; 2 * p + 2 < s; p++)
-            solve_complex(r->pair_lu[p], r->pair_pivots[p], nu, r->right + (2 * p + 1) * nu, r->right + (2 * p + 2) * nu);
+            solve_complex(r->pair_lu[p], r->pair_pivots[p], nu, r->right + (2 * p + 1) * nu,
+                r->right + (2 * p + 2) * nu);
         for (int i = 0; i < s; i++)
             for (int j = 0; j < nu; j++) {
                 double sum = 0.0;

@@ -1,14 +1,16 @@
-/* The mixed equations at rest: loads, elements, residual, and the blocks of the tangent. Formulas: spacar/stationary/stationary_equations.py,
-   tangent.py. */
+/* The mixed equations at rest: loads, elements, residual, and the blocks of the tangent. Formulas:
+   spacar/stationary/stationary_equations.py, tangent.py. */
 
 /* The loads and the prescribed values of the parts. */
 static void rest_loads(const Equilibrium *q, const Own *w)
 {
-    const double a = q->parts[0], b = q->parts[1], *one = q->loads, *other = one + 2 * q->nx + q->ne + q->n_x_input + q->n_e_input;
+    const double a = q->parts[0], b = q->parts[1], *one = q->loads,
+        *other = one + 2 * q->nx + q->ne + q->n_x_input + q->n_e_input;
     for (int i = 0; i < q->nx; i++) w->applied[i] = a * *one++ + b * *other++;
     for (int i = 0; i < q->nx; i++) w->inertia[i] = -(a * *one++ + b * *other++);
     for (int i = 0; i < q->ne; i++, one++, other++) w->preload[i] = prescribes(q, i) ? 0.0 : a * *one + b * *other;
-    for (int64_t i = q->x_input; i < q->x_input + q->n_x_input; i++) w->given_x[i] = q->x0[i] + a * *one++ + b * *other++;
+    for (int64_t i = q->x_input; i < q->x_input + q->n_x_input; i++)
+        w->given_x[i] = q->x0[i] + a * *one++ + b * *other++;
     for (int64_t i = q->e_input; i < q->e_input + q->n_e_input; i++) w->given_e[i] = a * *one++ + b * *other++;
 }
 

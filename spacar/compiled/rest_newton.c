@@ -1,5 +1,5 @@
-/* Newton's iteration on the mixed equations at rest, and what is asked of its matrix. Formulas and criteria: spacar/stationary/newton.py,
-   tangent.py. */
+/* Newton's iteration on the mixed equations at rest, and what is asked of its matrix. Formulas and criteria:
+   spacar/stationary/newton.py, tangent.py. */
 
 /* The tangent at the last residual, factored. */
 static int rest_factor(const Equilibrium *q, Own *w, const double *sigma)
@@ -24,7 +24,8 @@ static int rest_factor(const Equilibrium *q, Own *w, const double *sigma)
     return w->factored ? OK : ANOTHER_WAY;
 }
 
-/* Correction of the last residual, in dx and z, where dx holds the changes of prescribed coordinates. ANOTHER_WAY: singular. */
+/* Correction of the last residual, in dx and z, where dx holds the changes of prescribed coordinates. ANOTHER_WAY:
+   singular. */
 static int rest_correct(Equilibrium *q, Own *w, int prescribed, double *noise)
 {
     const int n = w->n, nf = (int)q->nf;

@@ -1,12 +1,13 @@
-/* Rigid trees: mechanisms that open out from the ground without loops, through rigid elements, hinges and given coordinates.
-   Here they are found; tree_motion.c evaluates them without equations for the positions, outputs.c what outputs
-   have besides (theory-system.md section 13).
+/* Rigid trees: mechanisms that open out from the ground without loops, through rigid elements, hinges and given
+   coordinates. Here they are found; tree_motion.c evaluates them without equations for the positions, outputs.c what
+   outputs have besides (theory-system.md section 13).
 
-   Frames are orientations: fixed, the given angle of a planar node, or turned against another frame by the first deformation of a
-   hinge. Arms carry points: x_q = x_p + R r of a frame. The inertia of a rigid element is that of masses at its ends and a rest J
-   about p, which a rod does not have:
+   Frames are orientations: fixed, the given angle of a planar node, or turned against another frame by the first
+   deformation of a hinge. Arms carry points: x_q = x_p + R r of a frame. The inertia of a rigid element is that of
+   masses at its ends and a rest J about p, which a rod does not have:
        T = (w_pp v_p.v_p + 2 w_pq v_p.v_q + w_qq v_q.v_q + w.J w)/2,
-   so that its mass is w_pp + 2 w_pq + w_qq, its first moment (w_pq + w_qq) d with d = x_q - x_p, its inertia w_qq (d.d I - d d^T) + J. */
+   so that its mass is w_pp + 2 w_pq + w_qq, its first moment (w_pq + w_qq) d with d = x_q - x_p, its inertia w_qq
+   (d.d I - d d^T) + J. */
 static void tree_end(Model *m)
 {
     give_back(&m->tree_memory);
@@ -35,7 +36,8 @@ static int vanishes(real a, real size)
     return 1;
 }
 
-/* The elements that join nodes, and their nodes; `of` (nx): the node that begins at a coordinate, -1. 0: one of them joins otherwise. */
+/* The elements that join nodes, and their nodes; `of` (nx): the node that begins at a coordinate, -1. 0: one of them
+   joins otherwise. */
 static int find_parts(const Spec *s, struct Tree *T, int *of)
 {
     for (int b = 0; b < s->n_batches; b++) {
@@ -117,7 +119,8 @@ static int reach(const Spec *s, struct Tree *T, Part *part)
 {
     const Batch *k = part->batch;
     const int turning = JOINT[k->kind].how == TURNING;
-    Orientation *p = &T->orientations[part->node[TURN_P]], *q = part->node[TURN_Q] < 0 ? NULL : &T->orientations[part->node[TURN_Q]];
+    Orientation *p = &T->orientations[part->node[TURN_P]], *q = part->node[TURN_Q] < 0 ? NULL
+        : &T->orientations[part->node[TURN_Q]];
     if (q && p->frame >= 0 && q->frame >= 0) return -1;
     Orientation *known = p->frame >= 0 ? p : q, *next = p->frame >= 0 ? q : p;
     const int reached = known && known->frame >= 0;
@@ -172,7 +175,8 @@ static int is_whole(const Spec *s, const struct Tree *T)
     return n == s->n_position + s->n_x_dynamic;
 }
 
-/* Inertia of a rigid element for (v_p, w) at the reference: B^T M B with the rates B of its coordinates; (6, 6), or (3, 3). */
+/* Inertia of a rigid element for (v_p, w) at the reference: B^T M B with the rates B of its coordinates; (6, 6), or
+   (3, 3). */
 static void rigid_inertia(const struct Tree *T, const Batch *k, const real *x, const real *p, real (*I)[6])
 {
     const int d = T->dimension, n = d + T->turns, at_q = JOINT[k->kind].end[AT_Q], nxe = k->nxe;
@@ -367,7 +371,8 @@ static int find_tree(Model *m)
         T->parts = cleared(memory, n, sizeof(Part));
         T->links = cleared(memory, n - n_of_nodes, sizeof(Link));
         T->mass = cleared(memory, 6 * n, sizeof(real));
-        if (!T->links || !T->frames || !T->orientations || !T->points || !T->arms || !T->pairs || !T->parts || !T->mass) status = NO_MEMORY;
+        if (!T->links || !T->frames || !T->orientations || !T->points || !T->arms || !T->pairs || !T->parts || !T->mass)
+            status = NO_MEMORY;
     }
     if (!status) {
         T->dimension = dimension;

@@ -1,4 +1,5 @@
-/* Explicit Runge-Kutta codes with variable steps, as spacar/integrators/runge_kutta.py and the step loop of drive.py. */
+/* Explicit Runge-Kutta codes with variable steps, as spacar/integrators/runge_kutta.py and the step loop of
+   drive.py. */
 /* sum_j w_j K_j over the first `count` rows, into out. */
 static void combine(const RungeKutta *p, int n, int count, const double *w, double *out)
 {

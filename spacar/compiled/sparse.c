@@ -1,26 +1,29 @@
 /* Sparse LU with an order of the pivots that is chosen once, from numbers, and used as long as it is good.
 
-   The matrix is a list of entries (row, column, place of the value); entries of the same place add up. Rows are scaled
-   by the row factors of an equilibration (Ruiz, RAL-TR-2001-034). The order minimizes the fill (Markowitz) among the
-   entries that are at least THRESHOLD of the largest one of their column (Duff, Erisman, Reid, "Direct Methods for Sparse
-   Matrices", chapters 5 and 10). A later factorization has no choice; it returns its largest
+   The matrix is a list of entries (row, column, place of the value); entries of the same place add up. Rows are
+   scaled by the row factors of an equilibration (Ruiz, RAL-TR-2001-034). The order minimizes the fill (Markowitz)
+   among the entries that are at least THRESHOLD of the largest one of their column (Duff, Erisman, Reid, "Direct
+   Methods for Sparse Matrices", chapters 5 and 10). A later factorization has no choice; it returns its largest
    multiplier, and above GROWTH, or when that is not a number, the order has to be chosen again.
 
-   Row k of the factors, in the order of the pivots, begins at row_at[k] with its multipliers, whose columns are ascending, then come
-   the pivot and from upper_at[k] on the rest of the row. `updates` are the places that are changed, in the order in
-   which elimination reaches them, so that nothing is looked up and nothing is copied, as long as they are at most STORED times
-   the numbers of the factors; where elimination fills more, the place of every column in its row is looked up in `place`. */
+   Row k of the factors, in the order of the pivots, begins at row_at[k] with its multipliers, whose columns are
+   ascending, then come the pivot and from upper_at[k] on the rest of the row. `updates` are the places that are
+   changed, in the order in which elimination reaches them, so that nothing is looked up and nothing is copied, as
+   long as they are at most STORED times the numbers of the factors; where elimination fills more, the place of every
+   column in its row is looked up in `place`. */
 
 enum { OK = 0, NO_CONVERGENCE = -1, SINGULAR = -2, NOT_FINITE = -3, JUMP = -4, NO_MEMORY = -5, NOT_ANSWERED = -6 };
 static const double THRESHOLD = 0.1, GROWTH = 100.0;
 enum { STORED = 8, SEARCHED = 256 }; /* SEARCHED: entries of columns among which a pivot is chosen */
 
 typedef struct {
-    int n, n_entries, planned, kept, even; /* kept: the order stays, another one is made beside it; even: sign of the permutations */
+    /* kept: the order stays, another one is made beside it; even: sign of the permutations */
+    int n, n_entries, planned, kept, even;
     int *row, *column, *source;         /* (n_entries) */
     double *weight;                     /* (n) row factors */
     int *row_order, *column_order;      /* (n) row and column of pivot k */
-    int *entry_place, *entry_source;    /* (n_entries) by pivot row: where they go in the factors, where they come from */
+    /* (n_entries) by pivot row: where they go in the factors, where they come from */
+    int *entry_place, *entry_source;
     double *entry_weight;
     Memory order;                       /* what has the order, and the factors in it */
     int *row_at, *upper_at;             /* (n + 1), (n) */
@@ -74,7 +77,8 @@ static int order_begin(Sparse *s)
     s->entry_weight = cleared(&s->order, n_entries, sizeof(double));
     s->row_at = cleared(&s->order, n + 1, sizeof(int));
     s->upper_at = cleared(&s->order, n, sizeof(int));
-    return s->weight && s->row_order && s->column_order && s->entry_place && s->entry_source && s->entry_weight && s->row_at
+    return s->weight && s->row_order && s->column_order && s->entry_place && s->entry_source && s->entry_weight
+        && s->row_at
         && s->upper_at ? OK : NO_MEMORY;
 }
 
@@ -219,8 +223,8 @@ static int parity(Memory *work, const int *order, int n)
     return sign;
 }
 
-/* The places of all numbers of the factors, and which of them are changed when. `step` (n): the pivot of a column; `work` is for
-   work. OK or NO_MEMORY. */
+/* The places of all numbers of the factors, and which of them are changed when. `step` (n): the pivot of a column;
+   `work` is for work. OK or NO_MEMORY. */
 static int lay_out(Memory *work, Sparse *s, const List *lower, const List *upper, const int *step)
 {
     const int n = s->n;
@@ -238,7 +242,8 @@ static int lay_out(Memory *work, Sparse *s, const List *lower, const List *upper
     s->factors = cleared(&s->order, at, sizeof(real));
     const int stored = changes <= (size_t)STORED * at;
     s->updates = stored ? cleared(&s->order, changes, sizeof(int)) : NULL;
-    int *first = cleared(work, n + s->n_entries, sizeof(int)), *next = first + n; /* entries of a row, and one behind another */
+    /* entries of a row, and one behind another */
+    int *first = cleared(work, n + s->n_entries, sizeof(int)), *next = first + n;
     if (!place || !s->factor_column || !s->factors || (stored && !s->updates) || !first) return NO_MEMORY;
     for (int i = 0; i < n; i++) first[i] = -1;
     for (int k = s->n_entries - 1; k >= 0; k--) { next[k] = first[s->row[k]]; first[s->row[k]] = k; }
@@ -272,9 +277,11 @@ static int plan(Sparse *s, const real *values, int lane)
     const int n = s->n;
     if (order_begin(s)) return NO_MEMORY;
     Memory work = {0};
-    List *rows = cleared(&work, 4 * (size_t)n, sizeof(List)), *columns = rows + n, *lower = columns + n, *upper = lower + n;
+    List *rows = cleared(&work, 4 * (size_t)n, sizeof(List)), *columns = rows + n, *lower = columns + n,
+        *upper = lower + n;
     Counts counts = {0, NULL};
-    int *step = cleared(&work, 2 * (size_t)n, sizeof(int)), *place = step + n; /* place: of a column in a row, plus 1; 0: none */
+    /* place: of a column in a row, plus 1; 0: none */
+    int *step = cleared(&work, 2 * (size_t)n, sizeof(int)), *place = step + n;
     int status = rows && step ? equilibrate(&work, s, values, lane) : NO_MEMORY;
     for (int k = 0; k < s->n_entries && !status; k++) {
         const int i = s->row[k], j = s->column[k], at = place_of(&rows[i], j);

@@ -92,8 +92,8 @@ static double split(double value, long *power)
     return number.value;
 }
 
-/* Inverse of the determinant of the factored matrix, lane by lane (LANES each): mantissa 2^exponent. Logarithms would take
-   longer than the factorization of a small matrix. */
+/* Inverse of the determinant of the factored matrix, lane by lane (LANES each): mantissa 2^exponent. Logarithms
+   would take longer than the factorization of a small matrix. */
 static void determinant(const Sparse *s, double *mantissa, double *exponent)
 {
     EACH_LANE {

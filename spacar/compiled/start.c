@@ -1,14 +1,16 @@
-/* The start of a motion: the first state, and whether its reduced mass matrix can be doubted (spacar/dynamics/mass_check.py). */
+/* The start of a motion: the first state, and whether its reduced mass matrix can be doubted
+   (spacar/dynamics/mass_check.py). */
 enum { FAR_AWAY = 1, DOUBTFUL_MASS = 2 }; /* as in compiled_model.py */
 
-/* Does the first look of mass_check.py leave a doubt in a lane? M (q, q), condition: of D, largest: diagonal entry of the mass
-   matrix in the sizes of the coordinates; d, L: room for q and q^2. The eigenvalues of M scaled to a unit diagonal are above tau
-   where M - tau has a Cholesky factorization (known to q eps, as they are). */
+/* Does the first look of mass_check.py leave a doubt in a lane? M (q, q), condition: of D, largest: diagonal entry
+   of the mass matrix in the sizes of the coordinates; d, L: room for q and q^2. The eigenvalues of M scaled to a
+   unit diagonal are above tau where M - tau has a Cholesky factorization (known to q eps, as they are). */
 static int is_doubtful(const Model *m, const real *M, int w, double condition, double largest, double *d, double *L)
 {
     const Spec *s = &m->s;
     const int a = s->n_x_dynamic, q = a + s->n_e_dynamic;
-    const double half = sqrt(DBL_EPSILON), part = 8.0 * s->nx * DBL_EPSILON * condition * condition, rounding = part * part * largest;
+    const double half = sqrt(DBL_EPSILON), part = 8.0 * s->nx * DBL_EPSILON * condition * condition,
+        rounding = part * part * largest;
     double least = INFINITY;
     for (int i = 0; i < q; i++) {
         const double size = i < a ? s->scale[s->x_dynamic + i] : s->e_scale[s->e_dynamic + i - a];
@@ -27,7 +29,8 @@ static int is_doubtful(const Model *m, const real *M, int w, double condition, d
     return 0;
 }
 
-/* The same of all lanes at the last evaluated state. A bound of the condition comes first: it is enough where masses are ordinary. */
+/* The same of all lanes at the last evaluated state. A bound of the condition comes first: it is enough where masses
+   are ordinary. */
 static int is_mass_doubtful(Model *m)
 {
     const Spec *s = &m->s;
@@ -44,7 +47,8 @@ static int is_mass_doubtful(Model *m)
             doubt = 0;
             EACH_LANE {
                 double largest = 0.0;
-                for (int i = 0; i < s->nx; i++) largest = fmax(largest, LANE(diagonal[i], w) * s->scale[i] * s->scale[i]);
+                for (int i = 0; i < s->nx; i++)
+                    largest = fmax(largest, LANE(diagonal[i], w) * s->scale[i] * s->scale[i]);
                 doubt |= is_doubtful(m, M, w, condition, largest, d, d + q);
             }
             if (!doubt) break;
@@ -54,10 +58,11 @@ static int is_mass_doubtful(Model *m)
     return doubt;
 }
 
-/* Evaluate the start state y (its time derivative into out) from the configuration of `at`. A negative reason when that is not
-   possible; FAR_AWAY when a coordinate moves by more than `farthest` of its size, so that the path has to be followed; with
-   `checked`, DOUBTFUL_MASS when the mass matrix is to be looked at closely; else OK. */
-static int spacar_start(Model *m, State *at, const real *y, real *out, double converged, double jump, double farthest, int checked)
+/* Evaluate the start state y (its time derivative into out) from the configuration of `at`. A negative reason when
+   that is not possible; FAR_AWAY when a coordinate moves by more than `farthest` of its size, so that the path has
+   to be followed; with `checked`, DOUBTFUL_MASS when the mass matrix is to be looked at closely; else OK. */
+static int spacar_start(Model *m, State *at, const real *y, real *out, double converged, double jump, double farthest,
+    int checked)
 {
     const Spec *s = &m->s;
     const real *x0 = s->x0;
@@ -70,8 +75,8 @@ static int spacar_start(Model *m, State *at, const real *y, real *out, double co
     return checked && is_mass_doubtful(m) ? DOUBTFUL_MASS : OK;
 }
 
-/* A state at the reference configuration that nothing is known of, in memory for x, xd, xdd and three forces (nx), e, ed, edd, sigma,
-   given_e (ne), y. */
+/* A state at the reference configuration that nothing is known of, in memory for x, xd, xdd and three forces (nx),
+   e, ed, edd, sigma, given_e (ne), y. */
 static void spacar_state(const Model *m, State *at, real *memory)
 {
     const int nx = m->s.nx, ne = m->s.ne;

@@ -1,12 +1,13 @@
 /* Evaluation of a state of the integrators: right-hand side, stages of a step. */
 
 static const double SMALLEST_PIECE = 1.0 / 64.0; /* of the way to a state that is a jump away */
-static const double MAGNIFIED = 1e4;             /* at most, by an extrapolation: errors of the positions from which it goes on */
+/* at most, by an extrapolation: errors of the positions from which it goes on */
+static const double MAGNIFIED = 1e4;
 
-/* The polynomial that has position, velocity and acceleration of n states at the times `at` (Hermite): at t it is the sum of
-   c[k][0] x_k + c[k][1] v_k + c[k][2] a_k, one state being a parabola. Each term is G_k(t) = prod_j ((t - t_j)/(t_k - t_j))^3, whose two
-   derivatives vanish at the other states, times the first three terms of a series of the motion over G_k. The largest c[k][0], by
-   which errors of positions are magnified. */
+/* The polynomial that has position, velocity and acceleration of n states at the times `at` (Hermite): at t it is
+   the sum of c[k][0] x_k + c[k][1] v_k + c[k][2] a_k, one state being a parabola. Each term is G_k(t) = prod_j ((t -
+   t_j)/(t_k - t_j))^3, whose two derivatives vanish at the other states, times the first three terms of a series of
+   the motion over G_k. The largest c[k][0], by which errors of positions are magnified. */
 static double extrapolation(double t, const double *at, int n, double (*c)[3])
 {
     double most = 0.0;
@@ -48,8 +49,8 @@ static double left_of_degrees(const Spec *s, const Trace *trace, const double (*
     return largest_lane(largest);
 }
 
-/* Is x, in the sizes of its coordinates, no farther than `far` from the last state? A common translation, which deforms no
-   element, is no distance: of each axis what all nodes go the same way. As `_jump` of kinematics.py. */
+/* Is x, in the sizes of its coordinates, no farther than `far` from the last state? A common translation, which
+   deforms no element, is no distance: of each axis what all nodes go the same way. As `_jump` of kinematics.py. */
 static int is_near(const Spec *s, const State *at, const real *x, double far)
 {
     double low[3][LANES], high[3][LANES];
@@ -70,9 +71,9 @@ static int is_near(const Spec *s, const State *at, const real *x, double far)
 
 /* A guess of the calculable coordinates of x at t. OK, or JUMP when they go far.
 
-   It goes on from as many states as come near to the degrees of freedom, which are known: from one more unless that comes
-   twice as far. Where transfer functions are known the guess follows the degrees of freedom then, as stages of a step leave
-   a smooth motion. */
+   It goes on from as many states as come near to the degrees of freedom, which are known: from one more unless that
+   comes twice as far. Where transfer functions are known the guess follows the degrees of freedom then, as stages of
+   a step leave a smooth motion. */
 static int guess(Model *m, const State *at, double t, const real *y, double far, real *x)
 {
     const Spec *s = &m->s;
@@ -158,8 +159,8 @@ static void keep(Model *m, State *at, double t, const real *y, const real *rates
 /* After a stage of an explicit Runge-Kutta step: it does not lie on a smooth motion, from which a guess could go on. */
 static void leave_motion(Model *m) { m->traces[0].n = 0; }
 
-/* Evaluate the state y = (x dynamic, e dynamic, their rates) at t, stresses too when wanted. Number of position iterations,
-   or a negative reason; then the last evaluated state is still there. */
+/* Evaluate the state y = (x dynamic, e dynamic, their rates) at t, stresses too when wanted. Number of position
+   iterations, or a negative reason; then the last evaluated state is still there. */
 static int evaluate(Model *m, State *at, double t, const real *y, double converged, double jump, int want_stress)
 {
     const Spec *s = &m->s;
@@ -180,7 +181,8 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
     if (iterations < 0) return iterations;
     real moved = EVERY(0.0);
     for (int i = 0; i < nx; i++) moved = lanes_larger(moved, (x[i] - at->x[i]) / s->scale[i]);
-    if (!m->tree && !(largest_lane(moved) <= jump) && !is_near(s, at, x, jump)) return JUMP; /* a tree has no other branches */
+    /* a tree has no other branches */
+    if (!m->tree && !(largest_lane(moved) <= jump) && !is_near(s, at, x, jump)) return JUMP;
     const int status = accelerate(m, t, x, xd, m->next_e, m->given_edd, xdd, at->sigma, want_stress);
     if (status < 0) return status;
     keep(m, at, t, y, y + q + s->n_x_kinematic + s->n_e_kinematic);
@@ -188,7 +190,8 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
 }
 
 /* The same; a state that is a jump away is reached in pieces, so that the mechanism stays on its branch. */
-static int evaluate_in_pieces(Model *m, State *at, double t, const real *y, double converged, double jump, int want_stress)
+static int evaluate_in_pieces(Model *m, State *at, double t, const real *y, double converged, double jump,
+    int want_stress)
 {
     const Spec *s = &m->s;
     const int a = s->n_x_dynamic, q = a + s->n_e_dynamic, k = q + s->n_x_kinematic, positions = k + s->n_e_kinematic;
@@ -223,7 +226,8 @@ static void position_determinant(const Model *m, double *sign, double *size)
     *size = logarithm(mantissa[0], exponent[0]);
 }
 
-/* Keep the smallest determinant of the evaluated states, and its signs; without logarithms, which cost a part of a small model. */
+/* Keep the smallest determinant of the evaluated states, and its signs; without logarithms, which cost a part of a
+   small model. */
 static void sample(const Model *m, State *at)
 {
     double mantissa[LANES], exponent[LANES];
@@ -257,12 +261,17 @@ static int rates_of_elements(Model *m, State *at, double t, const real *y, real 
     return status;
 }
 
-static int n_of_state(const Spec *s) { return 2 * (s->n_x_dynamic + s->n_e_dynamic) + s->n_x_kinematic + s->n_e_kinematic; }
+static int n_of_state(const Spec *s)
+{
+    return 2 * (s->n_x_dynamic + s->n_e_dynamic) + s->n_x_kinematic + s->n_e_kinematic;
+}
 
-/* Whether the state holds everything of y at t, and nothing has been evaluated since. A user function is asked again: it may count. */
+/* Whether the state holds everything of y at t, and nothing has been evaluated since. A user function is asked
+   again: it may count. */
 static int is_evaluated(const Model *m, const State *at, double t, const real *y)
 {
-    return !m->s.user && at->whole && at->whole == m->evaluations && at->t == t && !memcmp(at->y, y, sizeof(real) * n_of_state(&m->s));
+    return !m->s.user && at->whole && at->whole == m->evaluations && at->t == t
+        && !memcmp(at->y, y, sizeof(real) * n_of_state(&m->s));
 }
 
 /* Time derivative of the y that the state holds everything of. */
@@ -288,11 +297,11 @@ static int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, d
     return m->tree ? tree_rates(m, at, t, y, out) : rates_of_elements(m, at, t, y, out, converged, jump);
 }
 
-/* Stages `from` ... n - 1 of an explicit Runge-Kutta step from (t, y): K_i = F(t + c_i h, y + h sum_j a_ij K_j), at times not
-   outside of [earliest, latest]. Rows of K are `stride` apart. The number of the first stage that could not be
-   evaluated, n when all could. */
-static int spacar_stages(Model *m, State *at, int from, int n, const double *c, const double *a, double t, double h, double earliest,
-                  double latest, const real *y, real *K, int stride, double converged, double jump)
+/* Stages `from` ... n - 1 of an explicit Runge-Kutta step from (t, y): K_i = F(t + c_i h, y + h sum_j a_ij K_j), at
+   times not outside of [earliest, latest]. Rows of K are `stride` apart. The number of the first stage that could
+   not be evaluated, n when all could. */
+static int spacar_stages(Model *m, State *at, int from, int n, const double *c, const double *a, double t, double h,
+    double earliest, double latest, const real *y, real *K, int stride, double converged, double jump)
 {
     const int size = n_of_state(&m->s);
     for (int i = from; i < n; i++) {

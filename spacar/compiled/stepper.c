@@ -1,12 +1,14 @@
 /* Steps of an integrator in one call, up to the next output (`spacar.compiled.compiled_stepper`).
 
-   The methods are those of spacar/integrators, on the same arrays and with the same coefficients, which Python gives; only
-   sums may be rounded in another order. Python is asked for derivatives that the model in C cannot give, and told of accepted
-   steps at which the watch of dead points (spacar/forward/continuity.py) has to look closer; all others are told apart here.
+   The methods are those of spacar/integrators, on the same arrays and with the same coefficients, which Python
+   gives; only sums may be rounded in another order. Python is asked for derivatives that the model in C cannot give,
+   and told of accepted steps at which the watch of dead points (spacar/forward/continuity.py) has to look closer;
+   all others are told apart here.
 
-   Several cases share their steps: n, and every array of the state, counts all lanes, a step has the largest error of a case,
-   and where one of them would have to be asked or told about, the call ends: Python follows them alone. */
-enum { ARRIVED = 0, AT_OUTPUT = 1, PAUSED = 2, TOO_SMALL = 3, NOT_EVALUATED = 4, INTERRUPTED = 5 }; /* as in methods_in_c.py */
+   Several cases share their steps: n, and every array of the state, counts all lanes, a step has the largest error
+   of a case, and where one of them would have to be asked or told about, the call ends: Python follows them alone. */
+/* as in methods_in_c.py */
+enum { ARRIVED = 0, AT_OUTPUT = 1, PAUSED = 2, TOO_SMALL = 3, NOT_EVALUATED = 4, INTERRUPTED = 5 };
 enum { LOOK_NEVER, LOOK_AT_DETERMINANTS, LOOK_AT_VELOCITIES, LOOK_ALWAYS };
 
 static double *record(const Stepper *r, int k) { return r->records + (size_t)(k % r->capacity) * r->width; }
@@ -30,15 +32,18 @@ static int unexplained(const Stepper *r, const double *a, const double *b)
 {
     const int nx = r->model->s.nx;
     const double h = b[0] - a[0];
-    const real *va = (const real *)(a + 4 + r->n) + nx, *vb = (const real *)(b + 4 + r->n) + nx, *aa = va + nx, *ab = vb + nx;
+    const real *va = (const real *)(a + 4 + r->n) + nx, *vb = (const real *)(b + 4 + r->n) + nx, *aa = va + nx,
+        *ab = vb + nx;
     real fastest = EVERY(0.0), most = EVERY(0.0);
     for (int i = 0; i < nx; i++) fastest = lanes_larger(fastest, lanes_larger(size_of(va[i]), vb[i]) / r->scale[i]);
-    EACH_LANE if (!(LANE(fastest, w) * fabs(h) > r->still)) LANE(fastest, w) = INFINITY; /* of a case that stands, all is explained */
+    /* of a case that stands, all is explained */
+    EACH_LANE if (!(LANE(fastest, w) * fabs(h) > r->still)) LANE(fastest, w) = INFINITY;
     for (int i = 0; i < nx; i++) {
         const real v = lanes_larger(size_of(va[i]), vb[i]), acceleration = lanes_larger(size_of(aa[i]), ab[i]);
         const real change = size_of(vb[i] - va[i] - 0.5 * h * (aa[i] + ab[i]));
         const real beyond = change - (fabs(h) * acceleration + r->share * v + fastest * (r->scale[i] * r->noise));
-        most = lanes_larger(most, beyond + size_of(beyond)); /* zero where it is negative; what is not a number counts as none */
+        /* zero where it is negative; what is not a number counts as none */
+        most = lanes_larger(most, beyond + size_of(beyond));
     }
     return largest_lane(most) > 0.0;
 }
@@ -90,7 +95,8 @@ static double *recorded(Stepper *r, const double *y)
     return now;
 }
 
-/* Record the start of a motion where it stands; Python does where it remembers the steps itself, or knows the state alone. */
+/* Record the start of a motion where it stands; Python does where it remembers the steps itself, or knows the state
+   alone. */
 static void started(Stepper *r, const double *y)
 {
     if (LANES > 1 || r->recorded || r->look == LOOK_ALWAYS || !r->at->known) return;
@@ -102,7 +108,8 @@ static void started(Stepper *r, const double *y)
     clear_samples(r->at);
 }
 
-/* Record the accepted step that the state stands at, and tell of it if it has to be looked at; 0, or 2 when all has to end. */
+/* Record the accepted step that the state stands at, and tell of it if it has to be looked at; 0, or 2 when all has
+   to end. */
 static int seen(Stepper *r, double t, const double *y)
 {
     const Model *m = r->model;
@@ -166,8 +173,8 @@ static void rejected(Stepper *r)
     r->model->transfer_of = NULL;
 }
 
-/* A step could be evaluated. Of several cases the failures of the whole motion are counted: one that creeps along a dead point,
-   failing every few steps, is followed alone. */
+/* A step could be evaluated. Of several cases the failures of the whole motion are counted: one that creeps along a
+   dead point, failing every few steps, is followed alone. */
 static void evaluated(Stepper *r)
 {
     if (LANES == 1) r->reductions = 0;

@@ -1,35 +1,43 @@
-/* A rigid tree (rigid_tree.c), and V[E, U] of it by blocks: one for each element and what it carries, and its condition.
+/* A rigid tree (rigid_tree.c), and V[E, U] of it by blocks: one for each element and what it carries, and its
+   condition.
 
-   Deformations do not change with a rotation of the whole element, and a rigid one has none: how they depend on the motion of its
-   outer end, in the axes of its frame, is a constant of the reference configuration (for a hinge: of the frame at p). The matrix is
-   block triangular in the order from the ground outwards, so that its determinant is constant too (theory-system.md section 13). */
-/* Degrees of freedom up to which it pays against the saddle-point form: the rows of X are full (docs/performance.md, rigid trees). */
+   Deformations do not change with a rotation of the whole element, and a rigid one has none: how they depend on the
+   motion of its outer end, in the axes of its frame, is a constant of the reference configuration (for a hinge: of
+   the frame at p). The matrix is block triangular in the order from the ground outwards, so that its determinant is
+   constant too (theory-system.md section 13). */
+/* Degrees of freedom up to which it pays against the saddle-point form: the rows of X are full (docs/performance.md,
+   rigid trees). */
 enum { MOST_PLANAR = 32, MOST_SPATIAL = 64 };
 enum { APART, RIGID, TURNING, OF_A_NODE };
 enum { AT_P, TURN_P, AT_Q, TURN_Q };
-typedef struct { signed char how, dimension, end[4]; } Joint; /* `end`: the first of its coordinates; -1: no such node */
+/* `end`: the first of its coordinates; -1: no such node */
+typedef struct { signed char how, dimension, end[4]; } Joint;
 static const Joint JOINT[N_KINDS] = {
-    [PLBEAM] = {RIGID, 2, {0, 2, 3, 5}}, [PLBEAM_ANGLE] = {RIGID, 2, {0, 2, 3, 5}}, [PLPINBOD] = {RIGID, 2, {0, 2, 3, -1}},
+    [PLBEAM] = {RIGID, 2, {0, 2, 3, 5}}, [PLBEAM_ANGLE] = {RIGID, 2, {0, 2, 3, 5}},
+        [PLPINBOD] = {RIGID, 2, {0, 2, 3, -1}},
     [BEAM] = {RIGID, 3, {0, 3, 7, 10}}, [BEAM_ANGLE] = {RIGID, 3, {0, 3, 7, 10}}, [PINBODY] = {RIGID, 3, {0, 3, 7, -1}},
     [PLTOR] = {TURNING, 2, {-1, 0, -1, 1}}, [HINGE] = {TURNING, 3, {-1, 0, -1, 4}},
     [NORMALIZATION] = {OF_A_NODE, 3, {-1, 0, -1, -1}}, [BODY] = {OF_A_NODE, 3, {-1, 0, -1, -1}},
 };
 
 typedef struct {
-    int from, row, degree, place; /* frame it turns against, or -1; row of e that is the angle; its column, 0: none; -1 or the given angle */
+    /* frame it turns against, or -1; row of e that is the angle; its column, 0: none; -1 or the given angle */
+    int from, row, degree, place;
     double sign;
     real axis[3], angle;          /* the angle at the reference (planar) */
     real J[6];                    /* xx, xy, xz, yy, yz, zz; planar: one number */
     int heavy, at_row;            /* J is not 0; then its first row of X */
 } Frame;
-typedef struct { int c[4], n, frame; real shift; } Orientation; /* frame -1: not reached; shift: angle less that of the frame (planar) */
-typedef struct { int c[3], reached, degree[3]; } Point;         /* reached: 1 given, 2 by an arm; columns of its coordinates */
+/* frame -1: not reached; shift: angle less that of the frame (planar) */
+typedef struct { int c[4], n, frame; real shift; } Orientation;
+/* reached: 1 given, 2 by an arm; columns of its coordinates */
+typedef struct { int c[3], reached, degree[3]; } Point;
 typedef struct { int p, q, frame; real r[3]; } Arm;
 typedef struct { int row, column; real mass; } Pair;           /* an entry of M off its diagonal */
 typedef struct { const Batch *batch; int i, node[4], reached; } Part; /* an element, and the nodes at its ends */
 enum { MOST_LINKED = 6 };
-/* An element and what it carries: point and orientation at its outer end, or -1. L Q, Q orthogonal: how its n deformations depend on
-   their motion in the axes of a frame, a constant. */
+/* An element and what it carries: point and orientation at its outer end, or -1. L Q, Q orthogonal: how its n
+   deformations depend on their motion in the axes of a frame, a constant. */
 typedef struct {
     int part, point, node, frame, n;
     real L[MOST_LINKED][MOST_LINKED], Q[MOST_LINKED][MOST_LINKED], inverse[MOST_LINKED]; /* of the diagonal of L */
@@ -49,8 +57,9 @@ struct Tree {
     real *weights;                /* (width) of the columns of X: 1, accelerations of the degrees of freedom, zeros */
 };
 
-/* L and Q of the links from V at the reference configuration (Gram-Schmidt on its rows, twice: as exact as Householder's reflections,
-   L. Giraud and others, docs/reference/bibliography.md). 0: an element does not hold what it carries. */
+/* L and Q of the links from V at the reference configuration (Gram-Schmidt on its rows, twice: as exact as
+   Householder's reflections, L. Giraud and others, docs/reference/bibliography.md). 0: an element does not hold what
+   it carries. */
 static int add_blocks(const Model *m, struct Tree *T)
 {
     for (int l = 0; l < T->n_links; l++) {
@@ -96,8 +105,9 @@ static real norm_of(const real *v, int n)
     return lanes_sqrt(sum);
 }
 
-/* How far the coordinates go altogether, in their sizes, for a unit of deformation r of a link: what is beyond moves with its end and turns
-   about it, no point farther away than `reach`, the length of all arms. A vector (n) has a 1-norm of sqrt(n) times its length at most. */
+/* How far the coordinates go altogether, in their sizes, for a unit of deformation r of a link: what is beyond moves
+   with its end and turns about it, no point farther away than `reach`, the length of all arms. A vector (n) has a
+   1-norm of sqrt(n) times its length at most. */
 static real way_of(const struct Tree *T, const Link *link, int r, real reach, double shortest)
 {
     const int n = link->n, d = link->point >= 0 ? T->dimension : 0;
@@ -112,15 +122,16 @@ static real way_of(const struct Tree *T, const Link *link, int r, real reach, do
     return T->n_points * sqrt(T->dimension) * (moved + reach * turned) / shortest + T->n_orientations * turned;
 }
 
-/* Reciprocal condition of diag(1/e_scale) V[E, U] diag(scale) in the 1-norm, or less, of all configurations and lanes. Blocks of V that
-   belong to a node keep the lengths of their rows when it turns. A unit of a normalization makes Euler parameters longer by a half, which
-   the deformations at their node undo. */
+/* Reciprocal condition of diag(1/e_scale) V[E, U] diag(scale) in the 1-norm, or less, of all configurations and
+   lanes. Blocks of V that belong to a node keep the lengths of their rows when it turns. A unit of a normalization
+   makes Euler parameters longer by a half, which the deformations at their node undo. */
 static double bound_of_condition(Model *m, const struct Tree *T)
 {
     const Spec *s = &m->s;
     const int d = T->dimension, turns = d == 2 ? 1 : 4;
     real norm = EVERY(0.0), inverse = EVERY(0.0), reach = EVERY(0.0);
-    real *column = cleared(&m->tree_memory, 2 * (T->n_points + T->n_orientations), sizeof(real)), *longer = column + T->n_points + T->n_orientations;
+    real *column = cleared(&m->tree_memory, 2 * (T->n_points + T->n_orientations), sizeof(real)),
+        *longer = column + T->n_points + T->n_orientations;
     if (!column) return 0.0;
     double shortest = INFINITY, widest = 0.0;
     for (int i = 0; i < T->n_arms; i++) reach += norm_of(T->arms[i].r, d);

@@ -1,12 +1,15 @@
-/* Positions, velocities and accelerations of rigid trees, without equations for the positions (theory-system.md section 13).
+/* Positions, velocities and accelerations of rigid trees, without equations for the positions (theory-system.md
+   section 13).
 
    Outwards, one after the other, with the axis a of a hinge and d = R r of an arm,
-       w_q = w_p + a e',   alpha_q = alpha_p + a e'' + w_p x a e',   v_q = v_p + w x d,   a_q = a_p + alpha x d + w x (w x d).
-   Rows of X and `turning` hold the acceleration that all have without the degrees of freedom, less gravity, then the transfer functions
-   of these, for which the same holds without the terms of velocities. */
+        w_q = w_p + a e',   alpha_q = alpha_p + a e'' + w_p x a e',
+        v_q = v_p + w x d,   a_q = a_p + alpha x d + w x (w x d).
+   Rows of X and `turning` hold the acceleration that all have without the degrees of freedom, less gravity, then the
+   transfer functions of these, for which the same holds without the terms of velocities. */
 
 /* The frames of a planar tree: angles, angular velocities and accelerations. */
-static void turn_planar(struct Tree *T, const real *x, const real *xd, const real *xdd, const real *e, const real *ed, const real *edd)
+static void turn_planar(struct Tree *T, const real *x, const real *xd, const real *xdd, const real *e, const real *ed,
+    const real *edd)
 {
     for (int i = 0; i < T->n_frames; i++) {
         const Frame *f = &T->frames[i];
@@ -38,7 +41,8 @@ static inline void matrix_of(const real *l, real *R)
     R[6] = bd - ac; R[7] = cd + ab; R[8] = 1.0 - bb - cc;
 }
 
-/* The frames of a spatial tree: Euler parameters, which turn through with their angle, angular velocities and accelerations. */
+/* The frames of a spatial tree: Euler parameters, which turn through with their angle, angular velocities and
+   accelerations. */
 static void turn_spatial(struct Tree *T, const real *e, const real *ed, const real *edd)
 {
     const int width = T->width;
@@ -54,7 +58,8 @@ static void turn_spatial(struct Tree *T, const real *e, const real *ed, const re
         l[2] = lp[0] * y + lp[2] * c + lp[3] * x - lp[1] * z;
         l[3] = lp[0] * z + lp[3] * c + lp[1] * y - lp[2] * x;
         matrix_of(l, T->attitude + 9 * i);
-        for (int k = 0; k < 3; k++) a[k] = f->sign * (Rp[3 * k] * f->axis[0] + Rp[3 * k + 1] * f->axis[1] + Rp[3 * k + 2] * f->axis[2]);
+        for (int k = 0; k < 3; k++)
+            a[k] = f->sign * (Rp[3 * k] * f->axis[0] + Rp[3 * k + 1] * f->axis[1] + Rp[3 * k + 2] * f->axis[2]);
         memcpy(row, T->turning + 3 * f->from * width, sizeof(real) * 3 * width);
         for (int k = 0; k < 3; k++) {
             const int next = (k + 1) % 3, last = (k + 2) % 3;
@@ -81,7 +86,8 @@ static void begin_points(const Spec *s, struct Tree *T, const real *xdd)
 static inline void crossed(real *to, const real *from, real a, const real *first, real b, const real *second, int width)
 {
     for (int c = 0; c < width; c += ROW)
-        *(row_part *)(to + c) = *(const row_part *)(from + c) + a * *(const row_part *)(first + c) - b * *(const row_part *)(second + c);
+        *(row_part *)(to + c) =
+            *(const row_part *)(from + c) + a * *(const row_part *)(first + c) - b * *(const row_part *)(second + c);
 }
 
 /* The points that arms carry: positions, velocities, accelerations. */
@@ -120,7 +126,8 @@ static void carry_spatial(struct Tree *T, real *x, real *xd)
             const int next = (k + 1) % 3, last = (k + 2) % 3;
             x[q[k]] = x[p[k]] + d[k];
             xd[q[k]] = xd[p[k]] + spin[next] * d[last] - spin[last] * d[next];
-            crossed(to + k * width, from + k * width, d[last], turning + next * width, d[next], turning + last * width, width);
+            crossed(to + k * width, from + k * width, d[last], turning + next * width, d[next], turning + last * width,
+                width);
             to[k * width] += along * spin[k] - square * d[k];
         }
     }
@@ -147,7 +154,8 @@ static void write_orientations(const struct Tree *T, real *x, real *xd)
 }
 
 /* x and xd, which come with what is given of them and of xdd, e, ed, edd; then X and `turning` belong to them. */
-static void follow_tree(const Spec *s, struct Tree *T, real *x, real *xd, const real *xdd, const real *e, const real *ed, const real *edd)
+static void follow_tree(const Spec *s, struct Tree *T, real *x, real *xd, const real *xdd, const real *e,
+    const real *ed, const real *edd)
 {
     begin_points(s, T, xdd);
     if (T->dimension == 2) {
@@ -167,7 +175,8 @@ static void weigh(struct Tree *T)
     const int width = T->width, d = T->dimension;
     real *X = T->X, *MX = T->MX;
     for (int i = 0; i < d * T->n_points; i++)
-        for (int k = i * width; k < (i + 1) * width; k += ROW) *(row_part *)(MX + k) = T->mass[i] * *(row_part *)(X + k);
+        for (int k = i * width; k < (i + 1) * width; k += ROW)
+            *(row_part *)(MX + k) = T->mass[i] * *(row_part *)(X + k);
     for (int i = 0; i < T->n_pairs; i++) {
         const Pair *pair = &T->pairs[i];
         add_row(MX + pair->row * width, pair->mass, X + pair->column * width, width);
@@ -175,7 +184,8 @@ static void weigh(struct Tree *T)
     for (int i = 0; i < T->n_frames; i++) {
         const Frame *f = &T->frames[i];
         if (!f->heavy) continue;
-        const real *turning = T->turning + T->turns * i * width, *R = T->attitude + 9 * i, *w = T->spin + 3 * i, *J = f->J;
+        const real *turning = T->turning + T->turns * i * width, *R = T->attitude + 9 * i, *w = T->spin + 3 * i,
+            *J = f->J;
         real *to = MX + f->at_row * width;
         memcpy(X + f->at_row * width, turning, sizeof(real) * T->turns * width);
         memset(to, 0, sizeof(real) * T->turns * width);
@@ -183,7 +193,8 @@ static void weigh(struct Tree *T)
         const real own[3][3] = {{J[0], J[1], J[2]}, {J[1], J[3], J[4]}, {J[2], J[4], J[5]}};
         real half[3][3], spun[3];
         for (int k = 0; k < 3; k++)
-            for (int l = 0; l < 3; l++) half[k][l] = R[3 * k] * own[0][l] + R[3 * k + 1] * own[1][l] + R[3 * k + 2] * own[2][l];
+            for (int l = 0; l < 3; l++)
+                half[k][l] = R[3 * k] * own[0][l] + R[3 * k + 1] * own[1][l] + R[3 * k + 2] * own[2][l];
         for (int k = 0; k < 3; k++) {
             spun[k] = EVERY(0.0);
             for (int l = 0; l < 3; l++) {
@@ -192,7 +203,8 @@ static void weigh(struct Tree *T)
                 spun[k] += there * w[l];
             }
         }
-        for (int k = 0; k < 3; k++) to[k * width] += w[(k + 1) % 3] * spun[(k + 2) % 3] - w[(k + 2) % 3] * spun[(k + 1) % 3];
+        for (int k = 0; k < 3; k++)
+            to[k * width] += w[(k + 1) % 3] * spun[(k + 2) % 3] - w[(k + 2) % 3] * spun[(k + 1) % 3];
     }
 }
 
@@ -222,7 +234,8 @@ static void load_orientations(const struct Tree *T, const real *x, const real *f
     }
 }
 
-/* xdd of what the tree carries, from those of the degrees of freedom; lambda'' = (0, alpha) o lambda/2 - w.w lambda/4. */
+/* xdd of what the tree carries, from those of the degrees of freedom; lambda'' = (0, alpha) o lambda/2 - w.w
+   lambda/4. */
 static void write_accelerations(const Spec *s, const struct Tree *T, const real *degrees, int q, real *xdd)
 {
     const int width = T->width, d = T->dimension;
@@ -231,10 +244,12 @@ static void write_accelerations(const Spec *s, const struct Tree *T, const real 
     memcpy(weights + 1, degrees, sizeof(real) * q);
     for (int i = 0; i < T->n_points; i++)
         for (int c = 0; c < d; c++)
-            xdd[T->points[i].c[c]] = times_row(T->X + (d * i + c) * width, weights, width) + s->field[T->points[i].c[c]];
+            xdd[T->points[i].c[c]] =
+                times_row(T->X + (d * i + c) * width, weights, width) + s->field[T->points[i].c[c]];
     for (int i = 0; i < T->n_orientations; i++) {
         const Orientation *node = &T->orientations[i];
-        const real *row = T->turning + T->turns * node->frame * width, *l = T->lambda + 4 * node->frame, *w = T->spin + 3 * node->frame;
+        const real *row = T->turning + T->turns * node->frame * width, *l = T->lambda + 4 * node->frame,
+            *w = T->spin + 3 * node->frame;
         const int *c = node->c;
         real a[3];
         for (int k = 0; k < T->turns; k++) a[k] = times_row(row + k * width, weights, width);
@@ -248,7 +263,8 @@ static void write_accelerations(const Spec *s, const struct Tree *T, const real 
 }
 
 /* Accelerations of the degrees of freedom, (q); x, xd, e and ed are whole, X and `turning` those of them. */
-static int accelerate_tree(Model *m, double t, const real *x, const real *xd, const real *e, const real *ed, real *sigma, real *degrees)
+static int accelerate_tree(Model *m, double t, const real *x, const real *xd, const real *e, const real *ed,
+    real *sigma, real *degrees)
 {
     const Spec *s = &m->s;
     struct Tree *T = m->tree;

@@ -19,7 +19,8 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.library import WIDTH, CForeign, CUser, address_of
+from spacar.compiled.interface import structure
+from spacar.compiled.library import WIDTH, address_of
 from spacar.compiled.numbers import Elements
 from spacar.compiled.python_callbacks import AnsweringLaw, PythonCallbacks
 from spacar.elements.family import Configuration, Family
@@ -39,7 +40,7 @@ class ForeignBatch:
         self.branch, self.e, self.H = np.zeros((3, ne, n))
         self.V, self.M = np.zeros((ne, nx, n)), np.zeros((nx, nx, n))
         arrays = self.x, self.v, self.branch, self.e, self.V, self.H, self.M, self.h
-        self.c = CForeign(*(a.ctypes.data for a in arrays))
+        self.c = structure("Foreign")(*(a.ctypes.data for a in arrays))
         self.configuration: Configuration = None
 
     def strain(self) -> None:
@@ -107,12 +108,12 @@ class UserCallbacks:
             self.foreign_c = (ctypes.c_void_p * len(elements))()
             for b, batch in self.foreign.items():
                 self.foreign_c[b] = ctypes.addressof(batch.c)
-        self.user_c: CUser | None = None
+        self.user_c: Any | None = None
         if users:
             parts = [0, nx, 2 * nx, 3 * nx, 3 * nx + ne, 3 * nx + 2 * ne, 3 * nx + 3 * ne]  # x, xd, force; e, ed, sigma
             shared = np.zeros((parts[-1], lanes))
             first, row = address_of(shared), WIDTH * lanes
-            self.user_c = CUser(*[first + row * begin for begin in parts[:-1]])
+            self.user_c = structure("User")(*[first + row * begin for begin in parts[:-1]])
             x, xd, self.force, e, ed, self.sigma = [shared[i:k] for i, k in pairwise(parts)]
             guarded = (e, "e"), (ed, "ep"), (x, "x"), (xd, "xp")
             self.laws = tuple([
