@@ -17,8 +17,8 @@ version = release = spacar.__version__
 extensions = ["myst_parser"]
 source_suffix = {".md": "markdown"}
 root_doc = "docs/index"
-include_patterns = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/**"]
-exclude_patterns = [".*", "out", "build", "dist", "benchmarks", "data", "tests", "docs/*.py", "docs/symbolic/*.py"]
+include_patterns = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/**", "benchmarks/**.md"]
+exclude_patterns = [".*", "out", "build", "dist", "data", "tests", "docs/*.py", "docs/symbolic/*.py"]
 myst_heading_anchors = 4
 html_theme = "furo"
 html_title = f"spacar {release}"
@@ -48,7 +48,9 @@ CONTENTS = {
         "limits",
     ),
     "Understand": ("accuracy", "theory", "symbolic/theory", "performance", "promises", "decisions"),
-    "Change": ("developer", "engine", "/CONTRIBUTING", "/CHANGELOG"),
+    "Change": (
+        "developer", "engine", "/CONTRIBUTING", "/CHANGELOG", "/benchmarks/NOTES", "/benchmarks/peers/README",
+    ),
 }  # fmt: skip
 
 

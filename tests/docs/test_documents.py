@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import ast
 import re
+import shlex
 import shutil
 from pathlib import Path
 
+import click
 import pytest
 
+from spacar_cli.main import program
 from tests.docs.documents import blocks, broken_links, run_document, same_line
 
 HOUSE = Path(__file__).resolve().parents[2]
@@ -42,6 +45,41 @@ def test_python_page(tmp_path):
     count = run_document(DOCS / "python.md", tmp_path)
     assert count.commands >= 40
     assert count.numbers >= 20
+
+
+@pytest.mark.parametrize(
+    ("page", "commands"), [pytest.param("simulation.md", 16, marks=pytest.mark.slow), ("studies.md", 3)]
+)
+def test_pages_beside_the_example_models(page, commands, tmp_path):
+    for model in (HOUSE / "data").glob("*.dat"):
+        shutil.copy(model, tmp_path)
+    assert run_document(DOCS / page, tmp_path).commands == commands
+
+
+def shown_commands() -> list[tuple[str, str]]:
+    """(page, line) of the command lines that pages show without running them; those with placeholders are left out."""
+    lines = []
+    for page in PAGES:
+        for block in blocks(page):
+            if block.language in ("", "sh", "text"):
+                text = block.text.replace("\\\n", " ")
+                found = re.findall(r"^(spacar .*?)(?: +#.*| {3,}\S.*| {4,}.*)?$", text, flags=re.MULTILINE)
+                lines += [(page.name, line) for line in found if not re.search(r"\[-|\w\|\w|\b(FILE|MODEL|NAME)\b|\.\.\.", line)]
+    return lines
+
+
+def test_shown_commands_are_commands_with_these_options():
+    """Parsed as the shell and click do; the pages that show results run their commands besides."""
+    shown = shown_commands()
+    assert len(shown) > 100
+    for page, line in shown:
+        name, *words = shlex.split(line)[1:]
+        command = program.get_command(click.Context(program), name)
+        assert command is not None, f"{page}: {line}"
+        try:
+            command.make_context(name, words)
+        except click.UsageError as error:
+            raise AssertionError(f"{page}: {line}: {error.format_message()}") from error
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
