@@ -10,8 +10,8 @@ from pathlib import Path
 
 import click
 import pytest
-
 from spacar_cli.main import program
+
 from tests.docs.documents import blocks, broken_links, run_document, same_line
 
 HOUSE = Path(__file__).resolve().parents[2]
@@ -64,7 +64,11 @@ def shown_commands() -> list[tuple[str, str]]:
             if block.language in ("", "sh", "text"):
                 text = block.text.replace("\\\n", " ")
                 found = re.findall(r"^(spacar .*?)(?: +#.*| {3,}\S.*| {4,}.*)?$", text, flags=re.MULTILINE)
-                lines += [(page.name, line) for line in found if not re.search(r"\[-|\w\|\w|\b(FILE|MODEL|NAME)\b|\.\.\.", line)]
+                lines += [
+                    (page.name, line)
+                    for line in found
+                    if not re.search(r"\[-|\w\|\w|\b(FILE|MODEL|NAME)\b|\.\.\.", line)
+                ]
     return lines
 
 
