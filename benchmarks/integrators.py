@@ -16,13 +16,13 @@ from time import perf_counter
 
 import numpy as np
 
-from spacar.integrators import METHODS, integrate
+from spacar.integrators import METHODS, Problem, integrate
 
 SIZES = (2, 6, 20, 100)
 REPETITIONS = 5
 
 
-class Oscillators:
+class Oscillators(Problem):
     """q'' = -w^2 q with w = 1 ... 2."""
 
     def __init__(self, n: int) -> None:

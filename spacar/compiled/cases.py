@@ -43,7 +43,7 @@ class InLanes:
     drives, users                        of every case: prescribed motions, user functions of stresses
     """
 
-    stages = None
+    blocks = None  # but for the steps, which `stepper` makes
     look, back, half, inside, wide, far, capacity, n = NEVER, True, 0.0, 0.0, 0.0, 0.0, 2, 0
 
     def __init__(

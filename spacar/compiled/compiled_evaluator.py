@@ -129,6 +129,10 @@ class CompiledDynamics:
     def doubt(self) -> str | None:
         return None if self._general.known is None else self._general.known.doubt
 
+    @property
+    def blocks(self) -> CompiledDynamics:
+        return self
+
     # -- where it stands ------------------------------------------------------------------------------------------
     def start(self) -> Array:
         """Start state. One that is near the reference configuration is placed in C; else the general path goes there.
@@ -181,9 +185,9 @@ class CompiledDynamics:
         """Another state of the same model; `independent`: with a general evaluator of its own."""
         if independent:
             model = self.model
-            other = CompiledDynamics(model.mechanism, loads=model.loads, drive=model.drive)
+            other = type(self)(model.mechanism, loads=model.loads, drive=model.drive)
         else:
-            other = object.__new__(CompiledDynamics)
+            other = object.__new__(type(self))
             vars(other).update(vars(self))
             other.state = self.solver.state()
             other._iterating = None
@@ -272,7 +276,7 @@ class CompiledDynamics:
         self, done: int, c: Array, a: Array, t: float, h: float, window: tuple[float, float], y: Array, K: Array,
         within: float = CONVERGED,
     ) -> int:  # fmt: skip
-        """Stages of an explicit Runge-Kutta step, see `spacar.integrators.problem.Problem`."""
+        """Stages of an explicit Runge-Kutta step, see `spacar.integrators.problem.BlockEvaluator`."""
         kept = self._step_of  # an integrator keeps its arrays
         if kept is None or kept[0] is not c or kept[1] is not y or kept[2] is not K:
             kept = self._step_of = c, y, K, (c.ctypes.data, a.ctypes.data, y.ctypes.data, K.ctypes.data)
@@ -282,7 +286,7 @@ class CompiledDynamics:
         )
 
     def newton(self, method: Radau, h: float, within: float) -> tuple[bool, float, float] | None:
-        """Newton iteration of a step of codes 553 and 595, see `spacar.integrators.problem.Problem`."""
+        """Newton iteration of a step of codes 553 and 595, see `spacar.integrators.problem.BlockEvaluator`."""
         if self._iterating is None or self._iterating.method is not method:
             self._iterating = Iterating(self.solver, self.state, method)
         return self._iterating(h, within)

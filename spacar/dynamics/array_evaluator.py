@@ -31,9 +31,8 @@ from spacar.mechanism.numbering import Numbering
 class Dynamics(EquationsOfMotion):
     """Evaluator of one mechanism; `loads` and `drive` replace those of the mechanism, `kind` forces the storage."""
 
-    stages = None  # those of a step are asked for one by one
     by_case = None
-    stepper = output_block = None  # steps and outputs are made one by one
+    blocks = None  # stages, steps and outputs are made one by one
 
     def __init__(
         self, mechanism: Mechanism, *, loads: Loads | None = None, drive: Drive | None = None, kind: str | None = None

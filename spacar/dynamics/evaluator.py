@@ -7,19 +7,16 @@ or what is watched: the driver (`spacar.forward.driver`) does, and hands them ov
 
     1  place    `start` goes to the start state; `placement`, `moving` say where the evaluator stands
     2  rhs      F(t, y), the position solved to `within`; raises AnalysisError that explains
-    3  stages   those of a Runge-Kutta step in one call, or None: then they are asked from `rhs` one by one; likewise
-                `newton`, the iteration of a Radau step, where an evaluator has it
+    3  blocks   what makes many stages, steps or outputs in one call (`InBlocks`), or None: they are asked one by one
     4  frame    everything that is stored of a state, the position solved to rounding
     5  checks   `condition`, `position_matrix`, `in_range` at the last evaluated state
     6  numpy_evaluator  the NumPy evaluator standing there, with sweeps and factors: for linearization, transfer
                 functions, diagnoses. The evaluator itself goes on undisturbed
     7  fork  another evaluator of the same model that follows its own path from here, for stored states
     8  samples  det V[E, U] of the states evaluated since the last question, for whoever watches what happens in a step
-    9  stepper  the steps of an integrator from output to output in one call, or None: then they are made one by one;
-                likewise `output_block`, many outputs in one call
 
 `spacar.dynamics.Dynamics` (NumPy) and `spacar.compiled.CompiledDynamics` (C) fulfil it, and
-`tests/dynamics/test_evaluators.py` compares them duty by duty. Batches of cases have duties 2 and 3 only.
+`tests/dynamics/test_evaluators.py` compares them duty by duty. Batches of cases have duty 2 only.
 """
 
 from __future__ import annotations
@@ -34,6 +31,27 @@ from spacar.frame import Frame
 from spacar.kinematics.regularity import PositionMatrix
 
 
+class InBlocks(Protocol):
+    """Many evaluations in one call, by an evaluator that can; `within` as in `rhs`."""
+
+    @property
+    def stages(self) -> Callable[..., int]:
+        """`stages(done, c, a, t, h, window, y, K, within)`, see `spacar.integrators.problem.BlockEvaluator`."""
+
+    def newton(self, method: Any, h: float, within: float) -> tuple[bool, float, float] | None:
+        """The iteration of a Radau step, see `spacar.integrators.problem.BlockEvaluator`."""
+
+    @property
+    def stepper(self) -> Callable[..., Any]:
+        """`stepper(monitor, output_block)` gives an object with `output_block`, and with `steps`: `take_steps` of
+        `spacar.integrators.problem.Stepper`, which takes the tolerance of positions too."""
+
+    @property
+    def output_block(self) -> Callable[..., Any]:
+        """`output_block(times, ground, singular, far)` gives what evaluates many outputs in one call
+        (`spacar.compiled.output_block`)."""
+
+
 class Integrable(Protocol):
     """What the driver integrates."""
 
@@ -45,8 +63,8 @@ class Integrable(Protocol):
         """Time derivative of the state. `within`: largest scaled correction that ends Newton's iteration."""
 
     @property
-    def stages(self) -> Callable[..., int] | None:
-        """`stages(done, c, a, t, h, window, y, K, within)`, see `spacar.integrators.problem.Problem`."""
+    def blocks(self) -> InBlocks | None:
+        """What makes many evaluations in one call."""
 
     @property
     def by_case(self) -> tuple[int, int, int] | None:
@@ -108,13 +126,3 @@ class Evaluator(Integrable, Protocol):
         """The logarithm of the smallest |det V[E, U]| of the derivatives since the last call (infinite: none), and
         whether its sign has changed among them.
         """
-
-    @property
-    def stepper(self) -> Callable[..., Any] | None:
-        """`stepper(monitor, output_block)` gives an object with `output_block`, and with `steps`: `take_steps` of
-        `spacar.integrators.problem.Problem`, which takes the tolerance of positions too."""
-
-    @property
-    def output_block(self) -> Callable[..., Any] | None:
-        """`output_block(times, ground, singular, far)` gives what evaluates many outputs in one call
-        (`spacar.compiled.output_block`), or None: frames are asked for one by one."""

@@ -27,7 +27,7 @@ from spacar.forward.accepted_steps import FAR, SingularityMonitor, StepHistory, 
 from spacar.forward.displaced import displaced
 from spacar.frame import Frame, FramesInRows
 from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
-from spacar.integrators.problem import BlockOfOutputs, Jacobian, Output, Step, TakeSteps
+from spacar.integrators.problem import BlockOfOutputs, Jacobian, Output, Problem, Step
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import nearly_singular
 from spacar.mechanism.mechanism import Polynomial, SolverSettings
@@ -58,7 +58,7 @@ class BlockStepper(Protocol):
     def output_block(self) -> Any: ...
 
     def steps(self, method: Any, t: float, t_end: float, h: float, longest: float, within: float) -> Iterator[Step]:
-        """`take_steps` of `spacar.integrators.problem.Problem`, which takes the tolerance of positions too."""
+        """`take_steps` of `spacar.integrators.problem.Stepper`, which takes the tolerance of positions too."""
 
 
 @dataclass(frozen=True)
@@ -84,8 +84,8 @@ class Tolerances:
         return cls(each, rtol, POSITION * min(atol, rtol) if method.variable_step else CONVERGED)
 
 
-class Integrand:
-    """The `Problem` of the integrators: calls of an evaluator, with what the driver adds to them.
+class Integrand(Problem):
+    """What the integrators see: calls of an evaluator, with what the driver adds to them.
 
     `within`: position tolerance; `report`: where it is said that the method has changed; `rejected`: brings the
     evaluator to the last accepted step, as a stage of a step that is too long may have led it far away.
@@ -96,38 +96,44 @@ class Integrand:
         rejected: Callable[[], None] | None = None, trail: StepHistory | None = None,
         stepper: BlockStepper | None = None, may_jump: bool = False,
     ) -> None:  # fmt: skip
-        self.rejected = rejected
         self.n_positions, self.by_case = evaluator.n_positions, evaluator.by_case
-        self.component_name = evaluator.component_name
-        self.jacobian, self.accepted = jacobian, accepted
+        self.component_name = evaluator.component_name  # type: ignore[method-assign]
+        self.jacobian, self.may_jump = jacobian, may_jump
+        if accepted is not None:
+            self.accepted = accepted  # type: ignore[method-assign, assignment]
+        if rejected is not None:
+            self.rejected = rejected  # type: ignore[method-assign]
         self.within = self.usual = within
         self.report = report
         self.said = False  # that a method for stiff models has been kept
-        self.evaluator: Any = evaluator
-        self._rhs, self._together = evaluator.rhs, evaluator.stages
+        self._rhs, self._blocks, self._stepper = evaluator.rhs, evaluator.blocks, stepper
         self.trail = self.starting = trail
         self.continuity = None if trail is None else trail.continuity
-        self._iterates: bool = getattr(evaluator, "newton", None) is not None
-        self._steps = None if stepper is None else stepper.steps
-        self.passes = stepper is not None and stepper.output_block is not None
-        self.may_jump = may_jump
 
     # Nothing here may hold this object: what a run leaves behind goes away with it, without a search for circles.
     @property
-    def stages(self) -> Callable[..., int] | None:
-        return None if self._together is None else self._stages
+    def blocks(self) -> Integrand | None:  # type: ignore[override]
+        return None if self._blocks is None else self
+
+    def stages(self, *step: Any) -> int:
+        assert self._blocks is not None
+        return self._blocks.stages(*step, self.within)
+
+    def newton(self, method: Any, h: float) -> tuple[bool, float, float] | None:
+        assert self._blocks is not None
+        return self._blocks.newton(method, h, self.within)
 
     @property
-    def newton(self) -> Callable[..., tuple[bool, float, float] | None] | None:
-        return self._newton if self._iterates else None
+    def stepper(self) -> Integrand | None:  # type: ignore[override]
+        return None if self._stepper is None else self
 
     @property
-    def take_steps(self) -> TakeSteps | None:
-        return None if self._steps is None else self._march
+    def passes(self) -> bool:
+        return self._stepper is not None and self._stepper.output_block is not None
 
-    def _march(self, method: Any, t: float, t_end: float, h: float, longest: float) -> Iterator[Step]:
-        assert self._steps is not None
-        return self._steps(method, t, t_end, h, longest, self.within)
+    def take_steps(self, method: Any, t: float, t_end: float, h: float, longest: float) -> Iterator[Step]:
+        assert self._stepper is not None
+        return self._stepper.steps(method, t, t_end, h, longest, self.within)
 
     def rhs(self, t: float, y: Array) -> Array:
         f = self._rhs(t, y, self.within)
@@ -140,14 +146,6 @@ class Integrand:
         """F with a position that is exact enough for differences, by an evaluator that leaves this one where it is."""
         assert self.trail is not None  # without it there is no Jacobian, and nobody asks
         return partial(self.trail.evaluator.fork(independent=True).rhs, within=ITERATED)
-
-    def _newton(self, method: Any, h: float) -> tuple[bool, float, float] | None:
-        found: tuple[bool, float, float] | None = self.evaluator.newton(method, h, self.within)
-        return found
-
-    def _stages(self, *step: Any) -> int:
-        assert self._together is not None
-        return self._together(*step, self.within)
 
     def switched(self, t: float, code: int, omega: float | None) -> None:
         """The automatic method goes on with another code: kept when `omega` is given, tried or left when not."""
@@ -201,8 +199,9 @@ def frames(
     model = evaluator.model
     if not model.mechanism.numbering.nkddof or len(times) == 1:
         limits = Limits(evaluator, report)
-        if not standing and evaluator.output_block is not None:
-            for at in evaluator.output_block(times, limits.wheels.rows, nearly_singular(model.mechanism)).prescribed(y):
+        if not standing and evaluator.blocks is not None:
+            block = evaluator.blocks.output_block(times, limits.wheels.rows, nearly_singular(model.mechanism))
+            for at in block.prescribed(y):
                 yield evaluator, checked_frames(evaluator, at, limits)
             return
         for t in times:
@@ -221,12 +220,11 @@ def frames(
     may_jump = not breaks and (model.mechanism.user_signal is not None or not isinstance(model.drive, Polynomial))
     stepper: BlockStepper | None = None
     output_block = None
-    if evaluator.stepper is not None:
+    if evaluator.blocks is not None:
         one_by_one = may_jump and settings.integrator not in (0, AUTOMATIC)  # C looks for jumps in steps of Adams only
-        together = None if standing or one_by_one else shown.output_block
-        if together is not None:
-            output_block = together(times, limits.wheels.rows, nearly_singular(model.mechanism), FAR)
-        stepper = evaluator.stepper(trail, output_block)
+        if not (standing or one_by_one) and shown.blocks is not None:
+            output_block = shown.blocks.output_block(times, limits.wheels.rows, nearly_singular(model.mechanism), FAR)
+        stepper = evaluator.blocks.stepper(trail, output_block)
     outputs = integrated(
         evaluator, y, times, settings, tolerances,
         breaks=breaks, watch=trail.accepted, jacobian=jacobian,

@@ -154,9 +154,9 @@ class Adams:
         Raises AnalysisError `integrator.step-too-small`, or the error of F after ten reductions of the step.
         """
         rhs, phi, d = self.evaluation.rhs, self.phi, self.d
-        if self.evaluation.take_steps is not None:
+        if self.evaluation.stepper is not None:
             self.y[:] = y
-            yield from self.evaluation.take_steps(self, t, t_end, h, float("inf"))
+            yield from self.evaluation.stepper.take_steps(self, t, t_end, h, float("inf"))
             return
         h_min = 4.0 * np.finfo(float).eps * max(abs(t), abs(t_end), t_end - t)
         self.y[:] = y

@@ -39,24 +39,18 @@ JACOBIAN = {True: 8.0, False: 0.4}  # steps of Radau that one costs, with Adams 
 LOOK, OF_PYTHON = 1200.0, 10.0  # a look costs at most LOOK / n steps of Adams in C (0.7 ms), or OF_PYTHON without
 ITERATIONS, SETTLED = 10, 0.1  # of the power method, or its last relative change: what counts is the size of omega
 DIFFERENCE = 1e-7  # of positions and rates: far above what is left of a position, small against its curvature
-Rate = Callable[[float, np.ndarray], np.ndarray]
 Loop = Callable[[Any, bool], Callable[[float, np.ndarray, float, float], Iterator[Step]]]
 
 
 class Automatic:
-    """Steps of code 0 and, where that pays, of 595.
-
-    Two more members of a problem are used if present: `rhs_for_differences()` gives F(t, y) to rounding for the
-    differences, which leaves no trace in the problem, and `switched(t, code, omega)` is called at every change;
-    omega is given when 595 is kept.
-    """
+    """Steps of code 0 and, where that pays, of 595."""
 
     passes_start = Adams.passes_start
 
     def __init__(self, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
         self.evaluation, self.n, self.tolerance = evaluation, n, tolerance
         self.explicit = Adams(evaluation, n, tolerance)
-        in_blocks = evaluation.take_steps is not None
+        in_blocks = evaluation.stepper is not None
         self.of_jacobian = JACOBIAN[in_blocks]
         gain = max(LEAST_C_GAIN, C_GAIN / sqrt(n)) if in_blocks else NUMPY_GAIN
         self.choice = MethodChoice(Costs(gain, LOOK / n if in_blocks else OF_PYTHON, FAST), self._largest)
@@ -116,7 +110,7 @@ class Automatic:
     def _try(self, t: float) -> None:
         """Go on with Radau."""
         self.choice.attempt(t, self._work)
-        self._tell(t, 595)
+        self.evaluation.problem.switched(t, 595, None)
 
     def _implicit(self, one_step: Loop, t: float, y: np.ndarray, t_end: float, h: float) -> Iterator[Step]:
         """Steps of 595 up to the end, or back to Adams."""
@@ -125,20 +119,15 @@ class Automatic:
             t, stood = step.t, choice.stays
             if t >= t_end and not stood:  # the trial was enough; nobody asks for more after the last step
                 choice.stays = True
-                self._tell(choice.tried_at, 595, choice.omega)
+                self.evaluation.problem.switched(choice.tried_at, 595, choice.omega)
             yield step
             if t >= t_end:
                 return
             if not choice.goes_on(t, self._work):
-                self._tell(t, 0)
+                self.evaluation.problem.switched(t, 0, None)
                 return
             if choice.stays and not stood:
-                self._tell(choice.tried_at, 595, choice.omega)
-
-    def _tell(self, t: float, code: int, omega: float | None = None) -> None:
-        switched: Callable[..., None] | None = getattr(self.evaluation.problem, "switched", None)
-        if switched is not None:
-            switched(t, code, omega)
+                self.evaluation.problem.switched(choice.tried_at, 595, choice.omega)
 
     def _largest(self, t: float, y: np.ndarray) -> float:
         """Of the highest frequency and the largest rate of decay what is faster than the motion [1/s]."""
@@ -147,8 +136,7 @@ class Automatic:
     def _frequencies(self, t: float, y: np.ndarray) -> tuple[tuple[float, float], tuple[float, float]]:
         """Highest frequency and largest rate of decay, each with the speed of the motion [1/s], after the last step."""
         problem, counted = self.evaluation.problem, self.evaluation.statistics
-        rhs_for_differences: Callable[[], Rate] | None = getattr(problem, "rhs_for_differences", None)
-        exact: Rate = rhs_for_differences() if rhs_for_differences is not None else problem.rhs
+        exact = problem.rhs_for_differences()
         f = exact(t, y).copy()
         n = problem.n_positions
         rates = len(y) - n

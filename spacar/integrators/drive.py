@@ -68,17 +68,17 @@ def integrate(
     absolute = float(atol) if isinstance(atol, float) or not np.ndim(atol) else np.array(atol, float)
     _check(state, output_times, absolute, rtol, step)
     first, last = float(output_times[0]), float(output_times[-1])
-    if row.needs_jacobian and getattr(problem, "jacobian", None) is None:
+    if row.needs_jacobian and problem.jacobian is None:
         raise UsageError(f"INTEGRAT: {row.name} needs the Jacobian of the problem", "integrator.jacobian")
     evaluation = Evaluation(problem, first, last)
     evaluation.times = output_times
-    if row.code == AUTOMATIC and not evaluation.has_jacobian:
+    if row.code == AUTOMATIC and problem.jacobian is None:
         row = METHODS[0]  # nothing to change to
     integrator = row.build(evaluation, len(state), Tolerance(absolute, float(rtol)))
     segments = _segments(first, last, breaks) if breaks else [(first, last, first, last)]
     loop = _variable if row.variable_step else _fixed
     steps = loop(integrator, evaluation, state, output_times, segments, step)
-    passed = evaluation.passes and getattr(integrator, "passes_start", False)
+    passed = problem.stepper is not None and problem.stepper.passes and getattr(integrator, "passes_start", False)
     return _outputs(steps, None if passed else state, output_times, evaluation, max_steps)
 
 
@@ -195,7 +195,7 @@ def _variable(
     y = y0.copy()
     # Nothing is known beyond the first output: a longer first step could jump over a short pulse of an input.
     h = step if step is not None else float(times[1]) - evaluation.first
-    jumps = Jumps(evaluation, times, integrator.tolerance) if evaluation.may_jump else None
+    jumps = Jumps(evaluation, times, integrator.tolerance) if evaluation.problem.may_jump else None
     for begin, end, evaluation.first, evaluation.last in segments:
         start = begin
         while True:
@@ -231,8 +231,8 @@ def _one_step(
         if estimate:
             h = min(h, _first_step(evaluation, integrator, t, y, f.copy()))
         h = max(min(h, longest), h_min)
-        if evaluation.take_steps is not None and isinstance(integrator, ExplicitRungeKutta):
-            yield from evaluation.take_steps(integrator, t, t_end, h, longest)
+        if evaluation.stepper is not None and isinstance(integrator, ExplicitRungeKutta):
+            yield from evaluation.stepper.take_steps(integrator, t, t_end, h, longest)
             return
         final = False
         while not final:

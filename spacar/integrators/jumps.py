@@ -15,15 +15,14 @@ on, so that smooth motions are located a few times at most. Steps of Adams in C 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import sqrt
-from typing import Any
 
 import numpy as np
 
 from spacar.errors import AnalysisError
 
-from .problem import Evaluation, Step, Tolerance
+from .problem import Evaluation, Rate, Step, Tolerance
 
 SUSPECT = 100.0  # a hundredth of ERROR is the tolerance of a step of mechanisms: an error of ERROR
 CHANGED = 0.5
@@ -39,7 +38,7 @@ class Jumps:
         self.evaluation, self.times, self.tolerance = evaluation, times, tolerance
         evaluation.suspect = SUSPECT
         self.next = 1  # output
-        self.rhs_for_differences: Callable[[float, np.ndarray], np.ndarray] | None = None  # F that leaves no trace
+        self.rhs_for_differences: Rate | None = None
 
     def within(self, before: float, step: Step) -> tuple[float, float] | None:
         """The times before and behind the first jump that an output in the step from `before` shows, None: none."""
@@ -76,8 +75,7 @@ class Jumps:
         low, high = max(before, t - DIFFERENCE * h), min(step.t, t + DIFFERENCE * h)
         slope = (np.array(step.interpolate(high)) - step.interpolate(low)) / (high - low)
         if self.rhs_for_differences is None:
-            made: Callable[[], Any] | None = getattr(self.evaluation.problem, "rhs_for_differences", None)
-            self.rhs_for_differences = self.evaluation.rhs if made is None else made()
+            self.rhs_for_differences = self.evaluation.problem.rhs_for_differences()
         first, window = self.evaluation.problem.n_positions, (self.evaluation.first, self.evaluation.last)
         try:
             rate = self.rhs_for_differences(min(max(t, window[0]), window[1]), step.interpolate(t))

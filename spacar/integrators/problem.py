@@ -13,8 +13,7 @@ from spacar.errors import AnalysisError
 
 Jacobian = Callable[[float, np.ndarray], tuple[np.ndarray, np.ndarray]]
 Counts = tuple[int, int, int, int, int]  # what has been counted, as `IntegrationStatistics.counts`
-# (method, t, t_end, h, longest) -> steps, those without outputs passed over
-TakeSteps = Callable[[Any, float, float, float, float], "Iterator[Step]"]
+Rate = Callable[[float, np.ndarray], np.ndarray]
 
 
 def counts(numbers: Iterable[int]) -> Counts:
@@ -23,40 +22,72 @@ def counts(numbers: Iterable[int]) -> Counts:
     return steps, rhs, jacobians, rejected, iterations
 
 
-class Problem(Protocol):
-    """First-order problem dy/dt = F(t, y) with y = (positions, velocities), shape (n,).
+class BlockEvaluator(Protocol):
+    """Evaluates F at all stages of a step in one call."""
+
+    def stages(
+        self, done: int, c: np.ndarray, a: np.ndarray, t: float, h: float, window: tuple[float, float], y: np.ndarray,
+        K: np.ndarray,
+    ) -> int:  # fmt: skip
+        """F(t + c_i h, y + h a_i K) into the rows i of K from `done` on, at times clipped to the window. Returns the
+        first row that it could not do; that one is then asked from `rhs`, which says why."""
+
+    def newton(self, method: Any, h: float) -> tuple[bool, float, float] | None:
+        """Makes the Newton iteration of a step of codes 553 and 595 from the guess in `method.Z`. Returns whether it
+        converged, size and contraction of the last change; None when it cannot."""
+
+
+class Stepper(Protocol):
+    """Takes the steps of codes 0, 135, 155 and 853 itself, with what `accepted` and `rejected` do. `passes`: also
+    outputs, many in a call, with code 0 also the start."""
+
+    @property
+    def passes(self) -> bool: ...
+
+    def take_steps(self, method: Any, t: float, t_end: float, h: float, longest: float) -> Iterator[Step]:
+        """Yields the steps with an output, or the last of many with the outputs in all of them."""
+
+
+class Problem:
+    """First-order problem dy/dt = F(t, y) with y = (positions, velocities), shape (n,), n_positions of them positions.
 
     Positions include the kinematic coordinates of a non-holonomic system; the second-order codes 220 and 225
     need `len(y) == 2 * n_positions`. `rhs` may return the same array at every call: integrators copy what
-    they keep. It must neither change nor keep the `y` it is given.
+    they keep. It must neither change nor keep the `y` it is given. What a problem does not have stays as it is here.
 
-    Ten optional members are used when they are present (`Automatic` knows two more):
-
-    jacobian(t, y)     (dF/dy, dF/dt) with shapes (n, n) and (n,); the linearly implicit and implicit codes need it
-    accepted(t, y)     called after each accepted step, so that a problem can update its branch memory
-    rejected()         called after each rejected step, so that a problem goes back to that memory
-    component_name(i)  the name of state component `i` in messages
-    stages(done, c, a, t, h, window, y, K)
-                       evaluates F(t + c_i h, y + h a_i K) into the rows i of K from `done` on, at times clipped to the
-                       window, and returns the first row that it could not do; that one is then asked from `rhs`, which
-                       says why
-    newton(method, h)  makes the Newton iteration of a step of codes 553 and 595 from the guess in `method.Z`; whether
-                       it converged, size and contraction of the last change, or None when it cannot
-    by_case            the shape (blocks, components, lanes) of a state of many cases, each of which keeps the tolerance
-                       (Runge-Kutta codes)
-    may_jump           whether F may jump at times that are not told as `breaks` (`spacar.integrators.jumps`)
-    take_steps(method, t, t_end, h, longest)
-                       takes the steps of codes 0, 135, 155 and 853 itself, with what `accepted` and `rejected` do, and
-                       yields those with an output, or, where it `passes` outputs, the last of many with the outputs in
-                       all of them, with code 0 also the start
+    jacobian   (t, y) -> (dF/dy, dF/dt), shapes (n, n) and (n,); the linearly implicit and implicit codes need it
+    by_case    the shape (blocks, components, lanes) of a state of many cases, each of which keeps the tolerance
+               (Runge-Kutta codes)
+    may_jump   whether F may jump at times that are not told as `breaks` (`spacar.integrators.jumps`)
     """
 
-    @property
-    def n_positions(self) -> int:
-        """How many components of the state are positions."""
+    n_positions: int
+    jacobian: Jacobian | None = None
+    blocks: BlockEvaluator | None = None
+    stepper: Stepper | None = None
+    by_case: tuple[int, int, int] | None = None
+    may_jump = False
 
     def rhs(self, t: float, y: np.ndarray) -> np.ndarray:
         """F(t, y), shape (n,)."""
+        raise NotImplementedError
+
+    def rhs_for_differences(self) -> Rate:
+        """F to rounding, without a trace in the problem."""
+        return self.rhs
+
+    def component_name(self, i: int) -> str:
+        """State component i in words; empty: it has its number only."""
+        return ""
+
+    def accepted(self, t: float, y: np.ndarray) -> None:
+        """After each accepted step; a problem can update its branch memory."""
+
+    def rejected(self) -> None:
+        """After each rejected step; a problem goes back to that memory."""
+
+    def switched(self, t: float, code: int, omega: float | None) -> None:
+        """The automatic method goes on with another code; omega is given when 595 is kept."""
 
 
 @dataclass(slots=True)
@@ -135,25 +166,8 @@ class Evaluation:
     """
 
     __slots__ = (
-        "_jacobian",
-        "_next",
-        "_rhs",
-        "accepted",
-        "by_case",
-        "first",
-        "halt",
-        "last",
-        "may_jump",
-        "newton",
-        "passes",
-        "problem",
-        "rejected",
-        "stages",
-        "statistics",
-        "suspect",
-        "suspected",
-        "take_steps",
-        "times",
+        "blocks", "first", "halt", "jacobian_of", "last", "next", "problem", "rhs_of", "statistics", "stepper",
+        "suspect", "suspected", "times",
     )  # fmt: skip
 
     def __init__(self, problem: Problem, first: float, last: float) -> None:
@@ -161,29 +175,21 @@ class Evaluation:
         self.statistics = IntegrationStatistics()
         self.first = first
         self.last = last
-        self._rhs = problem.rhs
-        self._jacobian: Jacobian | None = getattr(problem, "jacobian", None)
-        self.accepted: Callable[[float, np.ndarray], None] | None = getattr(problem, "accepted", None)
-        self.rejected: Callable[[], None] | None = getattr(problem, "rejected", None)
-        self.stages: Callable[..., int] | None = getattr(problem, "stages", None)
-        self.newton: Callable[..., tuple[bool, float, float] | None] | None = getattr(problem, "newton", None)
-        self.by_case: tuple[int, int, int] | None = getattr(problem, "by_case", None)
-        self.take_steps: TakeSteps | None = getattr(problem, "take_steps", None)
-        self.passes: bool = getattr(problem, "passes", False)
-        self.may_jump: bool = getattr(problem, "may_jump", False)
+        self.rhs_of, self.jacobian_of = problem.rhs, problem.jacobian
+        self.blocks, self.stepper = problem.blocks, problem.stepper
         # `spacar.integrators.jumps`: difference above which `take_steps` does not pass an output, whether one was left
         self.suspect, self.suspected = 0.0, False
         self.times: Sequence[float] | np.ndarray = (first, last)
         # Accepted steps after which `take_steps` gives way at the next output, to whoever looks at the steps.
         self.halt = float("inf")
-        self._next = 0
+        self.next = 0
 
     def next_output(self, t: float) -> int:
         """Number of the first output after t, the last one at most; it never goes back."""
         last = len(self.times) - 1
-        while self._next < last and self.times[self._next] <= t:
-            self._next += 1
-        return self._next
+        while self.next < last and self.times[self.next] <= t:
+            self.next += 1
+        return self.next
 
     def rhs(self, t: float, y: np.ndarray) -> np.ndarray:
         """F at the clipped time, shape (n,)."""
@@ -192,7 +198,7 @@ class Evaluation:
             t = self.last
         elif t < self.first:
             t = self.first
-        f = self._rhs(t, y)
+        f = self.rhs_of(t, y)
         # One dot product finds every inf and nan; only when it is not finite does the exact check run.
         if not isfinite(f.dot(f)) and not np.isfinite(f).all():
             i = int(np.flatnonzero(~np.isfinite(f))[0])
@@ -200,31 +206,23 @@ class Evaluation:
             raise AnalysisError(text, "integrator.not-finite", t=t, component=i)
         return f
 
-    @property
-    def has_jacobian(self) -> bool:
-        """Whether the problem gives one."""
-        return self._jacobian is not None
-
     def jacobian(self, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(dF/dy, dF/dt) at the clipped time."""
         self.statistics.n_jacobian += 1
-        assert self._jacobian is not None  # `integrate` has asked
-        return self._jacobian(min(max(t, self.first), self.last), y)
+        assert self.jacobian_of is not None  # `integrate` has asked
+        return self.jacobian_of(min(max(t, self.first), self.last), y)
 
     def step_accepted(self, t: float, y: np.ndarray) -> None:
         """Counts a step and tells the problem about it."""
         self.statistics.n_steps += 1
-        if self.accepted is not None:
-            self.accepted(t, y)
+        self.problem.accepted(t, y)
 
     def step_rejected(self) -> None:
         """Counts a step that is tried again, and tells the problem that its state is the last accepted one."""
         self.statistics.n_rejected += 1
-        if self.rejected is not None:
-            self.rejected()
+        self.problem.rejected()
 
     def name(self, i: int) -> str:
         """State component `i` in words."""
-        component_name = getattr(self.problem, "component_name", None)
-        number = f"state component {i}"
-        return number if component_name is None else f"{component_name(i)} ({number})"
+        number, name = f"state component {i}", self.problem.component_name(i)
+        return f"{name} ({number})" if name else number

@@ -163,10 +163,10 @@ class Radau:
         self.contraction = min(max(self.contraction, EPS) ** 0.8, 0.99)
         self._guess(h)
         self.weight[:] = self._weights(h, self.y + self.Z[-1])
-        newton = self.evaluation.newton
-        found = None if newton is None else newton(self, h)
+        blocks = self.evaluation.blocks
+        found = None if blocks is None else blocks.newton(self, h)
         if found is None:
-            if newton is not None:
+            if blocks is not None:
                 self._guess(h)
             found = self._iterate(h)
         converged, change, theta = found
@@ -220,11 +220,11 @@ class Radau:
         """F of all stages, in one call of a problem that can."""
         evaluation, s = self.evaluation, len(self.Z)
         done = s
-        if evaluation.stages is not None:
+        if evaluation.blocks is not None:
             # F(t + 1 c_i h, y + 1 Z_i)
             np.multiply(self.method.c, h, out=self.nodes[s:])
             window = evaluation.first, evaluation.last
-            done = evaluation.stages(s, self.nodes, self.sums, self.t, 1.0, window, self.y, self.rows)
+            done = evaluation.blocks.stages(s, self.nodes, self.sums, self.t, 1.0, window, self.y, self.rows)
             if not isfinite(self.F[: done - s].sum()):
                 done = s  # one by one, until one says which component
             evaluation.statistics.n_rhs += done - s

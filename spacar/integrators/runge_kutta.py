@@ -59,7 +59,7 @@ class ExplicitRungeKutta:
         stages, work, rhs, c = self.stages, self.work, self.evaluation.rhs, self.tableau.c
         i = 1
         while i < len(c):
-            if self.evaluation.stages is not None:
+            if self.evaluation.blocks is not None:
                 i = self._together(i, t, h, end)
                 if i >= len(c):
                     break
@@ -76,10 +76,10 @@ class ExplicitRungeKutta:
     def _together(self, done: int, t: float, h: float, end: bool) -> int:
         """Stages from `done` on by one call of the problem; the first that it could not do."""
         evaluation, tableau = self.evaluation, self.tableau
-        assert evaluation.stages is not None
+        assert evaluation.blocks is not None
         window = evaluation.first, evaluation.last
         c, a = (tableau.nodes, tableau.matrix) if end else (tableau.c, tableau.a)
-        reached = evaluation.stages(done, c, a, t, h, window, self.y, self.stages)
+        reached = evaluation.blocks.stages(done, c, a, t, h, window, self.y, self.stages)
         evaluation.statistics.n_rhs += reached - done
         return reached
 
@@ -115,9 +115,9 @@ class ExplicitRungeKutta:
 
     def _mean_square(self, v: np.ndarray) -> float | np.ndarray:
         """Of all components; of a state of many cases that of each case."""
-        if self.evaluation.by_case is None:
+        if (by_case := self.evaluation.problem.by_case) is None:
             return float(v.dot(v)) / len(v)
-        cases = v.reshape(self.evaluation.by_case)
+        cases = v.reshape(by_case)
         return np.einsum("bcl,bcl->bl", cases, cases) / cases.shape[1]
 
     def finish(self) -> None:

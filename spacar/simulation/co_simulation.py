@@ -14,12 +14,12 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
-from spacar.integrators import Tolerance, named, steps
+from spacar.integrators import Problem, Tolerance, named, steps
 from spacar.simulation.plant import Spasim
 
 
 @dataclass
-class _Held:
+class _Held(Problem):
     """The equations of motion under held inputs, as the integrators see them."""
 
     plant: Spasim

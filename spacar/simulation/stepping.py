@@ -18,7 +18,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.errors import AnalysisError
-from spacar.integrators import AUTOMATIC, METHODS, Step, Tolerance, steps
+from spacar.integrators import AUTOMATIC, METHODS, Problem, Step, Tolerance, steps
 from spacar.integrators.method_choice import Costs, MethodChoice
 from spacar.simulation.compiled_loop import loop_of
 from spacar.simulation.diagram_evaluator import DiagramEvaluator
@@ -38,7 +38,7 @@ class _Mistake(Exception):
         self.error = error
 
 
-class _Problem:
+class _Problem(Problem):
     """The diagram as the integrators see it (integrators/problem.py). It counts evaluations."""
 
     def __init__(self, evaluator: DiagramEvaluator, absolute: float) -> None:
@@ -67,18 +67,19 @@ class _Problem:
             raise
 
     @property
-    def stages(self) -> Callable[..., int] | None:
+    def blocks(self) -> _Problem | None:  # type: ignore[override]
         """Where all of it is in C; asked at every start, as modes may have changed."""
-        loop = loop_of(self.evaluator.s, self.evaluator.plan)
-        if loop is None:
-            return None
+        self.loop = loop_of(self.evaluator.s, self.evaluator.plan)
+        return None if self.loop is None else self
 
-        def counted(done: int, *step: Any) -> int:
-            reached = loop(done, *step)
-            self.n_rhs += reached - done
-            return reached
+    def stages(self, done: int, *step: Any) -> int:
+        assert self.loop is not None
+        reached = self.loop(done, *step)
+        self.n_rhs += reached - done
+        return reached
 
-        return counted
+    def newton(self, method: Any, h: float) -> None:
+        """In Python."""
 
     def jacobian(self, t: float, y: Array) -> tuple[Array, Array]:
         """(dF/dy, dF/dt), (n, n) and (n,): dF/dt as zero; a simplified Newton iteration needs no more."""

@@ -176,14 +176,3 @@ def test_the_order_of_the_pivots_follows_the_position():
     b = spacar.run(1, DATA / "crank.dat", compiled=True, **options)
     for name in ("x", "xdd", "sig", "fxtot"):
         np.testing.assert_allclose(b[name], a[name], atol=1e-9 * np.abs(a[name]).max(), rtol=0)
-
-
-@pytest.mark.parametrize("code", [155, 853])
-def test_stages_together_are_stages_one_by_one(code, monkeypatch):
-    """The same evaluations in the same order; only the sums of the stages are rounded otherwise."""
-    options = {"integrator": code, "duration": 0.2, "n_steps": 4, "atol": 1e-6, "rtol": 1e-6, "compiled": True}
-    together = spacar.run(1, DATA / "robotsim.dat", **options)
-    monkeypatch.setattr(CompiledDynamics, "stages", lambda self, done, *more: done)
-    alone = spacar.run(1, DATA / "robotsim.dat", **options)
-    assert [f.statistics for f in together.frames] == [f.statistics for f in alone.frames]
-    np.testing.assert_allclose(together["x"], alone["x"], atol=1e-9)

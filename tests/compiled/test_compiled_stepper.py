@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from other_ways import OneByOne, take
 
 import spacar
 from spacar.compiled.compiled_evaluator import CompiledDynamics
@@ -57,7 +58,7 @@ CODES = (0, 135, 155, 853)
 @pytest.fixture
 def one_by_one(monkeypatch):
     """Lets the steps be made in Python."""
-    return lambda: monkeypatch.setattr(CompiledDynamics, "stepper", None)
+    return lambda: take(monkeypatch, OneByOne)
 
 
 def run(source, **options):

@@ -18,7 +18,7 @@ from spacar.arrays import Array
 from spacar.deck import parse_deck
 from spacar.forward import driver
 from spacar.frame import Frame
-from spacar.integrators import METHODS, integrate
+from spacar.integrators import METHODS, Problem, integrate
 from spacar.integrators.drive import steps
 from spacar.integrators.problem import Tolerance
 from spacar.mechanism.mechanism import SolverSettings
@@ -126,7 +126,7 @@ def test_the_error_of_a_step_is_below_error(code: int, tolerance: float) -> None
     assert 1e-6 < worst <= 1.0
 
 
-class Swing:
+class Swing(Problem):
     """Pendulum of unit frequency."""
 
     n_positions = 1

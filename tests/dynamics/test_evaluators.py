@@ -68,8 +68,8 @@ def test_stages_are_right_hand_sides(name):
     c, a, h = np.array([0.0, 1 / 3, 2 / 3]), np.array([[0.0, 0, 0], [1 / 3, 0, 0], [0, 2 / 3, 0]]), 1e-6
     K = np.zeros((3, len(y)))
     K[0] = compiled.rhs(0.0, y)
-    assert general.stages is None
-    assert compiled.stages(1, c, a, 0.0, h, (0.0, 1.0), y, K, 1e-11) == 3
+    assert general.blocks is None
+    assert compiled.blocks.stages(1, c, a, 0.0, h, (0.0, 1.0), y, K, 1e-11) == 3
     for i in (1, 2):
         same(K[i], general.rhs(c[i] * h, y + h * (a[i] @ K)))
 

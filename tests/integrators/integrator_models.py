@@ -6,8 +6,10 @@ from functools import cache
 
 import numpy as np
 
+from spacar.integrators import Problem
 
-class Pendulum:
+
+class Pendulum(Problem):
     """Damped pendulum driven at the hinge: q'' = -sin q - 0.2 q' + 0.8 cos 1.3 t."""
 
     n_positions = 1
@@ -20,7 +22,7 @@ class Pendulum:
         return np.array([[0.0, 1.0], [-np.cos(y[0]), -0.2]]), np.array([0.0, -1.04 * np.sin(1.3 * t)])
 
 
-class Kepler:
+class Kepler(Problem):
     """Plane orbit of eccentricity 0.5, period 2 pi; exact by Kepler's equation."""
 
     n_positions = 2
@@ -40,7 +42,7 @@ class Kepler:
         return np.array([c - self.e, b * s, -s * rate, b * c * rate]).T
 
 
-class Linear:
+class Linear(Problem):
     """y' = a y + b(t) as first-order system (all components 'velocities'); counts its evaluations."""
 
     def __init__(self, a: np.ndarray, load=lambda t: 0.0, n_positions: int | None = None) -> None:

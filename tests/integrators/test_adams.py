@@ -5,7 +5,7 @@ import pytest
 from integrator_models import Kepler
 from numpy.polynomial import Polynomial
 
-from spacar.integrators import integrate
+from spacar.integrators import Problem, integrate
 from spacar.integrators.adams import (
     GAMMA_STAR,
     interpolation_weights,
@@ -61,7 +61,7 @@ def test_dense_output_is_as_good_as_the_steps():
 def test_polynomial_motion_is_exact():
     """y' = 6 t^5: from order 6 on the polynomial is exact, so only the low-order start leaves an error."""
 
-    class Power:
+    class Power(Problem):
         n_positions = 0
         y0 = np.zeros(1)
 

@@ -10,7 +10,7 @@ import pytest
 import spacar
 from spacar import Deck, parse_deck
 from spacar.compiled.library import why_off
-from spacar.integrators import automatic, integrate
+from spacar.integrators import Problem, automatic, integrate
 from spacar.integrators.automatic import Automatic
 
 DATA = Path(__file__).parents[2] / "data"
@@ -125,7 +125,7 @@ def test_stiff_models_keep_error_for_positions(model: Deck, error: float) -> Non
     assert off.max() < 2.0
 
 
-class Shaken:
+class Shaken(Problem):
     """A slow oscillator, and one of 300 rad/s that is shaken with 250 rad/s from t = 12 s on."""
 
     n_positions = 2

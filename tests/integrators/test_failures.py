@@ -5,14 +5,14 @@ import pytest
 from integrator_models import Pendulum
 
 from spacar.errors import AnalysisError
-from spacar.integrators import METHODS, integrate
+from spacar.integrators import METHODS, Problem, integrate
 from spacar.integrators.methods import AUTOMATIC
 
 VARIABLE = [c for c, m in METHODS.items() if m.variable_step]
 EXPLICIT_FIXED = [130, 140, 220]
 
 
-class Explosion:
+class Explosion(Problem):
     """q' = v, v' = v^2: infinite at t = 1."""
 
     n_positions = 1
@@ -181,7 +181,7 @@ def test_impossible_tolerance_is_reported(code):
 
 @pytest.mark.parametrize("code", [220, 225, 255])
 def test_second_order_codes_refuse_kinematic_coordinates(code):
-    class Rolling:
+    class Rolling(Problem):
         n_positions = 2
 
         def rhs(self, t, y):
@@ -227,7 +227,7 @@ def test_newton_renews_the_jacobian_once():
 
 @pytest.mark.parametrize("code", [310, 330, 430])
 def test_singular_iteration_matrix_is_reported(code):
-    class Growth:
+    class Growth(Problem):
         n_positions = 0
 
         def __init__(self, rate):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from integrator_models import Kepler, Linear, Pendulum, pendulum_reference
 
-from spacar.integrators import AUTOMATIC, integrate
+from spacar.integrators import AUTOMATIC, Problem, integrate
 from spacar.integrators import METHODS as ALL
 from spacar.integrators import dop853 as table
 from spacar.integrators.implicit import sdirk_tableau
@@ -113,7 +113,7 @@ def test_infinitely_stiff_component_is_damped_in_one_step(code):
 def test_stiff_slow_solution_is_followed(code):
     """y' = -1e6 (y - cos t) - sin t: explicit codes need 1e6 steps, these get cos t with 100."""
 
-    class Stiff:
+    class Stiff(Problem):
         n_positions = 0
 
         def rhs(self, t, y):

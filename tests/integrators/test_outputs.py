@@ -8,7 +8,7 @@ import pytest
 from integrator_models import Linear, Pendulum
 
 from spacar.errors import UsageError
-from spacar.integrators import METHODS, integrate
+from spacar.integrators import METHODS, Problem, integrate
 
 CODES = list(METHODS)
 VARIABLE = [c for c, m in METHODS.items() if m.variable_step]
@@ -94,7 +94,7 @@ def test_accepted_is_told_every_step_in_order(code):
     np.testing.assert_array_equal(accepted[-1][1], outputs[-1].y)
 
 
-class Switched:
+class Switched(Problem):
     """q'' = 2 up to t = 1/3, then -6: the last value of the side is returned at the switch itself or not."""
 
     n_positions = 1
@@ -243,8 +243,8 @@ def test_a_million_outputs_need_no_memory_of_their_own():
 def test_explicit_codes_do_not_import_scipy():
     script = (
         "import sys, numpy as np\n"
-        "from spacar.integrators import integrate\n"
-        "class P:\n"
+        "from spacar.integrators import Problem, integrate\n"
+        "class P(Problem):\n"
         "    n_positions = 1\n"
         "    def rhs(self, t, y): return np.array([y[1], -y[0]])\n"
         "for code in (0, 140, 155, 225, 853): list(integrate(P(), np.ones(2), [0.0, 1.0], code))\n"

@@ -6,7 +6,7 @@ from integrator_models import Linear, Pendulum
 from scipy.linalg import expm
 
 from spacar.errors import AnalysisError
-from spacar.integrators import METHODS, integrate
+from spacar.integrators import METHODS, Problem, integrate
 from spacar.integrators.collocation import radau
 from spacar.integrators.problem import Evaluation, Tolerance
 
@@ -56,7 +56,7 @@ def test_order_conditions_and_transformation(s):
 def test_prothero_robinson(code, rate):
     """y' = -rate (y - cos t) - sin t from cos 0: an explicit method needs rate * 10 / 3 steps."""
 
-    class Stiff:
+    class Stiff(Problem):
         n_positions = 0
 
         def rhs(self, t, y):
@@ -72,7 +72,7 @@ def test_prothero_robinson(code, rate):
     assert sum(o.n_jacobian for o in outputs) == 1
 
 
-class VanDerPol:
+class VanDerPol(Problem):
     """eps q'' = (1 - q^2) q' - q with eps = 1e-6: jumps within 1e-6 of the time between them."""
 
     n_positions = 1
@@ -161,7 +161,7 @@ def test_dense_output_meets_the_step_ends(code):
 def test_kinematic_coordinates(code):
     """q' = v, k' = v cos k + q, v' = -100 q + k: the last rates belong to the first positions, k has its own."""
 
-    class Rolling:
+    class Rolling(Problem):
         n_positions = 2
 
         def rhs(self, t, y):

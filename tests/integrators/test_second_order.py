@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from integrator_models import Kepler, Pendulum, pendulum_reference
 
-from spacar.integrators import METHODS, integrate
+from spacar.integrators import METHODS, Problem, integrate
 from spacar.integrators.problem import Evaluation, Tolerance
 
 
@@ -78,7 +78,7 @@ def test_an_accepted_step_costs_two_evaluations():
 def test_a_jump_of_the_load_between_steps_is_noticed():
     """No break is announced: the error stays near the tolerance although the step before lies on the other side."""
 
-    class Jump:
+    class Jump(Problem):
         n_positions = 1
 
         def rhs(self, t, y):
