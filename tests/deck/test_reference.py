@@ -24,14 +24,13 @@ SECTIONS = {
 
 
 def documented(section: str) -> set[str]:
-    """Keywords of a section: the first cells of its table rows, words in bold, and the list of section 9."""
+    """Keywords of a section: words in bold, and the list of section 9."""
     text = re.split(rf"^#+ {re.escape(section)}\.? .*$", LANGUAGE, flags=re.MULTILINE)[1]
     text = re.split(r"^#", text, flags=re.MULTILINE)[0]
-    cells = re.findall(r"^\| ([A-Z, ]+) \|", text, re.MULTILINE) + re.findall(r"\*\*([A-Z]+)\*\*", text)
+    cells = re.findall(r"\*\*([A-Z, ]+)\*\*", text)
     if section == "9":
-        cells.append(text.split(" with ")[0])
+        cells.append(text.split(" as in ")[0])
     return {word for cell in cells for word in re.findall(r"[A-Z]+", cell)}
-
 
 
 def test_page_is_up_to_date() -> None:
