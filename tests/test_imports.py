@@ -7,8 +7,12 @@ from __future__ import annotations
 
 import ast
 import re
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
+
+import pytest
 
 HOUSE = Path(__file__).resolve().parents[1]
 # Commands (cli/spacar_cli) are free: they import what they work with when they run, so that their help costs nothing.
@@ -59,3 +63,31 @@ def test_imports_stand_at_the_top_but_for_those_that_start_up_needs_late():
                 names = [node.module]
             bad += [f"{path.relative_to(HOUSE)}:{node.lineno} {name}" for name in names if not late(name)]
     assert not bad, "\n".join(sorted(bad))
+
+
+WITHOUT_SYMPY = """
+import sys
+sys.modules["sympy"] = None  # an import of it raises
+import spacar_cli.main as program
+for line in {commands!r}:
+    sys.argv = ["spacar", *line.split()]
+    try:
+        program.main()
+    except SystemExit as ended:
+        assert not ended.code, line
+assert not [name for name in sys.modules if name.startswith("spacar.symbolic")]
+"""
+COMMANDS = (
+    "0 slider", "1 slider", "2 robotinv", "3 robotinvlin", "4 lever", "7 plbeam5", "8 plbeam5buck", "9 robotinv",
+    "10 lateral4", "simulate robotsim.sim", "keywords PLBEAM",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("general", ["", "1"], ids=["compiled", "general"])
+def test_every_mode_runs_without_sympy(general, tmp_path, monkeypatch):
+    for path in (HOUSE / "data").glob("*.*"):
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    monkeypatch.setenv("SPACAR_GENERAL", general)
+    text = WITHOUT_SYMPY.format(commands=COMMANDS)
+    done = subprocess.run([sys.executable, "-c", text], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert not done.returncode, done.stderr[-1000:]

@@ -19,15 +19,15 @@ HOUSE = Path(__file__).resolve().parents[2]
 TYPES = [t for t in ELEMENT_TYPES.values() if t.supported]
 SIZES = {(True, "position"): 2, (True, "orientation"): 1, (False, "position"): 3, (False, "orientation"): 4}
 SIZES[False, "warping"] = 1
-# Where elements may be named: their rows, their parameters in C, and checks of one element's own numbers.
+# Who else may name an element than its family and its symbolic model, and why
 NAMED = {
-    "spacar/deck/planar_types.py",
-    "spacar/deck/spatial_types.py",
-    "spacar/compiled/element_parameters.py",
-    "spacar/deck/checks_geometry.py",
-    "cli/spacar_drawing/machine_parts.py",
-    "spacar/deck/cross_section.py",  # TUBE is a shape there
-    "cli/spacar_cli/deck_parts.py",  # what an element is in a symbolic model; others are refused by name
+    "spacar/deck/planar_types.py": "its row",
+    "spacar/deck/spatial_types.py": "its row",
+    "spacar/compiled/element_parameters.py": "its parameters in C",
+    "spacar/deck/checks_geometry.py": "checks of its own numbers",
+    "cli/spacar_drawing/machine_parts.py": "pictures of its own",
+    "spacar/deck/cross_section.py": "TUBE is a shape there",
+    "cli/spacar_cli/deck_parts.py": "what it is in a symbolic model; others are refused by name",
 }
 
 every_type = pytest.mark.parametrize("kind", TYPES, ids=lambda t: t.keyword)
