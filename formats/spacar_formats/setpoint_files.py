@@ -18,6 +18,7 @@ from spacar.errors import UsageError
 from spacar.inverse.nominal import Nominal, check_same_mechanism
 from spacar.modes import MODES
 from spacar_formats.locate import stale_note
+from spacar_formats.safety import backup_path
 from spacar_formats.sbf import SbfError, SbfFile
 
 __all__ = ["Nominal", "check_same_model", "find_setpoints"]
@@ -32,7 +33,7 @@ def find_setpoints(source: Path, name: str | None = None) -> Nominal:
     """
     if name is not None:
         given = Path(name)
-        paths = [given if given.suffix == ".sbd" else given.parent / f"{given.name}.sbd"]
+        paths = [given if given.name.endswith((".sbd", ".sbd.bak")) else given.parent / f"{given.name}.sbd"]
     else:
         stem = source.stem
         paths = [source.with_name(f"{stem[:length]}.sbd") for length in range(len(stem) - 1, 0, -1)]
@@ -67,7 +68,9 @@ def _read(path: Path) -> tuple[Nominal, str | None]:
     with SbfFile(path) as file:
         mode = int(np.ravel(file.header["MODE"])[0]) if "MODE" in file.header else None
         if mode not in MODES or not MODES[mode].nominal:
-            raise UsageError(f"it is a result of mode {mode}", "files.not-mode-2")
+            before = backup_path(path)
+            kept = f" ({before.name} is the one before: name it with --setpoints)" if before.is_file() else ""
+            raise UsageError(f"it is a result of mode {mode}{kept}", "files.not-mode-2")
         if not file.complete:
             raise UsageError("it is incomplete", "files.incomplete")
         fixed, _, prescribed = np.ravel(file.header["NEP"])[:3].astype(int)

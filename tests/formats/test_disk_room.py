@@ -84,3 +84,13 @@ def test_mode_3_on_the_file_of_the_setpoints_leaves_their_result(call, tmp_path:
     assert call("3", "robotinv", "-q")[0] == 2
     assert (tmp_path / "robotinv.sbd").exists()
     assert not (tmp_path / "robotinv.sbd.bak").exists()
+
+
+def test_a_result_that_mode_3_replaced_is_named_and_can_be_used(call, tmp_path: Path) -> None:
+    for name in ("robotinv", "robotinvlin"):
+        shutil.copy(DATA / f"{name}.dat", tmp_path)
+    assert call("2", "robotinv", "-q")[0] == 0
+    assert call("3", "robotinv", "--setpoints", "robotinv", "-q")[0] == 0
+    status, told = call("3", "robotinvlin", "-q")
+    assert (status, "a result of mode 3 (robotinv.sbd.bak is the one before" in told) == (2, True)
+    assert call("3", "robotinvlin", "-q", "--setpoints", "robotinv.sbd.bak")[0] == 0
