@@ -308,6 +308,10 @@ class CompiledModel:
         """
         return float(self.engine.rcond(self.handle, enough, most))
 
+    def too_large(self) -> bool:
+        """Do factors at the reference configuration take longer than those of SuperLU?"""
+        return bool(self.engine.too_large(self.handle))
+
     def rcond_everywhere(self) -> float:
         """A bound from below for `rcond` at all states, where the engine knows one (rigid trees); else 0."""
         return float(self.engine.rcond_everywhere(self.handle))

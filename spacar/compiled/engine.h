@@ -216,6 +216,7 @@ typedef struct {
     F(void, capsules, (Unwrap pointer)) \
     F(void, dropped, (void *capsule)) \
     F(void, renew, (Model *m)) \
+    F(int, too_large, (Model *m)) \
     F(void, state, (const Model *m, State *at, real *memory)) \
     F(int, start, (Model *m, State *at, const real *y, real *out, double converged, double jump, double farthest, \
       int checked)) \

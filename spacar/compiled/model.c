@@ -187,7 +187,7 @@ static int takes_reduced_form(Model *m, int q)
     const double transfer = (double)((q + ROW) / ROW) * (m->position.n_entries + m->mass.n + m->coupling.n);
     const double operations = transfer + (double)m->s.nx * q * (1.0 + 0.5 * q / ROW);
     if (operations < 0.4 * sure || operations > 2.0 * sure) return operations < sure;
-    return !plan(motion, m->values, 0)
+    return !plan(motion, m->values, 0, INFINITY)
         && operations < worth * (motion->row_at[motion->n] - motion->n);
 }
 
@@ -322,6 +322,17 @@ static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const
         m->small = m->weighted + nx * m->width;
     }
     return m;
+}
+
+/* Does a factorization at the reference configuration take more than MOST multiplications? Then SuperLU, which orders
+   condensed matrices and multiplies blocks, takes less time (linear_systems/condensed.py). Otherwise the orders stay. */
+static int spacar_too_large(Model *m)
+{
+    enum { MOST = 20000000, FEW = 400 }; /* FEW unknowns never take so many */
+    Sparse *of[] = {&m->position, &m->motion};
+    for (int k = 0; k < (m->reduced ? 1 : 2) && !m->tree; k++)
+        if (of[k]->n > FEW && !of[k]->planned && plan(of[k], m->values, 0, MOST) == MUCH_WORK) return 1;
+    return 0;
 }
 
 /* Other numbers of the same cases stand in the array of `read_spec`, of a model without foreign batches. GRAVITY is

@@ -12,7 +12,10 @@
    long as they are at most STORED times the numbers of the factors; where elimination fills more, the place of every
    column in its row is looked up in `place`. */
 
-enum { OK = 0, NO_CONVERGENCE = -1, SINGULAR = -2, NOT_FINITE = -3, JUMP = -4, NO_MEMORY = -5, NOT_ANSWERED = -6 };
+enum {
+    OK = 0, NO_CONVERGENCE = -1, SINGULAR = -2, NOT_FINITE = -3, JUMP = -4, NO_MEMORY = -5, NOT_ANSWERED = -6,
+    MUCH_WORK = -7
+};
 static const double THRESHOLD = 0.1, GROWTH = 100.0;
 enum { STORED = 8, SEARCHED = 256 }; /* SEARCHED: entries of columns among which a pivot is chosen */
 
@@ -189,20 +192,18 @@ static int choose(const List *rows, const List *columns, const Counts *counts, i
         double strongest = 0.0;
         for (int j = column_from(counts, 0, limit); j >= 0 && (limit > n || (searched < 8 && entries < SEARCHED));
              j = column_from(counts, j + 1, limit)) {
-            double size[columns[j].n], largest = 0.0;
-            for (int k = 0; k < columns[j].n; k++) {
-                const List *row = &rows[columns[j].index[k]];
-                size[k] = fabs(row->value[place_of(row, j)]);
-                if (size[k] > largest) largest = size[k];
-            }
+            const List *column = &columns[j];
+            double largest = 0.0;
+            for (int k = 0; k < column->n; k++) if (fabs(column->value[k]) > largest) largest = fabs(column->value[k]);
             if (!(largest > 0.0)) continue;
-            if (limit <= n) { searched++; entries += columns[j].n; }
-            for (int k = 0; k < columns[j].n; k++) {
-                if (!(size[k] >= THRESHOLD * largest)) continue;
-                const int i = columns[j].index[k];
-                const long cost = (long)(rows[i].n - 1) * (columns[j].n - 1);
-                if (best < 0 || cost < best || (cost == best && size[k] > strongest * largest)) {
-                    best = cost; strongest = size[k] / largest; *p = i; *q = j;
+            if (limit <= n) { searched++; entries += column->n; }
+            for (int k = 0; k < column->n; k++) {
+                const double size = fabs(column->value[k]);
+                if (!(size >= THRESHOLD * largest)) continue;
+                const int i = column->index[k];
+                const long cost = (long)(rows[i].n - 1) * (column->n - 1);
+                if (best < 0 || cost < best || (cost == best && size > strongest * largest)) {
+                    best = cost; strongest = size / largest; *p = i; *q = j;
                 }
             }
         }
@@ -271,8 +272,10 @@ static int lay_out(Memory *work, Sparse *s, const List *lower, const List *upper
     return OK;
 }
 
-/* Choose the order from the values of a lane. OK, SINGULAR or NO_MEMORY. */
-static int plan(Sparse *s, const real *values, int lane)
+/* Choose the order from the values of a lane: what is left has its values by columns and its pattern by rows, and every
+   search runs along a row or column that the pivot changes. OK, SINGULAR, NO_MEMORY, or MUCH_WORK where the factors take
+   more than `most` multiplications. */
+static int plan(Sparse *s, const real *values, int lane, double most)
 {
     const int n = s->n;
     if (order_begin(s)) return NO_MEMORY;
@@ -280,52 +283,53 @@ static int plan(Sparse *s, const real *values, int lane)
     List *rows = cleared(&work, 4 * (size_t)n, sizeof(List)), *columns = rows + n, *lower = columns + n,
         *upper = lower + n;
     Counts counts = {0, NULL};
-    /* place: of a column in a row, plus 1; 0: none */
+    /* place: of a row in a column, plus 1; 0: none */
     int *step = cleared(&work, 2 * (size_t)n, sizeof(int)), *place = step + n;
     int status = rows && step ? equilibrate(&work, s, values, lane) : NO_MEMORY;
     for (int k = 0; k < s->n_entries && !status; k++) {
-        const int i = s->row[k], j = s->column[k], at = place_of(&rows[i], j);
+        const int i = s->row[k], j = s->column[k], at = place_of(&columns[j], i);
         const double value = LANE(values[s->source[k]], lane) * s->weight[i];
-        if (at >= 0) rows[i].value[at] += value;
-        else { status = append(&work, &rows[i], j, value); if (!status) status = append(&work, &columns[j], i, 0.0); }
+        if (at >= 0) columns[j].value[at] += value;
+        else { status = append(&work, &columns[j], i, value); if (!status) status = append(&work, &rows[i], j, 0.0); }
     }
     if (!status) status = counts_begin(&work, &counts, columns, n);
     for (int k = 0; k < n && !status; k++) {
         int p = 0, q = 0;
         status = choose(rows, columns, &counts, n, &p, &q);
         if (status) break;
+        if ((most -= (rows[p].n - 1.0) * (columns[q].n - 1.0)) < 0.0) { status = MUCH_WORK; break; }
         set_count(&counts, q, INT_MAX);
         s->row_order[k] = p;
         s->column_order[k] = q;
-        List *row = &rows[p];
-        const double pivot = row->value[place_of(row, q)];
+        List *row = &rows[p], *below = &columns[q];
+        const int at = place_of(below, p);
+        const double pivot = below->value[at];
+        drop(below, at);
         drop(row, place_of(row, q));
-        for (int j = 0; j < row->n; j++) {
-            List *column = &columns[row->index[j]];
-            drop(column, place_of(column, p));
-            if (!status) status = append(&work, &upper[k], row->index[j], 0.0);
+        upper[k] = *row;
+        for (int m = 0; m < below->n && !status; m++) {
+            List *other = &rows[below->index[m]];
+            drop(other, place_of(other, q));
+            status = append(&work, &lower[below->index[m]], k, 0.0);
         }
-        for (int m = 0; m < columns[q].n && !status; m++) {
-            const int i = columns[q].index[m];
-            if (i == p) continue;
-            List *below = &rows[i];
-            const int at = place_of(below, q);
-            const double l = below->value[at] / pivot;
-            drop(below, at);
-            status = append(&work, &lower[i], k, 0.0);
-            const int before = below->n;
-            for (int j = 0; j < before; j++) place[below->index[j]] = j + 1;
-            for (int j = 0; j < row->n && !status; j++) {
-                const int c = row->index[j], there = place[c] - 1;
-                if (there >= 0) below->value[there] -= l * row->value[j];
+        for (int j = 0; j < row->n && !status; j++) {
+            List *column = &columns[row->index[j]];
+            const int here = place_of(column, p);
+            const double factor = column->value[here] / pivot;
+            drop(column, here);
+            const int before = column->n;
+            for (int m = 0; m < before; m++) place[column->index[m]] = m + 1;
+            for (int m = 0; m < below->n && !status; m++) {
+                const int i = below->index[m], there = place[i] - 1;
+                if (there >= 0) column->value[there] -= below->value[m] * factor;
                 else {
-                    status = append(&work, below, c, -l * row->value[j]);
-                    if (!status) status = append(&work, &columns[c], i, 0.0);
+                    status = append(&work, column, i, -below->value[m] * factor);
+                    if (!status) status = append(&work, &rows[i], row->index[j], 0.0);
                 }
             }
-            for (int j = 0; j < before; j++) place[below->index[j]] = 0;
+            for (int m = 0; m < before; m++) place[column->index[m]] = 0;
+            set_count(&counts, row->index[j], column->n);
         }
-        for (int j = 0; j < row->n; j++) set_count(&counts, row->index[j], columns[row->index[j]].n);
     }
     if (!status) {
         for (int k = 0; k < n; k++) step[s->column_order[k]] = k;
@@ -369,7 +373,7 @@ static int factor(Sparse *s, const real *values)
     }
     int worst = 0;
     EACH_LANE if (!(LANE(growth, w) <= LANE(growth, worst))) worst = w;
-    const int status = plan(s, values, worst);
+    const int status = plan(s, values, worst, INFINITY);
     if (status) return status;
     return largest_lane(factor_in_order(s, values)) <= GROWTH ? OK : SINGULAR;
 }

@@ -52,7 +52,7 @@ class SaddlePoint:
             self.coupled = np.flatnonzero((a >= 0) & (b >= 0))
             rows.append(a[self.coupled])
             columns.append(b[self.coupled])
-        self.system = assemble(nf + self.n_rows, np.concatenate(rows), np.concatenate(columns), kind)
+        self.system = assemble(nf + self.n_rows, np.concatenate(rows), np.concatenate(columns), kind, nf)
         self.scale = self._scale(mechanism)
         i, j = np.concatenate(rows), np.concatenate(columns)
         self.weights = self.scale[i] * self.scale[j]

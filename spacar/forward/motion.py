@@ -169,10 +169,14 @@ def _state(n: Numbering, frame: Frame) -> Array:
 
 
 def chosen(run: Run) -> Evaluator:
-    """The compiled evaluator where that is possible, else that of NumPy; the header says which, and why."""
+    """The compiled evaluator where that is possible, else that of NumPy; the header says which, and why. Where factors
+    of the engine take too long that of NumPy with elements in C."""
     from spacar.compiled import CompiledDynamics, is_compiled
 
-    return CompiledDynamics(run.mechanism) if is_compiled(run) else Dynamics(run.mechanism)
+    if not is_compiled(run):
+        return Dynamics(run.mechanism)
+    evaluator = CompiledDynamics(run.mechanism)
+    return evaluator.general if evaluator.solver.too_large() else evaluator
 
 
 def output_times(run: Run) -> Sequence[float]:

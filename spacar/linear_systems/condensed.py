@@ -376,5 +376,6 @@ def _springs(Ve: Any, S: Any, Vp: Any, K: Any) -> Array:
         return np.zeros(0)
     stiffness = np.abs((K + Ve.T @ (S @ Ve)).diagonal())[Vp.indices]
     size = np.abs(Vp.data)
-    ratio = np.where(size > 1e-3 * size.max(), stiffness / size**2, 0.0)
+    large = size > 1e-3 * size.max()
+    ratio = stiffness[large] / size[large] ** 2
     return np.full(Vp.shape[0], SPRING * (float(ratio.max(initial=0.0)) or 1.0))

@@ -48,9 +48,9 @@ def test_50_planar_beams_with_every_class_mixed(kind: str) -> None:
 
 
 def test_storages_agree() -> None:
-    """The same equations in three storages: rounding only (saddle-point matrix with condition about 1e7)."""
+    """The same equations in four storages: rounding only (saddle-point matrix with condition about 1e7)."""
     results = []
-    for kind in ("dense", "banded", "sparse"):
+    for kind in ("dense", "banded", "sparse", "condensed"):
         d = evaluator(*chain(50, "mixed"), kind=kind)
         results.append(saddle_point(d, 0.3, random_state(d, 1e-3, 0.3))[0])
     for other in results[1:]:
