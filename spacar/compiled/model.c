@@ -325,7 +325,7 @@ static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const
 }
 
 /* Does a factorization at the reference configuration take more than MOST multiplications? Then SuperLU, which orders
-   condensed matrices and multiplies blocks, takes less time (linear_systems/condensed.py). Otherwise the orders stay. */
+   condensed matrices and multiplies blocks, takes less time (condensed.py). Otherwise the orders stay. */
 static int spacar_too_large(Model *m)
 {
     enum { MOST = 20000000, FEW = 400 }; /* FEW unknowns never take so many */

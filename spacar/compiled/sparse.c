@@ -273,8 +273,8 @@ static int lay_out(Memory *work, Sparse *s, const List *lower, const List *upper
 }
 
 /* Choose the order from the values of a lane: what is left has its values by columns and its pattern by rows, and every
-   search runs along a row or column that the pivot changes. OK, SINGULAR, NO_MEMORY, or MUCH_WORK where the factors take
-   more than `most` multiplications. */
+   search runs along a row or column that the pivot changes. OK, SINGULAR, NO_MEMORY, or MUCH_WORK where the factors
+   take more than `most` multiplications. */
 static int plan(Sparse *s, const real *values, int lane, double most)
 {
     const int n = s->n;
