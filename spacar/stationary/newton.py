@@ -217,9 +217,7 @@ def newton(
         dx = np.zeros_like(x)
 
 
-def _correct(
-    q: StationaryEquations, tangent: Tangent, p: Iterate, dx: Array, first: bool
-) -> tuple[Array, float, bool]:
+def _correct(q: StationaryEquations, tangent: Tangent, p: Iterate, dx: Array, first: bool) -> tuple[Array, float, bool]:
     """The correction, its noise, and whether the matrix is regular. Of minimum norm where it is not; at an iterate,
     which satisfies the constraints to first order only, what is not in the range of the matrix is left to the next
     correction."""
@@ -234,7 +232,8 @@ def _correct(
 
 def _projected(q: StationaryEquations, p: Iterate, dx: Array, given: Prescribed) -> Iterate:
     """Wheels: the configuration that the degrees of freedom have after the correction, with the stresses that balance
-    it. A wheel's turn is cyclic and large, its Euler parameters must not leave the constraints."""
+    it; those of calculable deformations follow from their law. A wheel's turn is cyclic and large, its Euler parameters
+    must not leave the constraints."""
     d = q.d
     n, k = d.numbering, d.kinematics
     e = d.sweep.e + d.sweep.rate(dx)
@@ -246,4 +245,8 @@ def _projected(q: StationaryEquations, p: Iterate, dx: Array, given: Prescribed)
         raise Astray(str(error)) from None
     x = k.x
     p = q.point(x, p.sigma, given)
+    sigma, still, calculable = p.sigma.copy(), np.zeros(n.ne), n.e_class["calculable"]
+    law = d.law(d.sweep.e, still) - d.law(still, still) + q.law_offset(p.motion, p.user)
+    sigma[calculable] = law[calculable]
+    p = q.point(x, sigma, given)
     return q.point(x, q.balanced(p), given)
