@@ -14,6 +14,8 @@ from spacar.deck import ELEMENT_TYPES
 from spacar.deck.table_solvers import INTEGRATORS
 from spacar.integrators.methods import METHODS
 from spacar.modes import MODES, Mode
+from spacar.stationary.loading import WITHOUT_N0
+from spacar.stationary.newton import LENGTHS
 
 from .model import Element, Model
 
@@ -119,7 +121,9 @@ OPTIONS: dict[str, Option] = {
 
 def asked(model: Model) -> float:
     """What two runs may differ by, of the largest value: the ERROR of variable steps times what the steps make of it,
-    and a Jacobian from differences."""
+    a Jacobian from differences, and what Newton's iteration leaves of its linear convergence without N0."""
+    if any(len(r) > 5 and r[5] in WITHOUT_N0 for r in model.rows("ITERSTEP")):
+        return 2 * LENGTHS
     for r in model.rows("INTEGRAT"):
         method = METHODS[r[1]]
         return 100 * error_of(r[1]) if method.variable_step else 1e-7 if method.needs_jacobian else 0.0
