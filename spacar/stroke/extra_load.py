@@ -22,7 +22,7 @@ from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import moment_entries
 from spacar.errors import Report
-from spacar.linear.buckling import buckling_modes
+from spacar.linear.buckling import BucklingModes, buckling_modes
 from spacar.linear.internal_unknowns import extra_load_matrices
 from spacar.linear.node_compliance import displacements
 from spacar.linear_systems.matrix import matrix
@@ -74,16 +74,16 @@ def extra_stresses(dynamics: Dynamics, L: Linearization, rows: Index, load: Extr
     return np.asarray(sigma)
 
 
-def extra_margin(
+def extra_multipliers(
     dynamics: Dynamics, L: Linearization, rows: Index, sigma: Array, load: ExtraLoad, report: Report
-) -> float:
-    """Lowest positive multiplier of the extra load with its stresses `sigma` (ne,), the degrees of freedom `rows` free;
-    infinite without one. Raises AnalysisError 'buckling.singular'."""
+) -> BucklingModes:
+    """Multipliers of the extra load with its stresses `sigma` (ne,), the degrees of freedom `rows` free. Raises
+    AnalysisError 'buckling.singular'."""
     if not len(rows):
-        return np.inf
+        return BucklingModes(np.zeros(0), np.zeros((0, 0)))
     G, W = L.G[:, rows], L.W[:, rows]
     nx = dynamics.numbering.nx
     loading = geometric_stiffness(dynamics.sweep, sigma) - matrix(*load.gradient_entries(), (nx, nx))
     added = np.asarray((W.T @ loading) @ G)
     K = L.stiffness[np.ix_(rows, rows)]
-    return buckling_modes(*extra_load_matrices(dynamics, L, rows, K, added, sigma), report).lowest_positive
+    return buckling_modes(*extra_load_matrices(dynamics, L, rows, K, added, sigma), report)

@@ -27,9 +27,10 @@ from spacar.stroke.driven_deck import Row, driven, load_row, own_move
 from spacar.stroke.error_motions import error_motions
 from spacar.stroke.extra_load import ExtraLoad
 from spacar.stroke.flexure_results import Flexure
-from spacar.stroke.large_station import DriveTangents, large_station, node_compliance_of, row_of_q
+from spacar.stroke.mixed_drive import MixedDrive
 from spacar.stroke.observed_node import ObservedNode
-from spacar.stroke.station import Station, free_compliance, station
+from spacar.stroke.reduced_drive import DrivePlace, ReducedDrive
+from spacar.stroke.station import DriveEquations, Station, node_compliance, station
 from spacar.stroke.stroke_move import StrokeMove, parse_move
 from spacar.stroke.work import drive_work, load_work, moment_work
 
@@ -100,8 +101,8 @@ class _Side:
     def __init__(self, mechanism: Mechanism, node: ObservedNode, move: StrokeMove, report: Report) -> None:
         self.mechanism, self.node, self.move, self.report = mechanism, node, move, report
         n = mechanism.numbering
-        row = n.e_index(move.number, move.place) if move.deformation else n.x_index(move.number, move.place)
-        self.row, self.drive = row, row_of_q(n, row, move.deformation)
+        self.row = n.e_index(move.number, move.place) if move.deformation else n.x_index(move.number, move.place)
+        self.drive = DrivePlace.of(n, self.row, move.deformation)
         self.stations: list[Station] = []
         self.stroke: list[float] = []
         self.force: list[float] = []
@@ -142,28 +143,22 @@ def _side(
     extra = ExtraLoad.of(beside, n) if beside else None
     at_drive = None if move.deformation else ObservedNode.of(n, move.number) if move.rotation else None
     turned = at_drive if move.pushed else None
-    tangents: DriveTangents | None = None
+    mixed: MixedDrive | None = None
     with np.errstate(all="ignore"):
         for k, solution in enumerate(stationary(run, modes)):
-            C, d = None, solution.dynamics
+            d, turning = solution.dynamics, 0.0
+            equations: DriveEquations
             if solution.tangent is not None:
-                if tangents is None or tangents.dynamics is not d:
-                    tangents = DriveTangents.of(d, side.row, move.deformation)
-                tangents.at(solution.tangent.sigma)
-                found = large_station(solution.frame, tangents, not move.pushed, here, modes, extra, run.report)
-                if turned is not None:
-                    C = node_compliance_of(tangents, solution.frame, turned, run.report)
+                if mixed is None or mixed.dynamics is not d:
+                    mixed = MixedDrive(d, side.drive)
+                equations = mixed.at(solution.tangent.sigma)
             else:
                 assert solution.L is not None
-                found = station(
-                    solution.frame, d, solution.L, side.drive, not move.pushed, here, modes, extra, run.report
-                )
-                if turned is not None:
-                    C = free_compliance(solution.frame, solution.L, n.dynamic, turned, run.report)
-            turning = 0.0
-            if turned is not None and C is not None:
+                equations = ReducedDrive(d, solution.L, side.drive)
+            found = station(solution.frame, equations, not move.pushed, here, modes, extra, run.report)
+            if turned is not None:
                 axis = turned.names.index(f"phi{move.text[-1]}")
-                turning = float(C[axis, axis])
+                turning = float(node_compliance(equations, turned, True, run.report)[axis, axis])
             side.add(found, end * k / count, turning)
     return side
 

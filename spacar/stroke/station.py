@@ -1,38 +1,36 @@
-"""What is known of one state of the stroke, from the linearized equations with the drive free and with it locked.
+"""What is known of one state of the stroke: node, frequencies and multipliers with the drive free and with it locked.
 
-With q the dynamic degrees of freedom, d the drive, K = K0 + N0 + G0 of both (theory-system.md (12)):
+The equations of the state are `spacar.stroke.reduced_drive` or, of large models, `spacar.stroke.mixed_drive`.
 
-    path            dq/dd = -K_qq^-1 K_qd           all other loads stay as they are
-    drive           dF/dd = K_dd + K_dq dq/dd
-    node, locked    C = D_q K_qq^-1 D_q^T;          free: C = D K^-1 D^T over q and d
-    frequencies     of (K_qq, M_qq), of (K, M);     without damping; an unstable motion has a negative one
-    buckling        det(K0 + lambda G0) = 0 of q, and of q and d (theory-system.md 6.5)
+    buckling        det(K0 + lambda G0) = 0 without and with the drive (theory-system.md 6.5)
     extra load      det(K + lambda dG) = 0 of the same (spacar.stroke.extra_load)
 
-The free mode that belongs to the drive is the one with the largest share s of the motion v = (dq/dd, 1) of the path,
-s = (phi^T M v)^2 / (phi^T M phi v^T M v).
+The free mode that belongs to the drive is the one with the largest share s of the motion v of the path,
+s = (phi^T M v)^2 / (phi^T M phi v^T M v). All modes together have 1.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from spacar.arrays import Array, Index
+from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
-from spacar.linear.buckling import buckling_modes
-from spacar.linear.eigen import vibration_modes
-from spacar.linear.internal_unknowns import buckling_matrices
-from spacar.linear.node_compliance import compliance_of, displacements
-from spacar.linearization.matrices import Linearization
-from spacar.stroke.extra_load import ExtraLoad, extra_margin, extra_stresses
+from spacar.linear.buckling import BucklingModes
+from spacar.linear_systems import SingularMatrixError
+from spacar.stroke.extra_load import ExtraLoad
+from spacar.stroke.mixed_drive import MixedDrive
 from spacar.stroke.observed_node import ObservedNode
+from spacar.stroke.reduced_drive import Frequencies, ReducedDrive
 
 NOTHING = 1e-11  # of the largest displacement by a degree of freedom: a direction that moves less counts as rigid
+FIRST, MOST = 6, 40  # multipliers, and free modes, that are computed at first and at most
+FAILED = AnalysisError, SingularMatrixError
+DriveEquations = ReducedDrive | MixedDrive
 
 
 @dataclass(frozen=True)
@@ -62,158 +60,131 @@ class Station:
 
 
 def station(
-    frame: Frame, dynamics: Dynamics, L: Linearization, drive: int, held: bool, node: ObservedNode, modes: int,
-    extra: ExtraLoad | None, report: Report,
+    frame: Frame, equations: DriveEquations, held: bool, node: ObservedNode, modes: int, extra: ExtraLoad | None,
+    report: Report,
 ) -> Station:  # fmt: skip
     """Everything about a placed state.
 
-    drive   its row of q;  held  is it prescribed?
-    modes   how many frequencies are kept;  extra  the load whose own margin is asked for
+    held   is the drive prescribed?;  modes  how many frequencies are kept;  extra  load whose own margin is asked for
     """
-    others = np.array([k for k in dynamics.numbering.dynamic.tolist() if k != drive], np.int64)
-    every = np.append(others, drive)
-    K = L.stiffness
-    D = node.map(frame.x) @ L.G[node.rows]
+    e = equations
+    locked, free = (node_compliance(e, node, k, report) for k in (False, True))
     try:
-        follow = -displacements(K[np.ix_(others, others)], K[others, drive][:, None])[:, 0]
-        locked = without_still(compliance_of(K[np.ix_(others, others)], D[:, others]), D[:, others], D, node.points)
-    except AnalysisError as error:
-        report.add(f"warning: with the drive locked {error}")
-        follow, locked = np.full(len(others), np.nan), np.full((len(D), len(D)), np.nan)
-    slope = float(K[drive, drive] + K[drive, others] @ follow)
-    free = free_compliance(frame, L, every, node, report)
-    path = np.append(follow, 1.0)
-    hertz, _ = _frequencies(L, dynamics, others, report)
-    hertz_free, shapes = _frequencies(L, dynamics, every, report)
-    drive_hertz, unwanted = _split(hertz_free, shapes, L.m0[np.ix_(every, every)], path)
+        velocity, slope, path = e.path(node)
+    except FAILED:  # as the compliance, which says it
+        velocity, slope, path = np.full(len(node.names), np.nan), np.nan, np.full(1, np.nan)
+    hertz = _frequencies(e, False, modes, report).hertz
+    hertz_free, drive_hertz, unwanted = _free_modes(e, modes + 1, path, report)
+    margin, margin_free = (_lowest_positive(e, k, e.buckling, "load multipliers", report) for k in (False, True))
     return Station(
-        frame, slope, D[:, every] @ path, locked, free, first_of(hertz, modes), first_of(hertz_free, modes),
-        drive_hertz, unwanted, _margin(L, dynamics, others, report), _margin(L, dynamics, every, report),
-        *_extra(L, dynamics, others, every, held, extra, report), strain_energy(dynamics),
+        frame, slope, velocity, locked, free, _first_of(hertz, modes), _first_of(hertz_free, modes), drive_hertz,
+        unwanted, margin, margin_free, *_extra(e, held, extra, report), _strain_energy(e.dynamics),
     )  # fmt: skip
 
 
-def free_compliance(frame: Frame, L: Linearization, rows: Index, node: ObservedNode, report: Report) -> Array:
-    """(m, m) compliance of a node with the degrees of freedom `rows` free; nan where the stiffness is singular."""
-    D = node.map(frame.x) @ L.G[node.rows]
+def node_compliance(e: DriveEquations, node: ObservedNode, free: bool, report: Report) -> Array:
+    """(m, m) compliance of a node, with zeros instead of the rounding of directions that nothing moves; nan where the
+    stiffness is singular."""
     try:
-        return without_still(compliance_of(L.stiffness[np.ix_(rows, rows)], D[:, rows]), D[:, rows], D, node.points)
-    except AnalysisError as error:
-        report.add(f"warning: with the drive free {error}")
-        return np.full((len(D), len(D)), np.nan)
-
-
-def without_still(C: Array, D: Array, every: Array, points: int) -> Array:
-    """C without the rounding of directions that nothing moves: their rows and columns are zero."""
-    size = np.abs(D).max(axis=1, initial=0.0)
-    largest = np.abs(every).max(axis=1, initial=0.0)
-    still = np.zeros(len(D), bool)
-    for part in (slice(0, points), slice(points, len(D))):
-        still[part] = size[part] <= NOTHING * largest[part].max(initial=0.0)
-    C = C.copy()
-    C[still], C[:, still] = 0.0, 0.0
+        C = e.compliance(node, free)
+    except FAILED as error:
+        report.add(f"warning: with the drive {'free' if free else 'locked'} {error}")
+        return np.full((len(node.names), len(node.names)), np.nan)
+    size, largest = (np.abs(e.moved(node, k)).max(axis=1, initial=0.0) for k in (free, True))
+    for part in (slice(0, node.points), slice(node.points, len(C))):
+        still = np.flatnonzero(size[part] <= NOTHING * largest[part].max(initial=0.0)) + part.start
+        C[still], C[:, still] = 0.0, 0.0
     return C
 
 
-def _frequencies(L: Linearization, dynamics: Dynamics, rows: Index, report: Report) -> tuple[Array, Array]:
-    """Frequencies (n,) [Hz] from low to high, unstable ones negative, and shapes (len(rows), n); n = 0 without mass."""
-    none = np.zeros(0), np.zeros((len(rows), 0))
-    if not len(rows):
-        return none
-    if _massless(L.m0[np.ix_(rows, rows)]):
-        report.add("warning: no frequencies: the mass matrix is not positive definite; a motion carries no mass")
-        return none
-    undamped = replace(L, c0=np.zeros_like(L.c0), d0=np.zeros_like(L.d0))
+def _frequencies(e: DriveEquations, free: bool, wanted: int, report: Report) -> Frequencies:
+    """None without mass."""
     told = Report()
     try:
-        found = vibration_modes(undamped, rows, rows, told, dynamics.numbering.twist_rates)
-    except AnalysisError as error:
+        found = e.vibration(free, wanted, told)
+    except FAILED as error:
         report.add(f"warning: no frequencies: {error}")
-        return none
+        return Frequencies(np.zeros(0), np.zeros((0, 0)))
     for line in told.lines:
         report.add(line)
-    hertz, chosen = hertz_of(found.values)
-    return hertz, found.vectors[: len(rows), chosen].real
+    return found
 
 
-def hertz_of(values: NDArray[np.complex128]) -> tuple[Array, Index]:
-    """Frequencies (n,) [Hz] of undamped motion from low to high, unstable ones negative, and the places of their
-    eigenvalues: of a pair the one with the positive imaginary, or positive real part."""
-    chosen = np.flatnonzero((values.imag > 0.0) | ((values.imag == 0.0) & (values.real > 0.0)))
-    hertz = np.abs(values[chosen]) / (2.0 * np.pi)
-    hertz = np.where(values[chosen].imag > 0.0, hertz, -hertz)
-    order = np.argsort(hertz, kind="stable")
-    return hertz[order], chosen[order]
-
-
-def _massless(M: Array) -> bool:
-    """Is the mass matrix singular to rounding, beside degrees of freedom without any mass?"""
-    M = M[M.any(axis=1)][:, M.any(axis=0)]
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(M), np.finfo(float).tiny))
-    values = np.linalg.eigvalsh(M * np.outer(scale, scale))
-    return bool(values.min(initial=np.inf) <= np.finfo(float).eps * len(M) * values.max(initial=0.0))
-
-
-def _split(hertz: Array, shapes: Array, M: Array, path: Array) -> tuple[float, float]:
-    """Frequency of the mode that is the motion of the drive, and the lowest of the others."""
+def _free_modes(e: DriveEquations, wanted: int, path: Array, report: Report) -> tuple[Array, float, float]:
+    """Free frequencies, the frequency of the mode that is the motion of the drive, and the lowest of the others [Hz]
+    (nan: none). `wanted` modes are computed, and more where one that is missing may have a larger share of that motion.
+    """
+    hertz, shapes = _frequencies(e, True, wanted, report)
     if not len(hertz) or not np.isfinite(path).all():
-        return np.nan, np.nan
-    along = shapes.T @ (M @ path)
-    share = along**2 / np.maximum(np.einsum("ik,ij,jk->k", shapes, M, shapes), np.finfo(float).tiny)
-    return apart(hertz, int(np.argmax(share)))
-
-
-def apart(hertz: Array, k: int) -> tuple[float, float]:
-    """Frequency k, and the lowest of the others (nan: none)."""
+        return hertz, np.nan, np.nan
+    moved, least = e.momenta(path[:, None])[:, 0], np.finfo(float).tiny
+    whole = max(float(path @ moved), least)
+    while True:
+        own = np.einsum("ik,ik->k", shapes, e.momenta(shapes))
+        share = (shapes.T @ moved) ** 2 / np.maximum(own, least) / whole
+        k = int(np.argmax(share))
+        certain = e.complete or share[k] >= 1.0 - share.sum()
+        if certain or wanted >= MOST or len(hertz) < wanted:
+            break
+        wanted = min(2 * wanted, MOST)
+        hertz, shapes = _frequencies(e, True, wanted, report)
+    if not certain:
+        text = f"the motion of the drive is none of the {len(hertz)} lowest free modes: its frequency is not known"
+        report.add(f"warning: {text}")
+        return hertz, np.nan, float(hertz[0])
     rest = np.delete(hertz, k)
-    return float(hertz[k]), float(rest[0]) if len(rest) else np.nan
+    return hertz, float(hertz[k]), float(rest[0]) if len(rest) else np.nan
 
 
-def first_of(hertz: Array, n: int) -> Array:
+def _first_of(hertz: Array, n: int) -> Array:
     """The first n, filled up with nan."""
     return np.pad(hertz[:n], (0, max(0, n - len(hertz))), constant_values=np.nan)
 
 
-def _margin(L: Linearization, dynamics: Dynamics, rows: Index, report: Report) -> float:
-    """Lowest positive multiplier of all loads and prestresses of the state; infinite without one."""
-    if not len(rows):
-        return np.inf
-    told = Report()
-    try:
-        found = buckling_modes(*buckling_matrices(dynamics, L, rows), told).lowest_positive
-    except AnalysisError as error:
-        report.add(f"warning: no load multipliers: {error}")
-        return np.nan
-    add_warnings(told, report)
-    return found
-
-
-def _extra(
-    L: Linearization, dynamics: Dynamics, others: Index, every: Index, held: bool, load: ExtraLoad | None,
-    report: Report,
-) -> tuple[float, float]:  # fmt: skip
-    """Multipliers of the extra load alone, drive locked and free; nan without such a load, and where there are none."""
+def _extra(e: DriveEquations, held: bool, load: ExtraLoad | None, report: Report) -> tuple[float, float]:
+    """Multipliers of the extra load alone, drive held and free; nan without such a load, and where there are none."""
     if load is None:
         return np.nan, np.nan
-    told = Report()
+    what = "multipliers of the extra load"
     try:
-        sigma = extra_stresses(dynamics, L, others if held else every, load)
-        found = [extra_margin(dynamics, L, rows, sigma, load, told) for rows in (others, every)]
-    except AnalysisError as error:
-        report.add(f"warning: no multipliers of the extra load: {error}")
+        sigma = e.extra_stresses(not held, load)
+    except FAILED as error:
+        report.add(f"warning: no {what}: {error}")
         return np.nan, np.nan
-    add_warnings(told, report)
-    return found[0], found[1]
+
+    def find(free: bool, wanted: int, told: Report) -> BucklingModes:
+        return e.extra(free, sigma, load, wanted, told)
+
+    locked, free = (_lowest_positive(e, k, find, what, report) for k in (False, True))
+    return locked, free
 
 
-def add_warnings(told: Report, report: Report) -> None:
-    """What was told of multipliers, without that there are none: the value says it."""
+def _lowest_positive(
+    e: DriveEquations, free: bool, find: Callable[[bool, int, Report], BucklingModes], what: str, report: Report
+) -> float:
+    """The lowest positive multiplier among those of smallest modulus, of more where all these are negative; infinite
+    without one."""
+    wanted, most = FIRST, min(MOST, e.most)
+    while True:
+        told = Report()
+        try:
+            found = find(free, wanted, told)
+        except FAILED as error:
+            report.add(f"warning: no {what}: {error}")
+            return np.nan
+        value, all_found = found.lowest_positive, e.contains_all(found, wanted, free)
+        if np.isfinite(value) or wanted >= most or all_found:
+            break
+        wanted = min(2 * wanted, most)
     for line in told.lines:
-        if line.startswith("warning"):
+        if line.startswith("warning"):  # the value tells that there are none
             report.add(line)
+    if np.isinf(value) and not all_found and wanted < e.most:
+        report.add(f"warning: none of the {wanted} lowest {what} is positive; a larger one is not looked for")
+    return value
 
 
-def strain_energy(dynamics: Dynamics) -> float:
+def _strain_energy(dynamics: Dynamics) -> float:
     """e^T S e/2 + sigma0^T e of the elements whose deformations are free."""
     law, e = dynamics.law, dynamics.sweep.e
     return 0.5 * float(e @ (law(e, np.zeros(len(e))) + law.preload))

@@ -13,7 +13,8 @@ from test_extra_load import column
 import spacar
 from spacar.deck import parse_deck, read_deck
 from spacar.linear import form
-from spacar.stroke import large_station, range_of_motion
+from spacar.stroke import station
+from spacar.stroke.mixed_drive import MixedDrive
 
 DATA = Path(__file__).parents[2] / "data"
 GUIDE = models.two_leaves(models.GUIDE, 5)
@@ -45,9 +46,9 @@ def test_the_same_numbers_without_dense_matrices(name, monkeypatch):
     deck = parse_deck(source) if isinstance(source, str) else read_deck(source, 10)
     dense = spacar.flexure(deck, **asked)
     calls = []
-    inner = range_of_motion.large_station
+    inner = MixedDrive.path
     monkeypatch.setattr(form, "LARGE", 3)
-    monkeypatch.setattr(range_of_motion, "large_station", lambda *a: calls.append(1) or inner(*a))
+    monkeypatch.setattr(MixedDrive, "path", lambda *a: calls.append(1) or inner(*a))
     sparse = spacar.flexure(deck, **asked)
     assert len(calls) >= len(sparse)
     theirs = dense.table()
@@ -66,8 +67,8 @@ def test_what_the_lowest_values_do_not_contain(monkeypatch):
     """A column under tension has negative multipliers only; pushed along its axis it moves in a high mode. What is not
     among the values that are computed is nan or infinite, with a warning."""
     monkeypatch.setattr(form, "LARGE", 3)
-    monkeypatch.setattr(large_station, "FIRST", 1)
-    monkeypatch.setattr(large_station, "MOST", 2)
+    monkeypatch.setattr(station, "FIRST", 1)
+    monkeypatch.setattr(station, "MOST", 2)
     deck = parse_deck(column(4, False))
     study = spacar.flexure(deck, move="9y=1e-7", steps=1, modes=1, extra=["9y=1"])
     assert np.isnan(study.of("drive_hertz")).all()
