@@ -99,6 +99,9 @@ def _check_one(scene: CheckMaterial, t: _Trajectory, whole: bool) -> None:
         elif s.keyword == "TRFRONT" and number not in moved_nodes | moved_elements:
             text = f"neither node nor element {number} has a path in trajectory {t.start.values[0]}"
             findings.error(s, 0, text, "no-path")
+        elif s.keyword == "TRFRONT" and number in moved_nodes & moved_elements:
+            text = f"both node {number} and element {number} have a path: the front is that of both"
+            findings.warning(s, 0, f"{text}; renumber one of them to tell them apart", "two-paths")
         _check_values(scene, s)
 
 

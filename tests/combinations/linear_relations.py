@@ -9,7 +9,6 @@ import numpy as np
 
 import spacar
 from spacar.dynamics import Dynamics
-from spacar.mechanism import build
 
 from .case import NOTHING, Case, Found, worst
 from .compare import quantities
@@ -35,7 +34,7 @@ def differences(case: Case) -> Found:
     matrices = case.base.frames[0].matrices
     if case.model.has("PLWHEEL", "WHEEL", "TWHEEL") or "m0" not in matrices:
         return NOTHING
-    dynamics = Dynamics(build(case.deck(mode=1), 1))
+    dynamics = Dynamics(spacar.frames(1, case.deck(mode=1), **case.model.options).mechanism)
     y = np.array(dynamics.start())
     a = np.zeros((len(y), len(y)))
     for j in range(len(y)):
@@ -77,7 +76,7 @@ def eigen_and_buckling(case: Case) -> Found:
     a, b = (sorted_complex(r["eigval"][-1]) for r in (case.base, seven))
     found.append(case.close(a, b, "eigval", 1e-10))
     matrices = case.base.frames[-1].matrices
-    if len(matrices["m0"]) and not case.model.options.get("modes"):
+    if len(matrices["m0"]) and not (case.model.options.get("modes") or case.model.has("MODES")):
         want = np.linalg.eigvals(state_matrix(matrices))
         near = max((np.abs(want - v).min() for v in a), default=0.0)
         off = max(float(near), max((float(np.abs(a - v).min()) for v in want), default=0.0))

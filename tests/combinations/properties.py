@@ -307,12 +307,14 @@ class Properties:
         driven = self.of_class("INPUTE")
         for number in range(1, self.r.randrange(1, 3) + 1):
             self.g.add("TRAJECT", number, block=3)
-            for n in {m[0] for m in self.g.moving if m[2] == "INPUTX"}:
+            turned = {m[0] for m in self.g.moving if m[2] == "INPUTX"}
+            for n in turned:
                 axis = () if self.g.planar else (Axial(self.g.signed(1.0) for _ in range(3)),)
                 self.g.add("TROT", n, (Side if self.g.planar else float)(self.g.signed(0.4)), *axis, block=3)
             for e, _, _ in self.r.sample(driven, self.r.randrange(1, len(driven) + 1)):
                 self.g.add("TRE", e, Along(self.g.signed(0.4)), block=3)
-                self.g.add("TRFRONT", e, self.r.randrange(3), block=3)
+                if int(e) not in map(int, turned):  # the front would be that of both
+                    self.g.add("TRFRONT", e, self.r.randrange(3), block=3)
                 if self.g.chance(0.5):
                     self.g.add("TREPMAX", e, 0.2, block=3)
             self.g.add("TRTIME", 0.5, 3, block=3)

@@ -71,6 +71,8 @@ def renumbered(model: Model, rng: random.Random) -> tuple[Model, Back]:
     nodes, elements = sorted(model.roles), sorted(model.types)
     spread = rng.choice((1, 1, 3))
     to = dict(zip(nodes, rng.sample(range(1, spread * len(nodes) + 1), len(nodes)), strict=True))
+    if model.has("TRFRONT"):  # names an element or a node with a path: both would have its front
+        to = {old: 100 + new for old, new in to.items()}
     te = dict(zip(elements, rng.sample(range(1, spread * len(elements) + 1), len(elements)), strict=True))
 
     def new(v: Any) -> Any:

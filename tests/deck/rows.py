@@ -675,6 +675,13 @@ TRAJECTORIES = [
         mode=2,
     ),
     row(
+        "TRFRONT of two paths",
+        bar("X 3 1. 1.|PLTRUSS 2 2 3|INPUTX 2|INPUTE 2", "", f"{TRAVEL}|TRE 2 0.1|TRFRONT 2 1"),
+        W,
+        "both node 2 and element 2 have a path",
+        mode=2,
+    ),
+    row(
         "TRFRONT type", bar("INPUTX 2", "", f"{TRAVEL}|TRFRONT 2 5"), E, "front type 5 does not exist", mode=2
     ),
     row(
