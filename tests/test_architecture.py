@@ -37,7 +37,7 @@ OPTIONAL = {"symbolic", "compiled"}  # packages of the core that only an extra n
 # The rooms and files of the core: each may import those of a lower rank, and itself. Analyses are named in the table
 # of modes; what else lies above its caller is asked of `spacar.registry`, and `spacar/__init__.py` says where it is.
 RANKS = {
-    "errors": 0, "arrays": 0, "registry": 0,
+    "errors": 0, "arrays": 0, "registry": 0, "locks": 0,
     "modes": 1, "summary": 1, "frame": 1, "elements": 1, "linear_systems": 1, "integrators": 1, "native": 1,
     "deck": 2, "symbolic": 2,
     "expressions": 3, "mechanism": 3, "sources": 3,

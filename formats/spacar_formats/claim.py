@@ -12,8 +12,8 @@ import time
 from pathlib import Path
 from typing import BinaryIO
 
+from spacar import locks
 from spacar.errors import AnalysisError, UsageError
-from spacar_formats import locks
 from spacar_formats.safety import backup_path, force, part_path, side_path, sweep
 
 PAUSE = 0.1  # seconds between two looks of one that waits

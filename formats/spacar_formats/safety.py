@@ -17,8 +17,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from spacar import locks
 from spacar.errors import UsageError
-from spacar_formats import locks
 
 SIDE = re.compile(r"\..*\.(\d+)-\d+\.spacar-side(\.\w+)?")
 _numbers = itertools.count(1)

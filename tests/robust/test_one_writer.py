@@ -11,11 +11,11 @@ import pytest
 from spacar_cli.environment import Environment
 from spacar_cli.main import main
 from spacar_formats import claim as claims
-from spacar_formats import locks
 from spacar_formats.claim import Claim
 from spacar_formats.getfrsbf import getfrsbf
 
 import spacar
+from spacar import locks
 from spacar.errors import AnalysisError, UsageError
 
 from .processes import LONG, done, grows, model, shell, start, until

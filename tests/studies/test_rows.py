@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import os
 
 import pytest
 
+from spacar import locks
 from spacar.errors import UsageError
 from spacar.studies.runs.rows import Rows, key
 
@@ -119,10 +121,24 @@ def test_a_file_that_was_edited_goes_on(tmp_path, name, text, done):
         assert float(rows.done["z"]["k"]) == 3.0
 
 
-def test_one_writer(tmp_path):
-    pytest.importorskip("fcntl")
+@pytest.mark.parametrize("flock", [True, False])
+def test_one_writer(tmp_path, monkeypatch, flock):
+    """Also on disks without flock, where the lock is a file that the refusal names."""
+    if not flock:
+        monkeypatch.setattr(locks, "fcntl", None)
     path = tmp_path / "r.csv"
-    with Rows(path, COLUMNS), pytest.raises(UsageError, match="another study"), Rows(path, COLUMNS):
+    with Rows(path, COLUMNS), pytest.raises(UsageError, match="another study") as caught, Rows(path, COLUMNS):
+        pass
+    assert (f"its lock is {path}.lock, of process " in str(caught.value)) is not flock
+    with Rows(path, COLUMNS):
+        assert (tmp_path / "r.csv.lock").exists() is not flock
+    assert [p.name for p in tmp_path.iterdir()] == ["r.csv"]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes")
+def test_pipes_are_refused(tmp_path):
+    os.mkfifo(tmp_path / "r.csv")
+    with pytest.raises(UsageError, match=r"r\.csv is no file"), Rows(tmp_path / "r.csv", COLUMNS):
         pass
 
 

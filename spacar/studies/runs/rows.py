@@ -21,6 +21,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+from spacar import locks
 from spacar.errors import UsageError, shown
 
 Row = dict[str, Any]
@@ -39,12 +40,18 @@ class Rows:
         self.csv = path.suffix.lower() == ".csv"
         self.done: dict[str, Row] = {}
         self._synced = 0.0
+        self._release: locks.Release | None = None
 
     def __enter__(self) -> Rows:
         """Read what is there; nothing of the file changes before all of it was understood."""
+        if self.path.exists() and not self.path.is_file():
+            raise UsageError(f"{self.path} is no file: rows are read before others are added", "study.rows")
         self._file = self.path.open("a+b")
         try:
-            _lock(self._file, self.path)
+            self._release = locks.lock(self._file.fileno(), self.path)
+            if self._release is None:
+                held = locks.holder(self.path)
+                raise UsageError(f"{self.path} is being written by another study{held}", "study.rows")
             self._file.seek(0)
             data = self._file.read()
             rows, whole = self._read_csv(data) if self.csv else self._read_json(data)
@@ -57,12 +64,17 @@ class Rows:
             elif whole and not data[:whole].endswith(b"\n"):
                 self._write("\n")
         except BaseException:
-            self._file.close()
+            self._close()
             raise
         return self
 
     def __exit__(self, *_: object) -> None:
         self._to_disk()
+        self._close()
+
+    def _close(self) -> None:
+        if self._release is not None:
+            self._release()
         self._file.close()
 
     def add(self, *rows: Row) -> None:
@@ -194,15 +206,3 @@ def _csv_line(cells: Sequence[str]) -> str:
     line = io.StringIO()
     csv.writer(line, lineterminator="\n").writerow([" ".join(c.splitlines()) for c in cells])
     return line.getvalue()
-
-
-def _lock(file: Any, path: Path) -> None:
-    """One writer at a time; the lock ends with the process. Not on systems without flock."""
-    try:
-        import fcntl
-    except ImportError:
-        return
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        raise UsageError(f"{path} is being written by another study", "study.rows") from None
