@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from spacar_formats.signal_units import signal_unit
+from spacar_formats.signal_tables import signal_unit
 from spacar_formats.vibration import without_rounding
 
 from spacar.errors import escaped

@@ -5,11 +5,18 @@
 
 They stand beside the motion of the mechanism; a diagram without one has a file of its own (KIND signals). What a scope
 looks at is a signal under its name.
+
+Units of signals from their names: "OUTXP node 8 x" is a speed, "INPUTS element 1 (HINGE) e1 ..." a moment.
+
+The letters behind the kind of a coordinate tell its derivative (P, DP), and S or F an input or output that is its dual.
+
+Time histories as `.npz`, `.mat` or `.csv` files: what `spacar sim`, `ltv` and `mrltv` write.
 """
 
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,13 +25,41 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import spacar
-from spacar.expressions import Unit, unit_text
+from spacar.deck import ELEMENT_TYPES
+from spacar.errors import UsageError
+from spacar.expressions import NONE, Dimensions, Unit, unit_text
 from spacar_formats.claim import Claim
+from spacar_formats.exports import to_csv, to_mat, to_npz
 from spacar_formats.sbf import SbfError, SbfFile, SbfWriter
-from spacar_formats.signal_units import signal_unit
 
 if TYPE_CHECKING:
     from spacar.simulation.response import Response
+
+KIND = re.compile(r"(?:IN|OUT|NOM|REF|INPUT)(E|X|S|F)(DP|P|S)? ")
+NODE = re.compile(r"node \d+ (?:([xyz])|w|phi|lambda\d)")
+ELEMENT = re.compile(r"element \d+ \((\w+)\) e(\d+)")
+DERIVATIVES = {"P": 1, "DP": 2}
+
+
+def signal_unit(name: str) -> Unit | None:
+    """None: the name does not tell."""
+    kind = KIND.match(name)
+    if kind is None:
+        return None
+    letter, order = kind[1], DERIVATIVES.get(kind[2] or "", 0)
+    rest = name[kind.end() :]
+    if (node := NODE.match(rest)) is not None:
+        variable = "fx" if letter == "F" else ("x", "xd", "xdd")[order]
+        units = Dimensions(" phi" in rest, False, (1,) if node[1] else (), ())
+        return units(variable, (1, 1)) if " w" not in rest else NONE
+    element = ELEMENT.match(rest)
+    if element is None or element[1] not in ELEMENT_TYPES:
+        return None
+    mode = int(element[2])
+    if not 1 <= mode <= len(ELEMENT_TYPES[element[1]].modes):
+        return None
+    variable = "sig" if letter == "S" else ("e", "ed", "edd")[order]
+    return Dimensions(True, False, (), (element[1],))(variable, (1, mode))
 
 
 @dataclass(frozen=True)
@@ -156,3 +191,30 @@ def write_table(stem: Path, t: Sequence[float] | np.ndarray, table: SignalTable,
     finally:
         claim.release()
     return path
+
+
+def export_signals(arrays: Mapping[str, np.ndarray], target: Path) -> None:
+    """Arrays (steps,) or (steps, n) by name; in a `.csv` every column has the name and its number.
+
+    Raises UsageError for another extension or a file that cannot be written.
+    """
+    suffix = target.suffix.lower()
+    if suffix in (".npz", ".mat"):
+        (to_npz if suffix == ".npz" else to_mat)({_name(k): np.asarray(v) for k, v in arrays.items()}, target)
+    elif suffix == ".csv":
+        table = {}
+        for name, value in arrays.items():
+            columns = np.asarray(value)
+            if columns.ndim == 1:
+                table[name] = columns
+            else:
+                table |= {f"{name}_{k + 1}": column for k, column in enumerate(columns.T)}
+        to_csv(table, target)
+    else:
+        raise UsageError(f"cannot export to {target}: the extension must be .npz, .mat or .csv", "files.export")
+
+
+def _name(text: str) -> str:
+    """A name that MATLAB and Python accept for a variable."""
+    clean = "".join(c if c.isalnum() or c == "_" else "_" for c in text)
+    return clean if clean[:1].isalpha() else f"b_{clean}"

@@ -1,7 +1,7 @@
 """BEAMW in the angle measure (ADEFORM): theory-beam-order4.md section 2.8.
 
 Stiffness and inertia are those of `beam_warping`, limits those of `beam_angle`; the deformations are in
-`warping_angle_measure`, their derivatives in `warping_angle_strain`. The gradient of the twist belongs to the twist
+`warping_angle_strain`, with their derivatives. The gradient of the twist belongs to the twist
 rates of the nodes, so there is no unknown inside the element, and a fixed plane of bending keeps order 4.
 """
 

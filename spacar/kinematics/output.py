@@ -8,9 +8,12 @@ from typing import TYPE_CHECKING, Protocol
 from spacar.arrays import Array
 from spacar.frame import Frame
 from spacar.kinematics.kinematics import Kinematics
-from spacar.kinematics.second_order_transfer import second_order_transfer
-from spacar.kinematics.third_order_transfer import third_order_transfer
-from spacar.kinematics.transfer import configuration_transfer, velocity_transfer
+from spacar.kinematics.transfer import (
+    configuration_transfer,
+    second_order_transfer,
+    third_order_transfer,
+    velocity_transfer,
+)
 
 if TYPE_CHECKING:
     from spacar.stream import Run

@@ -2,7 +2,13 @@
 
 Velocity transfer W (nx, ndof): xd = W qd, from one factorization and ndof right-hand sides (5). Configuration
 transfer G (nx, nkdof): dx = G ds; equal to W for holonomic systems, else from the position matrix with unit rows for
-the kinematic coordinates. Second order tensors (6) are formed only for OUTLEVEL, in `second_order_transfer`.
+the kinematic coordinates. Full tensors of second order, for OUTLEVEL only (6), and of third order, for the log only:
+
+    D2F_x[:,a,b] = solveU(-H(G_a, G_b)),     D2F_e[:,a,b] = H(G_a, G_b) + V D2F_x[:,a,b]
+    D3F_x[:,a,b,c] = solveU(-B_abc),    D3F_e[:,a,b,c] = B_abc + V D3F_x[:,a,b,c]
+    B_abc = D3D(G_a, G_b, G_c) + H(F_ab, G_c) + H(F_bc, G_a) + H(F_ca, G_b),    F_ab = D2F_x[:,a,b]
+
+The element families give T(v)[e,j] = D3D(v, v, unit_j); polarization gives D3D(u, v, .) = (T(u+v) - T(u-v))/4.
 """
 
 from __future__ import annotations
@@ -64,3 +70,61 @@ def configuration_transfer(k: Kinematics, W: Array | None = None) -> Array:
     slips = np.flatnonzero(n.slips[e_units])
     G[:, e_columns[slips]] = 0.0  # a slip is no configuration
     return G
+
+
+def second_order_transfer(k: Kinematics, G: Array) -> tuple[Array, Array]:
+    """d2x (nx, nkdof, nkdof) and d2e (ne, nkdof, nkdof) at the present configuration."""
+    size = G.shape[1]
+    H = gradient_tensor(k)
+    curvature = np.einsum("eij,ia,jb->eab", H, G, G, optimize=True).reshape(len(H), size * size)
+    d2x = np.zeros((k.numbering.nx, size * size))
+    d2x[k.c] = k.position_system.solve(-curvature[k.h])
+    d2e = curvature + k.sweep_rates(d2x)
+    return d2x.reshape(len(d2x), size, size), d2e.reshape(len(d2e), size, size)
+
+
+def gradient_tensor(k: Kinematics) -> Array:
+    """H as a full (ne, nx, nx) array; only for output, from unit stresses."""
+    sweep = k.sweep
+    H = np.zeros((sweep.ne, sweep.nx, sweep.nx))
+    for batch in sweep.curved:
+        nee, nxe, n = len(batch.e), len(batch.x), batch.family.n
+        for row in range(nee):
+            sigma = np.zeros((nee, n))
+            sigma[row] = 1.0
+            block = np.zeros((nxe, nxe, n))
+            batch.family.geometric_stiffness(sweep.configuration[batch.index], sigma, block)
+            for element in range(n):
+                x = batch.x[:, element]
+                H[np.ix_([batch.e[row, element]], x, x)] += block[None, :, :, element]
+    return H
+
+
+def third_order_transfer(k: Kinematics, G: Array, d2x: Array) -> tuple[Array, Array]:
+    """d3x (nx, n, n, n) and d3e (ne, n, n, n) from G (nx, n) and d2x (nx, n, n) at the present configuration."""
+    n, ne, nx = G.shape[1], k.numbering.ne, k.numbering.nx
+    H = gradient_tensor(k)
+    HG = np.einsum("eij,jc->eic", H, G)  # H is symmetric in i, j for holonomic rows
+    mixed = np.einsum("eic,iab->eabc", HG, d2x, optimize=True)
+    bracket = mixed + mixed.transpose(0, 3, 1, 2) + mixed.transpose(0, 2, 3, 1)
+    for a in range(n):
+        for b in range(a, n):
+            third = (_rate_gradient(k, G[:, a] + G[:, b]) - _rate_gradient(k, G[:, a] - G[:, b])) / 4.0 @ G
+            bracket[:, a, b] += third
+            if b != a:
+                bracket[:, b, a] += third
+    flat = bracket.reshape(ne, n**3)
+    d3x = np.zeros((nx, flat.shape[1]))
+    d3x[k.c] = k.position_system.solve(-flat[k.h])
+    d3e = flat + k.sweep_rates(d3x)
+    return d3x.reshape(nx, n, n, n), d3e.reshape(ne, n, n, n)
+
+
+def _rate_gradient(k: Kinematics, v: Array) -> Array:
+    """T(v), (ne, nx)."""
+    out = np.zeros((k.numbering.ne, k.numbering.nx))
+    for b in k.sweep.curved:
+        block = np.zeros((len(b.e), len(b.x), b.family.n))
+        b.family.rate_gradient(k.sweep.configuration[b.index], v[b.x], block)
+        out[b.e[:, None, :], b.x[None, :, :]] = block
+    return out

@@ -223,7 +223,7 @@ class CondensedSystem:
         too many springs, or the condensation has lost more than LOST."""
         if self._mixed or len(self._sprung) > MOST_SPRINGS or not self._symmetric() or not self._lost() < LOST:
             return None
-        from spacar.linear_systems.sparse_selected_inverse import selected_inverse
+        from spacar.linear_systems.selected_inverse import selected_inverse
 
         pairs = csr_array(abs(self._NT) @ abs(self.N)) + abs(self.R)
         rows, place = _rows_of(pairs), self.lu.perm_c

@@ -2,6 +2,10 @@
 
 One analysis: the path to the load steps is walked as in modes 7 to 10, and at every step that is asked for the state,
 the linearized equations and the stresses are differentiated along all parameters (docs/sensitivity.md).
+
+Numbers of the deck by the names that parameter studies use (spacar.studies.assignments), and directions along them.
+
+    ESTIFF.3[EI]   X.2[x]   SECTION.leaf[dimension 2]   INPUTX.4.1 & INPUTX.5.1   XF.*[2]
 """
 
 from __future__ import annotations
@@ -15,7 +19,9 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.calls import frames
-from spacar.deck import ELEMENT_TYPES, Deck
+from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.deck.directed import DirectedDeck, nothing_lost
+from spacar.deck.length_unit import shown_in
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.dynamics.motion_equations import Accelerations
@@ -26,10 +32,11 @@ from spacar.kinematics.constraint_condition import condition_number
 from spacar.kinematics.regularity import Regularity
 from spacar.linear.linear_modes import say_lost_digits
 from spacar.linearization.matrices import linearize
+from spacar.mechanism import Mechanism
+from spacar.mechanism.build import along
 from spacar.registry import registered
 from spacar.sensitivities.expression_derivatives import ChainValue, derivative, steps_of, variables
 from spacar.sensitivities.linear_quantities import LinearQuantities
-from spacar.sensitivities.parameters import DeckNumber, deck_numbers, directions
 from spacar.sensitivities.pencil_derivatives import LinearizedState
 from spacar.sensitivities.state_derivatives import state_derivatives
 from spacar.sensitivities.step_quantities import (
@@ -44,7 +51,7 @@ from spacar.sensitivities.step_quantities import (
 from spacar.sources import Source, deck_of
 from spacar.stationary import StationarySolver, load_program
 from spacar.stream import Run
-from spacar.studies.assignments import change
+from spacar.studies.assignments import Setting, change, parameters_of, setting
 from spacar.studies.runs.quantities import Quantity, quantity
 
 COLUMNS = ("quantity", "value", "unit", "parameter", "at", "unit of parameter", "derivative", "relative")
@@ -295,3 +302,72 @@ class _Analysis:
                     values, rates = self.found[variable]
                     values[stored], rates[stored] = at(variable)
             stored += 1
+
+
+@dataclass(frozen=True)
+class DeckNumber:
+    """A number of the deck: its setting, present value in the unit of the file, and that unit."""
+
+    setting: Setting
+    value: float
+    unit: str
+
+
+def deck_numbers(deck: Deck, names: Sequence[str]) -> tuple[Deck, list[DeckNumber]]:
+    """The numbers with these names. Arguments that were left out stand in the deck that is returned.
+
+    Raises UsageError for names that the deck does not have, and for several places with different numbers.
+    """
+    settings = [name if isinstance(name, Setting) else setting(name) for name in names]
+    for given in settings:
+        missing = [(s, p) for t in given.targets for s, p in t.places(deck) if p > len(s.values)]
+        if missing:
+            s, p = missing[0]
+            default = parameters_of(deck, s)[p - 1].default
+            if default not in (None, 0.0):
+                text = f"{s.subject}: argument {p} is left out; write its value into the file"
+                raise UsageError(text, "sensitivity.parameter")
+            deck = change(deck, [given], [0.0])
+    directed = DirectedDeck(deck)
+    return deck, [_number(deck, directed, given) for given in settings]
+
+
+def _number(deck: Deck, directed: DirectedDeck, given: Setting) -> DeckNumber:
+    values, unit = [], ""
+    for target in given.targets:
+        for s, p in target.places(deck):
+            deck.require_written(s)
+            parameters = parameters_of(deck, s)
+            if parameters[p - 1].kind != "real":
+                text = f"{given.name} is no real number; derivatives are with respect to real numbers"
+                raise UsageError(text, "sensitivity.parameter")
+            values.append(float(s.values[p - 1]) / directed.factor(s, p, parameters))
+            unit = shown_in(parameters[p - 1].unit, deck.metre)[1]
+    if max(values) - min(values) > 1e-12 * max(map(abs, values)):
+        listed = ", ".join(f"{v:.9g}" for v in values[:4])
+        text = f"{given.name} stands for {len(values)} different numbers ({listed}); make them equal, or name one"
+        raise UsageError(text, "sensitivity.parameter")
+    return DeckNumber(given, values[0], unit)
+
+
+def directions(mechanism: Mechanism, numbers: Sequence[DeckNumber]) -> list[Mechanism]:
+    """The mechanism with each of the numbers of its deck moved by a complex step. Raises UsageError for a number whose
+    derivative is not followed."""
+    directed = DirectedDeck(mechanism.deck)
+    found = []
+    with nothing_lost():
+        for number in numbers:
+            try:
+                found.append(along(mechanism, directed.along(_places(mechanism.deck, directed, number.setting))))
+            except (TypeError, RuntimeWarning) as error:
+                text = f"derivatives with respect to {number.setting.name} are not followed ({error})"
+                raise UsageError(text, "sensitivity.parameter") from None
+    return found
+
+
+def _places(deck: Deck, directed: DirectedDeck, given: Setting) -> list[tuple[Statement, int, float]]:
+    return [
+        (s, p, directed.factor(s, p, parameters_of(deck, s)))
+        for target in given.targets
+        for s, p in target.places(deck)
+    ]

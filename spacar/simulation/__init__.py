@@ -14,7 +14,7 @@ _HOME = {
     "SetpointSigma0": "setpoint_blocks", "SetpointU0": "setpoint_blocks", "Sine": "signal_sources",
     "Spasim": "plant", "StepSignal": "signal_sources", "Table": "time_tables", "TimeSeries": "signal_sources",
     "TimeVarying": "time_varying", "TimesM0": "setpoint_blocks", "TransportDelay": "transport_delay",
-    "as_control": "control_systems", "closed_loop": "loop", "computed_torque": "feedback",
+    "as_control": "control_systems", "closed_loop": "engine", "computed_torque": "feedback",
     "proportional_derivative": "blocks", "reduce_modes": "reduction",
     "sampled_linear": "sampled_blocks", "sampled_pid": "sampled_blocks", "sampled_rate_limiter": "sampled_blocks",
     "sampled_transfer_function": "sampled_blocks", "simulate": "engine",

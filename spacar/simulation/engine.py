@@ -1,30 +1,37 @@
 """Simulation of a diagram: integration between sampling times and discontinuities, events, output.
 
-The time axis is cut (time_axis.py). Inside a piece the states follow a one-step code with error control
-(spacar/integrators). Events are zeros of functions of the signals: those of the caller, and those of blocks whose mode
-ends (blocks.Block). They are looked for at the middle and the end of every step and at the output times in it; the
-first one is located on the dense output to rounding (event_location.py), and the integration starts again behind it
-with new modes. Blocks whose modes end more than MOST_RESTARTS times in a row while the time makes no progress chatter,
-which is a failure. Signals and rates: diagram_evaluator.py; steps and their method: stepping.py.
+Inside a piece of the time axis the states follow a one-step code with error control (spacar/integrators). Events are
+zeros of functions of the signals: those of the caller, and those of blocks whose mode ends (blocks.Block). They are
+looked for at the middle and the end of every step and at the output times in it; the first one is located on the dense
+output to rounding (event_location.py), and the integration starts again behind it with new modes. Blocks whose modes
+end more than MOST_RESTARTS times in a row while the time makes no progress chatter, which is a failure. Signals and
+rates: diagram_evaluator.py; steps and their method: stepping.py.
+
+The time axis is cut at every sampling time and at every break of a block. Values next to a cut are those of the side on
+which the integration works: a piece is evaluated `shift` inside its cuts, a few roundings of the largest time. Cuts
+nearer than four of these are one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators import AUTOMATIC, Tolerance, named
-from spacar.simulation.blocks import Block
+from spacar.simulation.blocks import Block, Function, Sampled
 from spacar.simulation.diagram import Diagram, Schedule, schedule
 from spacar.simulation.diagram_evaluator import CALM, MOST_RESTARTS, DiagramEvaluator
 from spacar.simulation.event_location import first_event, passed
+from spacar.simulation.plant import Spasim
 from spacar.simulation.response import Event, Response, Signals
 from spacar.simulation.stepping import Stepping
-from spacar.simulation.time_axis import TimeAxis
 from spacar.simulation.transport_delay import TransportDelay
+
+EPS = float(np.finfo(float).eps)
 
 
 def simulate(
@@ -237,3 +244,81 @@ class _Simulation:
         names = ", ".join(b.name for b in ended)
         text = f"{names} chatters at t = {t:.9g}: {MOST_RESTARTS} changes of mode and time does not go on; {CALM}"
         raise AnalysisError(text, "simulation.chatter")
+
+
+class TimeAxis:
+    """`cuts`: times from the first to the last one [s], each with the blocks that are sampled there. Piece k lies
+    between cuts k and k + 1. `shift` [s], see above.
+    """
+
+    def __init__(self, first: float, last: float, blocks: Sequence[Block]) -> None:
+        self.shift = 4.0 * EPS * max(abs(first), abs(last), last - first)
+        found: list[tuple[float, Block | None]] = [(first, None), (last, None)]
+        for block in blocks:
+            found += [(t, None) for t in (*block.breaks, *block.breaks_until(first, last)) if first < t < last]
+            if block.period is not None:
+                period, offset = block.period, block.offset
+                k0 = int(np.ceil((first - offset) / period - 1e-9))
+                k1 = int(np.floor((last - offset) / period + 1e-9))
+                found += [(min(max(offset + k * period, first), last), block) for k in range(k0, k1 + 1)]
+        found.sort(key=lambda pair: pair[0])
+        self.cuts: list[tuple[float, list[Block]]] = []
+        for t, b in found:
+            if not self.cuts or not self.same(t, self.cuts[-1][0]):
+                self.cuts.append((t, []))
+            if b is not None:
+                self.cuts[-1][1].append(b)
+        self.cuts[-1] = (last, self.cuts[-1][1])
+
+    def same(self, t: float, other: float) -> bool:
+        """Are two times one?"""
+        return abs(t - other) <= 4.0 * self.shift
+
+    def window(self, k: int) -> tuple[float, float]:
+        """Where the blocks are evaluated in piece k: a little inside its cuts, but not inside the ends of the time."""
+        low = self.cuts[k][0] + (self.shift if 0 < k < len(self.cuts) - 1 else 0.0)
+        if k + 1 >= len(self.cuts):
+            return low, low
+        return low, self.cuts[k + 1][0] - (self.shift if k + 2 < len(self.cuts) else 0.0)
+
+    def cut(self, k: int, t: float) -> float:
+        """Cut at t, behind cut k. Returns the time of the cut: t, or that of an existing cut at the same time."""
+        for place in range(k + 1, len(self.cuts)):
+            other = self.cuts[place][0]
+            if self.same(t, other):
+                return other
+            if other > t:
+                self.cuts.insert(place, (t, []))
+                return t
+        return t  # behind the end
+
+
+def closed_loop(
+    plant: Spasim, control: Callable[..., Any], times: Sequence[float] | Array, *, feedback: str | None = None,
+    period: float | None = None, **options: Any,
+) -> Response:  # fmt: skip
+    """Simulate a mechanism with u = control(t, y).
+
+    feedback  numbers (from 1) of the outputs that the law gets, such as "1-6"; default: all. The vector y has the
+              length of all outputs, so that numbers keep their place; those that are not fed back are NaN
+    period    sampling period [s] of a discrete-time law; default: continuous
+    options   of `simulate`
+
+    The blocks of the response are the plant under its own name and "control". Raises as `simulate`.
+    """
+    diagram = Diagram().add(plant)
+    name, rows = diagram.signals(plant.name if feedback is None else f"{plant.name}:{feedback}")
+    chosen = [plant.outputs_[k] for k in rows]
+
+    def law(t: float, y: Array) -> Any:
+        full = np.full(plant.n_out, np.nan)
+        full[rows] = y
+        return control(t, full)
+
+    if period is None:
+        diagram.add(Function("control", law, chosen, plant.inputs, getattr(control, "breaks", ())))
+    else:
+        diagram.add(Sampled("control", lambda t, x, y: (x, law(t, y)), period, chosen, plant.inputs))
+    wire = name if feedback is None else f"{name}:{feedback}"
+    diagram.connect(wire, "control").connect("control", name)
+    return simulate(diagram, times, **options)

@@ -15,8 +15,7 @@ from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import component_name
 from spacar.errors import UsageError
 from spacar.frame import Frame
-from spacar.linear.linearization_signals import signals
-from spacar.linear.state_space import DRIVING_SIGN
+from spacar.linear.state_space import DRIVING_SIGN, signals
 from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
 from spacar.simulation.blocks import Block

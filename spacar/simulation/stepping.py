@@ -3,7 +3,7 @@
 States are handed on as (q, others, v) with v the rates of the positions q of mechanisms, so that Radau IIA measures a
 rate by the displacement that it makes (integrators/radau.py).
 
-The automatic method (integrators/method_choice.py) takes 155, and 595 where a vibration or a decay of the loop that is
+The automatic method (integrators/automatic.py) takes 155, and 595 where a vibration or a decay of the loop that is
 faster than its motion limits the steps. Work is counted in evaluations of the diagram, Jacobians with all that they
 take; the largest omega is that of the eigenvalues of the Jacobian. Sampling times and events, where the integration
 starts again, do not end a trial.

@@ -30,12 +30,11 @@ from spacar.arrays import Array
 from spacar.errors import Report
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
-from spacar.stationary.arc_length import LimitPoint, follow
+from spacar.stationary.arc_length import LimitPoint, at_limit, follow, given_up, unsupported
 from spacar.stationary.contract import Astray, Tangent
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.loading import LoadLevel, loads_grow
 from spacar.stationary.newton import Converged, Demand
-from spacar.stationary.path_failures import at_limit, given_up, unsupported
 from spacar.stationary.singular import FreeMotion
 from spacar.stationary.stability import Stability, critical_motion, is_regular
 from spacar.stationary.stationary_equations import Iterate, Prescribed, StationaryEquations

@@ -13,9 +13,9 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
-from spacar.stationary.compiled_levels import level_evaluator
 from spacar.stationary.continuation import Continuation
 from spacar.stationary.contract import Tangent
+from spacar.stationary.equilibrium import level_evaluator
 from spacar.stationary.loading import LoadLevel
 from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import LENGTHS

@@ -141,9 +141,8 @@ class _Table:
         self, way: Way, mechanisms: Sequence[Mechanism], starts: Sequence[Array], kept: Array
     ) -> tuple[Numbers, Array, Array] | None:
         """Numbers, starts and places of the cases, without those that cannot be; None where a case would be wrong."""
-        from spacar.compiled.combined_numbers import affine, same
         from spacar.compiled.numbers import of_one
-        from spacar.compiled.numbers_of_cases import ImpossibleCase
+        from spacar.compiled.numbers_of_cases import ImpossibleCase, affine, same
 
         make = way(mechanisms)
         while len(kept):
@@ -180,8 +179,8 @@ Way = Callable[[Sequence[Mechanism]], Make]
 
 def of_everything(mechanisms: Sequence[Mechanism]) -> Make:
     """All numbers are combinations of those of the corners."""
-    from spacar.compiled.combined_numbers import combined
     from spacar.compiled.numbers import of_one
+    from spacar.compiled.numbers_of_cases import combined
 
     corners = [of_one(LoadedMechanism.of(m)) for m in mechanisms]
     return lambda weights: combined(corners, weights)

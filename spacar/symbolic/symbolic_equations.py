@@ -1,4 +1,22 @@
-"""`derive`: a strategy and the constraints make the equations of motion, which know what can be done with them."""
+"""`derive`: a strategy and the constraints make the equations of motion, which know what can be done with them.
+
+The strong form of a field equation, for reading: what the assumed field solves approximately.
+
+    EI u_xxxx + ρ a·b_i − f·b_i − 2γ u_xxt = 0,    u = u_x = 0 at x = 0,
+    EI u_xx = E(s_slope),  −EI u_xxx + 2γ u_xt = E(s_u)  at x = L
+
+E(s') is equation (A) for the pseudo-speed; partial integration of (B). Source: the paper, (13) to (20); `symbolic.md`,
+section 3.3.
+
+Strategy `recursive`: the formulas (A), (B) of `held.py` with every component in the body's own frame a Z variable.
+
+The motion of frames and points: `recursion.py`; of beams: `recursive_beam.py`. Source: `symbolic.md`, section 4.4.
+
+Linearized equations M0 δs̈ + C0 δṡ + K0 δq = 0 about a state of rest, with the names of the numeric core.
+
+With position constraints δq = T δq_i, J T = 0, in independent speeds chosen by pivoting. The forces λ stay constant in
+the derivatives of f − I a + Jᵀ λ, so that K0 has the part of the curved constraints; Tᵀ takes the change of λ out.
+"""
 
 from __future__ import annotations
 
@@ -6,24 +24,83 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from spacar.errors import UsageError
+from spacar.symbolic.beam_shapes import X
+from spacar.symbolic.closure import Manifold
 from spacar.symbolic.collect import definition_order, gather_scalars
 from spacar.symbolic.constraints import check_constraints, constraint_rows
-from spacar.symbolic.derivation import DerivedEquations
+from spacar.symbolic.derivation import Derivation, DerivedEquations
 from spacar.symbolic.derivation_check import DerivationCheck, check
+from spacar.symbolic.derivatives import dvdt
 from spacar.symbolic.description import Description
 from spacar.symbolic.energy import kinetic_energy, potential_energy
 from spacar.symbolic.held import derive_unevaluated
-from spacar.symbolic.linearize import Linearized, linearize
 from spacar.symbolic.program import EquationProgram, make_program
-from spacar.symbolic.recursive import derive_recursive
-from spacar.symbolic.strong import StrongForm, strong_form
+from spacar.symbolic.recursion import Recursion, Sums
+from spacar.symbolic.recursive_beam import add_beam
+from spacar.symbolic.system_parts import Beam
 from spacar.symbolic.transform import transform
-from spacar.symbolic.unit_vectors import UnevaluatedDot
+from spacar.symbolic.unit_vectors import TIME, UnevaluatedDot
+from spacar.symbolic.vectors import dot
 
 STRATEGIES = ("held", "recursive")
+
+
+def derive_recursive(system: Description) -> Derivation:
+    """Mass matrix and right-hand side for all speeds of the system."""
+    recursion = Recursion(system)
+    sums = Sums(list(system.speeds))
+    for body in system.bodies:
+        recursion.body(body, sums)
+    for beam in system.beams:
+        add_beam(recursion, beam, sums)
+    for load in system.all_loads():
+        recursion.load(load, sums)
+    n = len(system.speeds)
+    I, f = sp.zeros(n, n), sp.zeros(n, 1)
+    for (i, j), parts in sums.mass.items():
+        I[i, j] = I[j, i] = sp.Add(*parts)
+    for i, parts in sums.force.items():
+        f[i] = sp.Add(*parts)
+    return Derivation(I, f, recursion.table, recursion.cosines, recursion.values)
+
+
+@dataclass(frozen=True)
+class StrongForm:
+    """`equation` = 0 along the beam; `essential` = 0 at x = 0; `natural` pairs (left, right), equal at x = L."""
+
+    equation: sp.Expr
+    essential: tuple[sp.Expr, ...]
+    natural: tuple[tuple[sp.Expr, sp.Expr], ...]
+
+
+def strong_form(eq: DerivedEquations, beam: Beam, name: str = "u") -> StrongForm:
+    """Field equation of the bending field `name` in vector notation, with held boundary terms.
+
+    Raises UsageError for recursive equations (they keep no vectors) and for fields that are not bending fields.
+    """
+    if not eq.held_by_speed:
+        raise UsageError("the strong form needs equations in vector notation: derive(strategy='held')")
+    found = next((f for f in beam.bending if f.name == name), None)
+    if found is None:
+        raise UsageError(f"beam {beam.name} has no bending field {name!r}")
+    system, u, EI = eq.system, found.function, found.stiffness
+    velocity = beam.root.velocity + dvdt(system.N, beam.offset).xreplace(system.rates)
+    acceleration = dvdt(system.N, velocity).xreplace(system.rates)
+    direction = beam.frame[found.direction]
+    inertia = beam.mass * dot(acceleration - system.gravity, direction)
+    damping = 2 * beam.damping
+    equation = (EI * u.diff(X, 2)).diff(X, 2) + sp.expand(inertia) - damping * u.diff(X, 2, TIME)
+    letters = f"{beam.name}_{name}"
+    E = {str(s.func): e for s, e in eq.held_by_speed.items()}
+    natural = (
+        (EI * u.diff(X, 2), E[f"{letters}xt"]),
+        (-(EI * u.diff(X, 2)).diff(X) + damping * u.diff(X, TIME), E[f"{letters}t"]),
+    )
+    return StrongForm(equation, (u, u.diff(X)), natural)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +116,7 @@ class SymbolicEquations(DerivedEquations):
         return make_program(self, outputs or {})
 
     def linearize(self, values: dict[str, float], point: dict[str, float] | None = None) -> Linearized:
-        """M0, C0, K0 at a point; see `linearize.py`."""
+        """M0, C0, K0 at a point."""
         return linearize(self, values, point or {})
 
     def check(self, digits: int = 30) -> DerivationCheck:
@@ -47,7 +124,7 @@ class SymbolicEquations(DerivedEquations):
         return check(self, digits)
 
     def strong_form(self, beam: Any, name: str = "u") -> StrongForm:
-        """Field equation and boundary conditions of a field of a beam; see `strong.py`."""
+        """Field equation and boundary conditions of a field of a beam."""
         return strong_form(self, beam, name)
 
 
@@ -97,3 +174,70 @@ def derive(system: Description, strategy: str, recurrence: bool = True) -> Symbo
         seconds=time.perf_counter() - start,
         constraints=constraints,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class Linearized:
+    """M0, C0 (damping and gyroscopic terms), K0 of shape (n, n) in the order of `speeds`."""
+
+    names: tuple[str, ...]
+    M0: np.ndarray
+    C0: np.ndarray
+    K0: np.ndarray
+
+    def eigenvalues(self) -> np.ndarray:
+        """Eigenvalues of the state matrix [1/s], sorted by modulus."""
+        n = len(self.names)
+        A = np.block([[np.zeros((n, n)), np.eye(n)], [np.linalg.solve(self.M0, -np.hstack((self.K0, self.C0)))]])
+        values: np.ndarray = np.linalg.eigvals(A)
+        return values[np.argsort(abs(values))]
+
+
+def linearize(eq: DerivedEquations, values: dict[str, float], point: dict[str, float]) -> Linearized:
+    """Derivatives of f(q, s) − I(q) a at `point` (states by name, others zero) with a the accelerations there.
+
+    Inputs with a law are differentiated with it. Raises UsageError when the coordinates do not correspond to the
+    speeds one to one (q̇ = s), because K0 would not be square.
+    """
+    if len(eq.coordinates) != len(eq.speeds) or any(
+        eq.kinematics[q] != s for q, s in zip(eq.coordinates, eq.speeds, strict=True)
+    ):
+        raise UsageError("M0, C0, K0 need every speed to be the derivative of its coordinate")
+    program = make_program(eq, {})
+    f = program.function(values, jacobian=True)
+    names = [str(s.func) for s in (*eq.coordinates, *eq.speeds)]
+    y = [float(point.get(name, 0.0)) for name in names]
+    n = len(eq.speeds)
+    upper, _ = f.accel(y, f.inputs(0.0, y))
+    M0 = np.zeros((n, n))
+    M0[np.triu_indices(n)] = upper
+    M0 += np.triu(M0, 1).T
+    slopes = -M0 @ np.asarray(f.jac(0.0, y))[n:]
+    speeds = tuple(str(s.func) for s in eq.speeds)
+    if eq.constraints is None:
+        return Linearized(speeds, M0, slopes[:, n:], slopes[:, :n])
+    if len(eq.constraints.position) != eq.constraints.count:
+        raise UsageError(
+            "M0, C0, K0 need constraints of positions: a velocity constraint leaves more coordinates than speeds"
+        )
+    manifold = Manifold(program, f)
+    place = np.array(y)
+    if np.max(np.abs(manifold.project(0.0, place) - place)) > 1e-6 * max(np.max(np.abs(place)), 1e-3):
+        raise UsageError("the point of linearization does not satisfy the constraints")
+    free, T = _independent(f.manifold(0.0, y)[1], M0)
+    M, C, K = (T.T @ A @ T for A in (M0, slopes[:, n:], slopes[:, :n]))
+    return Linearized(tuple(speeds[k] for k in free), M, C, K)
+
+
+def _independent(J: np.ndarray, M: np.ndarray) -> tuple[list[int], np.ndarray]:
+    """Independent speeds and T with J T = 0, T the unit matrix in them; pivots in mass units."""
+    from scipy.linalg import qr
+
+    D = 1 / np.sqrt(np.where(M.diagonal() > 0, M.diagonal(), 1.0))
+    m, n = J.shape
+    _, _, order = qr(J * D, pivoting=True)
+    tied, free = sorted(order[:m].tolist()), sorted(order[m:].tolist())
+    T = np.zeros((n, n - m))
+    T[free, np.arange(n - m)] = 1.0
+    T[tied] = -np.linalg.solve(J[:, tied], J[:, free])
+    return free, T

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from spacar_drawing.frequency_pictures import bode_figure, margins, root_figure, unwrapped
-from spacar_formats.signal_units import signal_unit
+from spacar_formats.signal_tables import signal_unit
 from spacar_formats.vibration import without_rounding
 
 

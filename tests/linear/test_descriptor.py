@@ -12,9 +12,8 @@ from nonlinear import Nonlinear, random_state
 from test_state_space import MODELS
 
 from spacar.linear.descriptor import DescriptorSystem
-from spacar.linear.linearization_signals import linearization_signals
 from spacar.linear.sparse_linearization import SparseLinearization
-from spacar.linear.state_space import state_space
+from spacar.linear.state_space import linearization_signals, state_space
 from spacar.linearization import linearize
 from spacar.linearization.coefficients import coefficients
 

@@ -14,8 +14,7 @@ from nonlinear import Nonlinear, State, jacobian, random_state
 
 from spacar import run
 from spacar.arrays import Array
-from spacar.linear.linearization_signals import linearization_signals
-from spacar.linear.state_space import DRIVING_SIGN, Signal, state_space
+from spacar.linear.state_space import DRIVING_SIGN, Signal, linearization_signals, state_space
 from spacar.linearization import linearize
 
 PLANAR_SIGNALS = """INPUTS 1 1 2

@@ -9,9 +9,7 @@ from nonlinear import Nonlinear, jacobian, random_state
 
 from spacar import run
 from spacar.deck import parse_deck
-from spacar.kinematics.second_order_transfer import second_order_transfer
-from spacar.kinematics.third_order_transfer import third_order_transfer
-from spacar.kinematics.transfer import configuration_transfer
+from spacar.kinematics.transfer import configuration_transfer, second_order_transfer, third_order_transfer
 
 
 @pytest.mark.parametrize("text", [PLANAR, SPATIAL], ids=["planar", "spatial"])

@@ -9,7 +9,7 @@ import numpy as np
 
 import spacar
 from spacar import Deck
-from spacar.sensitivities.parameters import deck_numbers
+from spacar.sensitivities.sensitivity import deck_numbers
 from spacar.studies.assignments import change
 
 

@@ -11,7 +11,7 @@ from spacar.linear import form
 from spacar.linear_systems.condensed import CondensedSystem
 from spacar.linear_systems.linear_system import SingularMatrixError
 from spacar.linear_systems.matrix_inertia import Inertia
-from spacar.linear_systems.sparse_selected_inverse import selected_inverse
+from spacar.linear_systems.selected_inverse import selected_inverse
 from spacar.stationary.tangent import STATIC
 
 NAMES = tuple(STATIC)

@@ -14,8 +14,8 @@ from spacar.deck import parse_deck, read_deck
 from spacar.errors import AnalysisError, Report
 from spacar.mechanism import build
 from spacar.stationary import LoadLevel, StationarySolver, equilibrium, load_program
-from spacar.stationary.compiled_levels import CompiledLevelEvaluator, level_evaluator
 from spacar.stationary.contract import Astray
+from spacar.stationary.equilibrium import CompiledLevelEvaluator, level_evaluator
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.newton import Demand, newton
 from spacar.stationary.resting_tangent import RestingTangent

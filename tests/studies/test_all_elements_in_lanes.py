@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.compiled.combined_numbers import same
 from spacar.compiled.library import why_off
 from spacar.compiled.numbers import of_one
+from spacar.compiled.numbers_of_cases import same
 from spacar.deck import ELEMENT_TYPES
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.mechanism import build

@@ -30,10 +30,9 @@ def command(
     of the outputs) and y (outputs with their reference and second order terms), and the same signals as
     FILE_ltv.sbd for plot. Pictures show the deviations of the outputs.
     """
-    from spacar_formats.histories import export_signals
     from spacar_formats.locate import result_path
     from spacar_formats.ltvfile import read_ltv
-    from spacar_formats.signal_tables import panels_by_quantity, table_of_arrays, write_table
+    from spacar_formats.signal_tables import export_signals, panels_by_quantity, table_of_arrays, write_table
 
     from spacar.simulation import feedback
     from spacar.simulation.propagation import simulate_ltv
