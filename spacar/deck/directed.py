@@ -10,7 +10,7 @@ warnings errors (`nothing_lost`), so that no part of a derivative gets lost in s
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -20,6 +20,8 @@ from spacar.deck.deck import Deck
 from spacar.deck.deck_reader import read_text
 from spacar.deck.findings import Findings
 from spacar.deck.length_unit import length_power
+from spacar.deck.rewrite.divide import divided
+from spacar.deck.rewrite.refine import with_parts
 from spacar.deck.section_block import expand
 from spacar.deck.statement import Statement
 from spacar.deck.table_types import Parameter
@@ -31,8 +33,9 @@ STEP = 1e-50  # of complex steps: its square is far below rounding, products of 
 class DirectedDeck:
     """A checked deck, ready to be given directions one after the other."""
 
-    def __init__(self, deck: Deck) -> None:
-        self.deck = deck
+    def __init__(self, deck: Deck, pieces: Mapping[int, int] | None = None) -> None:
+        """pieces: how many beams stand in the place of one (`divide.divided`) in what `along` gives."""
+        self.deck, self.pieces = deck, pieces or {}
         contents = read_text(deck.text, deck.source, deck.mode)
         self._given, self._outline = contents.given.statements(), contents.outline
 
@@ -58,7 +61,8 @@ class DirectedDeck:
             changes.setdefault(_place(statement), {})[position - 1] = factor
         given = [_moved(s, changes[_place(s)]) if _place(s) in changes else s for s in self._given]
         expansion = expand(given, self._outline, Findings(self.deck.source))
-        return replace(self.deck, statements=expansion.statements, sections=expansion.sections)
+        statements, parts = divided(expansion.statements, self.pieces)
+        return with_parts(replace(self.deck, statements=tuple(statements), sections=expansion.sections), parts)
 
 
 def _place(s: Statement) -> tuple[int, tuple[int, ...]]:

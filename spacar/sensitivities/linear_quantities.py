@@ -195,7 +195,8 @@ class LinearQuantities:
             brackets = [psi.T @ (r.K0 + value * r.G0) @ phi for r in self._reduced]
             return np.real(self._eigenvalues_of(brackets, weight))
         c, k, eliminated = internal_unknowns(at.dynamics, L.sigma)
-        matrix = value * (geometric_stiffness(at.dynamics.sweep, L.sigma) + L.load_x + (c * (eliminated / k)) @ c.T)
+        weights = geometric_stiffness(at.dynamics.sweep, L.sigma) + L.load_x
+        matrix = value * (weights + (c * (eliminated / k)) @ c.T if len(k) else weights)
         mode = at.mode(phi[:n], psi[:n], matrix, L.S, np.zeros((at.dynamics.numbering.nx, count)))
         if len(k):
             right = at.mode(phi[:n], psi[:n], matrix, L.S, -value * (c @ phi[n:]))

@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from spacar.arrays import Array, Index
 from spacar.deck.directed import STEP, nothing_lost
 from spacar.dynamics.array_evaluator import Dynamics
+from spacar.linear_systems.matrix import Matrix, added, matrix
 from spacar.linearization.matrices import Linearization
 from spacar.sensitivities.directed_elements import ElementMatrices
 from spacar.sensitivities.state_derivatives import StateDerivative
@@ -57,28 +58,26 @@ class LinearizedState:
         self.first = n.e_class["input"].stop
         self.block = np.ix_(self.dynamic, self.dynamic)
         self.W = L.W[:, self.dynamic]
-        rows, columns, values = dynamics.mechanism.deformation_inertia
-        self.Me = np.zeros((n.ne, n.ne))
-        np.add.at(self.Me, (rows, columns), values)
+        self.Me = matrix(*dynamics.mechanism.deformation_inertia, (n.ne, n.ne))
 
     @cached_property
-    def tangent(self) -> Array:
+    def tangent(self) -> Matrix:
         """Hs + L (nx, nx)."""
-        return np.asarray(self.L.inertia_x + self.L.load_x)
+        return added(self.L.inertia_x, self.L.load_x)
 
     @property
     def stiffness(self) -> Array:
         """K of the dynamic degrees of freedom."""
         return np.asarray(self.L.stiffness[self.block])
 
-    def mode(self, phi: Array, psi: Array, matrix: Array, law: Array, load: Array | None = None) -> PencilMode:
+    def mode(self, phi: Array, psi: Array, force: Matrix, law: Matrix, load: Array | None = None) -> PencilMode:
         """The mode of reduced vectors phi, psi (nq, m).
 
-        matrix (nx, nx) is A without its terms of deformations, law (ne, ne) those; load (nx, m): the unit forces.
+        force (nx, nx) is A without its terms of deformations, law (ne, ne) those; load (nx, m): the unit forces.
         """
         u, w = self.W @ phi, self.W @ psi
-        return PencilMode(u, w, self._stresses(matrix @ u, law @ (self.L.V @ u), load),
-                    self._stresses(matrix.T @ w, law.T @ (self.L.V @ w), load))  # fmt: skip
+        return PencilMode(u, w, self._stresses(force @ u, law @ (self.L.V @ u), load),
+                    self._stresses(force.T @ w, law.T @ (self.L.V @ w), load))  # fmt: skip
 
     def _stresses(self, force: Array, tau: Array, load: Array | None) -> Array:
         """tau (ne, m) with the multipliers of the constraints in its first rows."""

@@ -163,7 +163,7 @@ def sensitivity(
             raise UsageError(f"{len(at)} numbers for {len(numbers)} parameters", "sensitivity.parameter")
         deck = change(deck, [n.setting for n in numbers], [float(v) for v in at])
         deck, numbers = deck_numbers(deck, names)
-    return _Analysis(frames(_mode(deck), deck, **options), numbers, wanted).run()
+    return _Analysis(frames(_mode(deck), deck, **options), deck, numbers, wanted).run()
 
 
 def _mode(deck: Deck) -> int:
@@ -194,7 +194,7 @@ def _require_followed(run: Run, names: set[str]) -> None:
 class _Analysis:
     """One walk through the load steps."""
 
-    def __init__(self, run: Run, numbers: list[DeckNumber], wanted: list[Quantity]) -> None:
+    def __init__(self, run: Run, deck: Deck, numbers: list[DeckNumber], wanted: list[Quantity]) -> None:
         self.prepared, self.numbers, self.wanted = run, numbers, wanted
         self.steps = run.mechanism.settings.stored_levels
         self.expressions = [parse(q.text, STRESS_INDICES) for q in wanted]
@@ -206,7 +206,7 @@ class _Analysis:
                 check_variable(variable, run.mechanism.numbering)
                 self.needed.setdefault(variable, set()).update(places)
         _require_followed(run, {name for name, _ in self.needed})
-        self.directions = directions(run.mechanism, numbers)
+        self.directions = directions(run.mechanism, deck, numbers)
         self.found = {v: self._empty(v) for v in self.needed}
 
     def _empty(self, variable: Variable) -> tuple[Array, Array]:
@@ -350,15 +350,19 @@ def _number(deck: Deck, directed: DirectedDeck, given: Setting) -> DeckNumber:
     return DeckNumber(given, values[0], unit)
 
 
-def directions(mechanism: Mechanism, numbers: Sequence[DeckNumber]) -> list[Mechanism]:
-    """The mechanism with each of the numbers of its deck moved by a complex step. Raises UsageError for a number whose
-    derivative is not followed."""
-    directed = DirectedDeck(mechanism.deck)
+def directions(mechanism: Mechanism, deck: Deck, numbers: Sequence[DeckNumber]) -> list[Mechanism]:
+    """The mechanism with each of the numbers of a deck moved by a complex step; its beams may be divisions of those of
+    the deck (option `elements`). Raises UsageError for a number whose derivative is not followed."""
+    pieces = {}
+    for beam, parts in mechanism.deck.divided.items():
+        before = deck.divided.get(beam, (beam,))
+        pieces.update(dict.fromkeys(before, len(parts) // len(before)))
+    directed = DirectedDeck(deck, pieces)
     found = []
     with nothing_lost():
         for number in numbers:
             try:
-                found.append(along(mechanism, directed.along(_places(mechanism.deck, directed, number.setting))))
+                found.append(along(mechanism, directed.along(_places(deck, directed, number.setting))))
             except (TypeError, RuntimeWarning) as error:
                 text = f"derivatives with respect to {number.setting.name} are not followed ({error})"
                 raise UsageError(text, "sensitivity.parameter") from None

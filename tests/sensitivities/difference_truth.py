@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -13,23 +14,25 @@ from spacar.sensitivities.sensitivity import deck_numbers
 from spacar.studies.assignments import change
 
 
-def values_of(deck: Deck, names: Sequence[str], quantities: Sequence[str]) -> Callable[[np.ndarray], np.ndarray]:
+def values_of(
+    deck: Deck, names: Sequence[str], quantities: Sequence[str], **options: Any
+) -> Callable[[np.ndarray], np.ndarray]:
     """The quantities (quantities,) as a function of the parameters, without any derivative."""
     deck, numbers = deck_numbers(deck, names)
 
     def at(parameters: np.ndarray) -> np.ndarray:
         moved = change(deck, [n.setting for n in numbers], parameters.tolist())
-        return spacar.sensitivity(moved, [], quantities).values
+        return spacar.sensitivity(moved, [], quantities, **options).values
 
     return at
 
 
 def extrapolated(deck: Deck, names: Sequence[str], quantities: Sequence[str], direction: np.ndarray, step: float,
-                 orders: int = 2) -> np.ndarray:  # fmt: skip
+                 orders: int = 2, **options: Any) -> np.ndarray:  # fmt: skip
     """d quantities / d s (quantities,) where the parameters are p + s direction: central differences with the steps
     step/2^k, extrapolated to an error of step^(2 orders)."""
     start = np.array([n.value for n in deck_numbers(deck, names)[1]])
-    values = values_of(deck, names, quantities)
+    values = values_of(deck, names, quantities, **options)
 
     def at(s: float) -> np.ndarray:
         return values(start + s * direction)
@@ -41,14 +44,14 @@ def extrapolated(deck: Deck, names: Sequence[str], quantities: Sequence[str], di
 
 
 def agree(deck: Deck, names: Sequence[str], quantities: Sequence[str], *, seed: int = 1,
-          rel: float | Sequence[float] = 1e-6, step: float = 4e-4) -> spacar.Sensitivity:  # fmt: skip
+          rel: float | Sequence[float] = 1e-6, step: float = 4e-4, **options: Any) -> spacar.Sensitivity:  # fmt: skip
     """Derivatives along a random direction (each parameter by its size) agree with the differences; `rel` of the
     largest term of the sum, or of the quantity by the step: what the differences are known to. One number, or one for
     each quantity."""
-    found = spacar.sensitivity(deck, names, quantities)
+    found = spacar.sensitivity(deck, names, quantities, **options)
     size = np.where(found.parameter_values != 0.0, np.abs(found.parameter_values), 1.0)
     direction = np.random.default_rng(seed).uniform(0.3, 1.0, len(names)) * size
-    want = extrapolated(deck, names, quantities, direction, step)
+    want = extrapolated(deck, names, quantities, direction, step, **options)
     terms = found.derivatives * direction
     scale = np.abs(terms).max(axis=1) + 1e-4 * np.abs(found.values)
     error = np.abs(terms.sum(axis=1) - want) / np.where(scale > 0.0, scale, 1.0)

@@ -12,7 +12,7 @@ from types import ModuleType
 import linear_models
 import numpy as np
 import pytest
-from difference_truth import values_of
+from difference_truth import agree, values_of
 from spacar_cli.main import main
 from spacar_drawing.stresses import QUANTITIES
 from test_every_element import still
@@ -137,6 +137,29 @@ def test_a_state_without_linearization_in_a_long_chain() -> None:
     found = spacar.sensitivity(deck, ["ESTIFF.*[EI]", f"XF.{end}[3]"], [f"x[{end},2]"])
     w = F / (3 * EI)
     np.testing.assert_allclose(found.derivatives[0], [-w / EI, w / F], rtol=1e-6)
+
+
+RELEASED = Deck.build(
+    [("X", 1, 0.0, 0.0), ("X", 3, 1.0, 0.2), ("FIX", 1), ("FIX", 2), ("DYNX", 3), ("DYNX", 4),
+     ("PLBEAM", 1, 1, 2, 3, 4), ("RLSE", 1)],
+    [("ESTIFF", 1, 90.0, 2.0), ("EM", 1, 0.5, 0.01), ("XM", 3, 1.0), ("XF", 3, 0.2, 0.3)], mode=10,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("deck", "names", "end", "elements"),
+    [
+        (RELEASED, ["ESTIFF.1[2]", "ESTIFF.1[3]", "EM.1[2]", "X.3[3]"], "3", 3),
+        (DATA / "plbeam5.dat", ["EM.1[2]", "X.11[2]"], "11", 2),
+        (DATA / "leafguide.dat", ["SECTION.leaf[t]", "DELXF.7[2]"], "7", 2),  # 156 coordinates: sparse matrices
+    ],
+    ids=["released", "chain", "sections"],
+)
+def test_divided_beams(deck: Deck | Path, names: list[str], end: str, elements: int) -> None:
+    """A number of the file is that of all parts (option `elements`), and new nodes move with those of the file."""
+    source = deck if isinstance(deck, Deck) else read_deck(deck, 10)
+    quantities = [f"x[{end},1]@end", f"x[{end},2]@end", "frequency[1]@end", "lmult[1]@end", f"xcompl[{end},1]@end"]
+    agree(source, names, quantities, elements=elements, rel=3e-6)
 
 
 def test_sweeps_over_sections_draw_the_section_of_the_case() -> None:

@@ -75,16 +75,19 @@ def with_pieces(deck: Deck, pieces: Mapping[int, int]) -> tuple[Deck, dict[int, 
     statements, parts = divided(deck.statements, pieces)
     counts = {n for n in pieces.values() if n > 1}
     what = f" x {counts.pop()}" if len(counts) == 1 else " refined" if counts else ""
-    made = rebuilt(deck, *rows(statements), what=what)
+    return with_parts(rebuilt(deck, *rows(statements), what=what), parts), parts
+
+
+def with_parts(deck: Deck, parts: Mapping[int, Sequence[int]]) -> Deck:
+    """The deck, whose beams have become these parts in its statements, with what it knows of its beams."""
 
     def finer(old: Sequence[int]) -> tuple[int, ...]:
         return tuple(part for beam in old for part in parts.get(beam, (beam,)))
 
-    sections = tuple(replace(s, parts=finer(s.parts)) for s in deck.sections)
     before = deck.divided
     new = {n: tuple(of) for n, of in parts.items() if not any(n in of for of in before.values())}
     whole = {n: finer(of) for n, of in before.items()} | new
-    return replace(made, sections=sections, divided=whole), parts
+    return replace(deck, sections=tuple(replace(s, parts=finer(s.parts)) for s in deck.sections), divided=whole)
 
 
 def divisible_beams(deck: Deck) -> tuple[tuple[int, ...], dict[int, str]]:
