@@ -206,9 +206,6 @@ class Scene:
         at_held = {e.p for e in self.elements if e.p_turn in held} | {e.q for e in self.elements if e.q_turn in held}
         return tuple(n for n, yes in zip((rows + 1).tolist(), fixed.tolist(), strict=True) if yes or n in at_held)
 
-    def e_classes(self, element: int) -> set[str]:
-        return {self.e_class(element, m + 1) for m in np.flatnonzero(self.le[element - 1] > 0).tolist()}
-
     def fixed_directions(self, node: int) -> tuple[int, ...]:
         """Coordinates (0, 1, 2) of a position node that are supported."""
         return tuple(k for k in range(2 if self.planar else 3) if self.x_class(node, k + 1) == "fixed")

@@ -85,11 +85,6 @@ class SignalTable:
         """Those of a block, in order."""
         return [k for k, name in enumerate(self.blocks) if name == block]
 
-    def panel(self, block: str, title: str = "") -> Panel:
-        """All signals of a block in a panel."""
-        columns = self.columns(block)
-        return Panel(title or block, tuple(columns), tuple(self.names[k] for k in columns))
-
     def header(self) -> dict[str, Any]:
         lines = [f"{block}\t{name}" for block, name in zip(self.blocks, self.names, strict=True)]
         scopes = [

@@ -19,8 +19,8 @@ from spacar.arrays import Array, Index
 from spacar.compiled.compiled_elements import with_compiled_elements
 from spacar.compiled.compiled_model import DOUBTFUL_MASS, EXACT, FAR_AWAY, CompiledModel
 from spacar.compiled.compiled_stepper import CompiledStepper, StepMonitor
-from spacar.compiled.iterating import Iterating
 from spacar.compiled.library import address_of
+from spacar.compiled.methods_in_c import Iterating
 from spacar.compiled.numbers import of_one
 from spacar.compiled.output_block import OutputBlock
 from spacar.dynamics.array_evaluator import Dynamics, component_name

@@ -61,10 +61,6 @@ class Statement(NamedTuple):
         """The values from `start`, which the table declares integers."""
         return self.values[start:]  # type: ignore[return-value]
 
-    def real_values(self, start: int = 0) -> tuple[float, ...]:
-        """The values from `start`, which the table declares real numbers."""
-        return self.values[start:]  # type: ignore[return-value]
-
     def reals(self, start: int, count: int, default: float = 0.0) -> tuple[float, ...]:
         """`count` values from `start`, missing ones replaced by `default`."""
         given = tuple(map(number, self.values[start : start + count]))

@@ -201,3 +201,11 @@ class Family:
     def troubles(self, c: Configuration, e: Array, sigma: Array) -> list[Trouble]:
         """Elements outside the range of their theory; called for output steps, not in the right-hand side."""
         return []
+
+
+def arc_tangent(y: NDArray[Any], x: NDArray[Any]) -> NDArray[Any]:
+    """atan2(y, x); of complex arguments the first order continuation that a complex step needs."""
+    if not (np.iscomplexobj(x) or np.iscomplexobj(y)):
+        return np.arctan2(y, x)
+    slope = (x.real * y.imag - y.real * x.imag) / (x.real**2 + y.real**2)
+    return np.arctan2(y.real, x.real) + 1j * slope

@@ -18,8 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.elements.angles import arc_tangent
-from spacar.elements.family import ElementGroup, Family, GeometryError
+from spacar.elements.family import ElementGroup, Family, GeometryError, arc_tangent
 from spacar.elements.local_frames import axis_frame, columns, rows
 from spacar.elements.rotation import expand, relative_parameters
 

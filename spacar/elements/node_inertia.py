@@ -1,4 +1,4 @@
-"""Inertia of spatial orientation nodes: rigid bodies and gyrostats (theory-spatial.md section 1).
+"""Spatial orientation nodes: normalization, rigid bodies and gyrostats (theory-spatial.md section 1).
 
 Coordinates lambda (4). Body components of a tensor are its global components in the start configuration,
 where R = I. With w' = Lambda dlam/dt (half the angular velocity) and Lambda(a)^T w = K(w) a:
@@ -19,6 +19,35 @@ from spacar.elements.family import Family
 from spacar.elements.rotation import body_dual, body_matrix, expand
 
 _einsum = np.einsum
+
+
+class Normalization(Family):
+    """One row for each spatial orientation node; `nodes` (n,) are the user's node numbers."""
+
+    n_coordinates = 4
+    n_deformations = 1
+    keyword = "normalization"
+
+    def __init__(self, nodes: NDArray[np.int64]) -> None:
+        self.numbers = nodes
+        self.length = np.zeros(len(nodes))
+
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> None:
+        e[0] = np.einsum("i...,i...->...", x, x) - 1.0
+        np.multiply(x, 2.0, out=V[0])
+
+    def convective_strain(self, c: None, v: Array, out: Array) -> None:
+        out[0] = 2.0 * np.einsum("i...,i...->...", v, v)
+
+    def gradient_rate(self, c: None, v: Array, out: Array) -> None:
+        np.multiply(v, 2.0, out=out[0])
+
+    def rate_gradient(self, c: None, v: Array, out: Array) -> None:
+        out[...] = 0.0
+
+    def geometric_stiffness(self, c: None, sigma: Array, out: Array) -> None:
+        for i in range(4):
+            out[i, i] = 2.0 * sigma[0]
 
 
 class BodyState(NamedTuple):

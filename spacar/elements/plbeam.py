@@ -36,8 +36,7 @@ import numpy as np
 from spacar.arrays import Array
 
 from . import chord
-from .angles import arc_tangent
-from .family import ElementGroup, Family, Trouble
+from .family import ElementGroup, Family, Trouble, arc_tangent
 
 # integral of N N^T over the element, times 420 (10)
 CUBIC_MASS = np.array([[156.0, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]])

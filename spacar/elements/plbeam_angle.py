@@ -22,7 +22,7 @@ import numpy as np
 from spacar.arrays import Array
 
 from . import chord
-from .angles import arc_tangent
+from .family import arc_tangent
 from .plbeam import Bend, PlanarBeam, PlanarBeamConfiguration
 from .pltube import PlanarTube
 

@@ -29,8 +29,7 @@ import numpy as np
 from spacar.arrays import Array
 
 from . import chord
-from .angles import arc_tangent
-from .family import ElementGroup, Family, GeometryError, Trouble
+from .family import ElementGroup, Family, GeometryError, Trouble, arc_tangent
 
 LINEAR_MASS = np.array([[2.0, 1.0], [1.0, 2.0]])  # integral of N N^T for N = (1 - xi, xi), times 6
 LINEAR_MASS.setflags(write=False)

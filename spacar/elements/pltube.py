@@ -21,8 +21,7 @@ import numpy as np
 from spacar.arrays import Array
 
 from . import chord
-from .angles import arc_tangent
-from .family import ElementGroup, GeometryError
+from .family import ElementGroup, GeometryError, arc_tangent
 from .plbeam import PlanarBeam, PlanarBeamConfiguration
 
 # integrals over the element (10): N'N'^T times 30, and NN'^T times 60

@@ -17,8 +17,7 @@ import numpy as np
 from spacar.arrays import Array
 
 from . import chord
-from .angles import arc_tangent
-from .family import ElementGroup, Family, GeometryError
+from .family import ElementGroup, Family, GeometryError, arc_tangent
 
 
 class PlanarWheel(Family):

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.elements.angles import arc_tangent
+from spacar.elements.family import arc_tangent
 
 
 class Taylor:

@@ -7,9 +7,8 @@ stays on its branch, and the dependent velocities jump to their opposites. Or th
 on the other branch where the dead point is not reached, and the dependent velocities change their signs with it.
 
 Velocities and accelerations can be compared where the dead point is farther away than the degrees of freedom are known.
-Its distance is that of the fold, s^2/2|c| in the residual along its singular vector (`spacar.kinematics.fold`); they
-are known to ERROR. With a the last such step before a dead point and b the first one behind it, and w the singular
-vector,
+Its distance is that of the fold, s^2/2|c| in the residual along its singular vector (`fold`); they are known to ERROR.
+With a the last such step before a dead point and b the first one behind it, and w the singular vector,
 
     w.v_a and w.v_b have the same sign:  the dead point was passed, which is said
     opposite signs and another sign of the determinant:  the position has jumped
@@ -32,8 +31,8 @@ of Kantorovich, h |v| times the curvature, along the one direction that matters;
 The motion was reflected where a position in between cannot be reached, is another one from the two ends, or is nearer
 to the dead point than the degrees of freedom are known. A motion that turns before a dead point passes.
 
-So near to a dead point that the velocities are lost the integration may also stop: where the position is not where
-v_a leads within half of the way and 4 h^2 |a_a|, it is an error too. Where it turns there within a step or two, so that
+So near to a dead point that the velocities are lost the integration may also stop: where the position is not where v_a
+leads within half of the way and 4 h^2 |a_a|, it is an error too. Where it turns there within a step or two, so that
 turning is as good as passing, a warning says so; and also where no step is known to be farther than ERROR from it.
 
 To be cheap, only suspected steps are looked at: the determinant of all states evaluated in a step tells. At a fold it
@@ -66,7 +65,7 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.evaluator import Evaluator
 from spacar.dynamics.loaded_mechanism import NOISE, Accepted, Moving, unexplained
 from spacar.errors import AnalysisError, Report
-from spacar.kinematics.fold import fold
+from spacar.kinematics.difference_matrix import fold
 from spacar.kinematics.regularity import PositionMatrix
 
 HALF, INSIDE, WIDE = float(np.log(0.5)), float(np.log(2.0 / 3.0)), float(np.log(0.8))

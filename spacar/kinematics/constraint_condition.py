@@ -85,12 +85,6 @@ def of_entries(mechanism: Mechanism, entries: Entries) -> float:
     return of_scaled(scaled_difference_matrix(mechanism, entries, n.velocity_equations, n.velocity_unknowns))
 
 
-def of_gradient(mechanism: Mechanism, V: Array) -> float:
-    """The same from V, (ne, nx)."""
-    E, U = mechanism.numbering.velocity_equations, mechanism.numbering.velocity_unknowns
-    return of_scaled(V[E[:, None], U] * mechanism.scale[U] / mechanism.deformation_scale[E, None])
-
-
 def of_scaled(D: Array) -> float:
     """s_1/s_n of D (n, n)."""
     if not len(D):

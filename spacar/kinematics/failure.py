@@ -98,7 +98,7 @@ def position_failure(
         hardest = int(kinematics.c[int(np.argmax(np.abs(right[-1])))])
         where = f", motion that is hardest to determine: {numbering.x_name(hardest)}"
     # An iterate that met the constraints to rounding r and was left had a correction r/s that bends them by more than
-    # r: the root is not a single one (kinematics/fold.py).
+    # r: the root is not a single one (kinematics/difference_matrix.py).
     given = kinematics.target[kinematics.h]
     left = min(history, default=np.inf) <= kinematics.rounding(kinematics.x, given)  # iterates may be far from there
     if left or norm <= kinematics.rounding(x, given):

@@ -1,9 +1,9 @@
 """Is the configuration determined by its degrees of freedom? Asked at stored steps only.
 
 At a dead point the position may still solve D(x) = e to rounding, but velocities and reactions are not determined:
-their values would be of any size. Below a reciprocal condition of sqrt(eps), times sqrt(|x|/L) far from the origin,
-the position is looked at: is its root a single one (`spacar.kinematics.fold`)? Euler parameters as dynamic coordinates
-end at a rotation of 180 degrees.
+their values would be of any size. Below a reciprocal condition of sqrt(eps), times sqrt(|x|/L) far from the origin, the
+position is looked at: is its root a single one (`is_single_root`)? Euler parameters as dynamic coordinates end at a
+rotation of 180 degrees.
 
 What happens between stored steps is looked at in `spacar.forward.continuity`.
 """
@@ -19,8 +19,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.errors import AnalysisError
-from spacar.kinematics.difference_matrix import ZERO, entries_of, scaled_difference_matrix
-from spacar.kinematics.fold import is_single_root
+from spacar.kinematics.difference_matrix import ZERO, entries_of, is_single_root, scaled_difference_matrix
 from spacar.linear_systems.dense import DenseSystem
 from spacar.linear_systems.reciprocal_condition import reciprocal_condition
 from spacar.mechanism.mechanism import Mechanism

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -164,9 +164,6 @@ class SolverSettings:
         if self.stationary_type not in WITH_ADDITIONAL:
             return 1
         return 1 + -(-max(self.load_steps, 1) // max(self.store_every, 1))
-
-    def with_options(self, **options: Any) -> SolverSettings:
-        return replace(self, **{k: v for k, v in options.items() if v is not None})
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,8 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
-from spacar.linear_systems.lost_digits import EPS
 from spacar.linear_systems.matrix import DENSE_LIMIT, Matrix, dense, diagonal_matrix, matrix, zero_matrix
+from spacar.linear_systems.reciprocal_condition import EPS
 from spacar.linearization.coefficients import load_gradient
 from spacar.linearization.contractions import (
     geometric_stiffness,

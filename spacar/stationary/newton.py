@@ -28,7 +28,7 @@ from spacar.arrays import Array
 from spacar.errors import AnalysisError
 from spacar.kinematics.kinematics import LARGEST_JUMP, largest
 from spacar.linear_systems import SingularMatrixError
-from spacar.linear_systems.lost_digits import lost
+from spacar.linear_systems.reciprocal_condition import lost
 from spacar.stationary.contract import NO_DIGITS, SINGULAR, SPREAD, Astray, Tangent
 from spacar.stationary.singular import minimum_norm
 from spacar.stationary.stationary_equations import FLOOR, Iterate, Prescribed, StationaryEquations

@@ -25,7 +25,7 @@ from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import moment_gradient
 from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
-from spacar.linear_systems.lost_digits import entry_rounding, lost
+from spacar.linear_systems.reciprocal_condition import entry_rounding, lost
 from spacar.linearization.contractions import configuration_of, geometric_blocks
 from spacar.mechanism.mechanism import Batch
 from spacar.stationary.contract import NO_DIGITS, SINGULAR

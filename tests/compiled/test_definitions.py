@@ -14,7 +14,7 @@ import pytest
 from spacar import Deck
 from spacar.compiled.element_parameters import SUPPORTED, kinds
 from spacar.elements.angle_measure import rotation_factor
-from spacar.elements.angles import arc_tangent
+from spacar.elements.family import arc_tangent
 from spacar.mechanism import build
 
 sp = pytest.importorskip("sympy")

@@ -11,7 +11,7 @@ from spatial_truth import G, chord_frame, moved, rates, reference, rotation, tur
 
 from spacar.elements.family import GeometryError
 from spacar.elements.hinge import SpatialHinge
-from spacar.elements.normalization import Normalization
+from spacar.elements.node_inertia import Normalization
 from spacar.elements.pinbody import SpatialPinbody
 from spacar.elements.truss import SpatialTruss
 

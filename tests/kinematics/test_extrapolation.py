@@ -10,8 +10,8 @@ from numpy.polynomial import Polynomial
 
 import spacar
 from spacar.deck import parse_deck
+from spacar.dynamics.motion_equations import State, extrapolated
 from spacar.kinematics.element_sweep import ElementSweep
-from spacar.kinematics.predictor import State, extrapolated
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 import models

@@ -9,7 +9,7 @@ import pytest
 import spacar
 from spacar.deck import Deck
 from spacar.errors import AnalysisError
-from spacar.linear_systems.lost_digits import entry_rounding, lost
+from spacar.linear_systems.reciprocal_condition import entry_rounding, lost
 
 N = 60
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from importlib import import_module
 
 from spacar.errors import UsageError
-from spacar.symbolic.emit.preamble import header
+from spacar.symbolic.emit.scalars import header
 from spacar.symbolic.name_rules import check_names
 from spacar.symbolic.ordered import OrderedProgram
 
