@@ -13,6 +13,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
+from hashlib import sha256
 from os.path import basename, dirname, join, splitext
 from pathlib import Path
 from types import CodeType, ModuleType
@@ -39,6 +40,12 @@ def function_file(deck: Deck, statement: Statement) -> Path:
         text += f"; {name}.m is there: write it in Python{_head(folder / f'{name}.m')}"
         text += f" (`spacar keywords {statement.keyword}`)"
     raise _refusal(deck, statement, text)
+
+
+def model_digest(deck: Deck) -> str:
+    """SHA-256 of the input file, and of the function files that it names. Raises InputError without one."""
+    files = [function_file(deck, statement).read_bytes() for statement in deck.of(*STATEMENTS)]
+    return sha256(b"".join((deck.data, *files))).hexdigest() if files else deck.sha256
 
 
 def _head(path: Path) -> str:

@@ -156,6 +156,14 @@ def test_gain_from_numbers_and_from_a_function(folder, monkeypatch):
         assert why in err
 
 
+@pytest.mark.parametrize("raised", ["SystemExit(3)", "GeneratorExit", "IndexError('a')"])
+def test_a_function_of_gains_that_fails(folder, monkeypatch, raised):
+    (folder / "gains.py").write_text(f"def kp(step):\n    if step > 2: raise {raised}\n    return 3 * [3 * [0.0]]\n")
+    status, _, err = run(folder, monkeypatch, "spacntrl", "robotinvlin", "--kp", "gains.py:kp")
+    assert status == 1
+    assert f"error: gains.py:kp failed at step 3: {raised.split('(')[0]}" in err
+
+
 # -- mode 3 finds mode 2 --------------------------------------------------------------------------------------------
 def test_missing_stale_and_named_setpoints(folder, monkeypatch, tmp_path):
     for name in ("robotinvlin.dat", "robotinv.dat"):

@@ -14,7 +14,9 @@ from pathlib import Path
 import pytest
 
 import spacar
+from spacar.deck import read_deck
 from spacar.studies.assignments import change, setting
+from spacar.studies.runs.setting import Setup, Trade
 from spacar.studies.runs.workers import Lost, run
 
 HERE = Path(__file__).parent
@@ -54,6 +56,19 @@ def test_another_model_is_another_case(call):
     text = Path("crank.dat").read_text().replace("0.033375", "0.04")
     Path("crank.dat").write_text(text)
     assert "3 cases: 3 run" in call(*CRANK).out
+
+
+def test_another_user_function_is_another_case(call):
+    """Also for `trade`, whose rows have a key of their own."""
+    function = "def grow(t, step):\n    return t, [], [[2, 1, {0}*t, {0}, 0]]\n"
+    Path("crank.dat").write_text(Path("crank.dat").read_text().replace("TIMESTEP", "USERINP grow\nTIMESTEP"))
+    keys = set()
+    for rate in (50, 60):
+        Path("grow.py").write_text(function.format(rate))
+        assert "3 cases: 3 run" in call(*CRANK).out
+        assert "3 cases: 0 run" in call(*CRANK).out
+        keys.add(Trade(1, read_deck("crank.dat", 1), ()).key(Setup()))
+    assert len(keys) == 2
 
 
 def test_failed_cases_say_why(call):

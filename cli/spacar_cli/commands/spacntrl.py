@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import click
 
-from spacar.errors import UsageError
+from spacar.errors import BY_USERS, AnalysisError, UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 from spacar_cli.status import tell_notes
@@ -59,9 +60,9 @@ def _gain(text: str, count: int, steps: int) -> Any:
 
     if ".py:" in text:
         function = load_function(Path(text), lambda reason: UsageError(reason, "usage.gain"))
-        function(-1)
+        found = [_called(function, text, k) for k in (-1, *range(1, steps + 1))][1:]
         try:
-            return np.array([np.atleast_2d(np.asarray(function(k), float)) for k in range(1, steps + 1)])
+            return np.array([np.atleast_2d(np.asarray(gain, float)) for gain in found])
         except (TypeError, ValueError) as error:
             raise UsageError(f"{text} does not return square matrices of numbers: {error}", "usage.gain") from None
     if text.lower().endswith(".csv"):
@@ -73,6 +74,15 @@ def _gain(text: str, count: int, steps: int) -> Any:
     if len(numbers) not in (1, count):
         raise UsageError(f"{len(numbers)} gains for {count} nominal inputs", "usage.gain")
     return np.diag(numbers * (count if len(numbers) == 1 else 1))
+
+
+def _called(function: Callable[[int], Any], text: str, step: int) -> Any:
+    """Its answer. Raises AnalysisError."""
+    try:
+        return function(step)
+    except BY_USERS as error:  # a user's function may fail in any way
+        why = f"{text} failed at step {step}: {type(error).__name__}: {error}"
+        raise AnalysisError(why, "user-function.failed") from error
 
 
 def _table(path: Path, count: int, steps: int) -> Any:

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 from spacar.calls import frames
 from spacar.deck import Deck
 from spacar.errors import SpacarError
+from spacar.mechanism.user_files import model_digest
 from spacar.result import Result
 from spacar.studies.assignments import Setting, change
 from spacar.studies.runs.quantities import Quantity
@@ -55,7 +56,7 @@ class Study:
     def _around_values(self) -> tuple[str, str]:
         """The text of a key before and behind the values: `rows.key` of all parts in one list."""
         names = [s.name for s in self.settings]
-        before = key_text([self.deck.sha256, self.mode, sorted(self.options.items()), names])
+        before = key_text([model_digest(self.deck), self.mode, sorted(self.options.items()), names])
         return f"{before[:-1]}, ", f", {key_text([(q.name, q.text) for q in self.quantities])}]"
 
 

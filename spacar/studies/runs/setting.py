@@ -23,6 +23,7 @@ from spacar.deck.rewrite.simpler import linear_strain, rigid
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators.methods import METHODS
 from spacar.mechanism import build
+from spacar.mechanism.user_files import model_digest
 from spacar.modes import find_mode
 from spacar.options import integrator
 from spacar.result import Result
@@ -94,8 +95,8 @@ class Trade:
 
     def key(self, setup: Setup) -> str:
         """What tells the row of this setup from others."""
-        asked = [v.text for v in self.variables]
-        return key(self.deck.sha256, self.mode, asked, self.repeats, sorted(self.options.items()), asdict(setup))
+        asked, options = [v.text for v in self.variables], sorted(self.options.items())
+        return key(model_digest(self.deck), self.mode, asked, self.repeats, options, asdict(setup))
 
 
 @dataclass(frozen=True)
