@@ -61,7 +61,7 @@ def export_fmu(model: Path, target: Path, rtol: float = 1e-6, atol: float = 1e-8
         except Exception as cause:  # whatever stops pythonfmu is one error here
             text = f"pythonfmu could not pack {target.name}: {type(cause).__name__}: {cause}"
             raise AnalysisError(text, "fmu.build") from cause
-        _with_units(made, dict(zip(variables(plant.inputs) + variables(plant.outputs_), units(plant), strict=True)))
+        _completed(made, dict(zip(variables(plant.inputs) + variables(plant.outputs_), units(plant), strict=True)))
         with replacing(target) as side:
             shutil.copyfile(made, side)
     return plant
@@ -77,8 +77,8 @@ def units(plant: Spasim) -> list[str]:
     return [unit_text(known(names[s.kind], (e if names[s.kind][0] in "es" else x)[s.index])) for s in signals]
 
 
-def _with_units(unit: Path, texts: dict[str, str]) -> None:
-    """Write units into the description of a unit, which pythonfmu leaves out."""
+def _completed(unit: Path, texts: dict[str, str]) -> None:
+    """Write what pythonfmu leaves out of the description of a unit: units, and the outputs as InitialUnknowns."""
     with zipfile.ZipFile(unit) as packed:
         content = {name: packed.read(name) for name in packed.namelist()}
     root = ElementTree.fromstring(content[DESCRIPTION])
@@ -91,6 +91,8 @@ def _with_units(unit: Path, texts: dict[str, str]) -> None:
         real, text = variable.find("Real"), texts.get(variable.get("name", ""), "")
         if real is not None and text:
             real.set("unit", text)
+    for structure in root.iter("ModelStructure"):
+        ElementTree.SubElement(structure, "InitialUnknowns").extend(structure.findall("Outputs/Unknown"))
     content[DESCRIPTION] = ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)
     with zipfile.ZipFile(unit, "w", zipfile.ZIP_DEFLATED) as packed:
         for name, data in content.items():

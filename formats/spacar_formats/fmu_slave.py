@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 
-from spacar.errors import SpacarError
 from spacar.simulation.co_simulation import CoSimulation
 from spacar.simulation.plant import Spasim
 
@@ -60,11 +59,7 @@ class SpacarPlant(Fmi2Slave):
         self._plant.u[:] = u
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        try:
-            self._plant.t = current_time
-            self._plant.advance(step_size)
-        except SpacarError as error:
-            self.log(str(error))
-            return False
+        self._plant.t = current_time
+        self._plant.advance(step_size)
         self._known = None
         return True

@@ -111,6 +111,21 @@ def test_a_unit_with_a_user_function(tmp_path, monkeypatch):
     np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-7)
 
 
+def test_a_unit_that_fails_stops_its_simulation(tmp_path, monkeypatch):
+    """With the error of FMI, not with a shorter result; its description is valid."""
+    pytest.importorskip("pythonfmu", reason="pythonfmu is not installed")
+    fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
+    from fmpy.validation import validate_fmu
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.dat").write_text(USER)
+    (tmp_path / "push.py").write_text("def push(t, *rest):\n    return (t, [], []) if t < 0.02 else exit(3)\n")
+    assert main(["fmu", "a"]) == 0
+    assert validate_fmu("a.fmu") == []
+    with pytest.raises(fmpy.fmi1.FMICallException, match="fmi2DoStep failed"):
+        fmpy.simulate_fmu("a.fmu", stop_time=0.05, step_size=0.01)
+
+
 def test_without_pythonfmu(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pythonfmu", None)
     with pytest.raises(UsageError, match=r"pythonfmu is not installed: pip install 'spacar\[fmu\]'"):
