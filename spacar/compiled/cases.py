@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.batch_output_block import BatchOutputBlock, not_followed
 from spacar.compiled.compiled_model import DOUBTFUL_MASS, FAR_AWAY, CompiledModel
 from spacar.compiled.compiled_stepper import CompiledStepper
 from spacar.compiled.library import lanes_of_processor
 from spacar.compiled.numbers import Numbers
+from spacar.compiled.output_block import BatchOutputBlock, not_followed
 from spacar.dynamics.limits import Wheels
 from spacar.dynamics.loaded_mechanism import NEVER, Accepted, LoadedMechanism, Moving, unexplained
 from spacar.dynamics.mass_check import is_checked, is_doubtful

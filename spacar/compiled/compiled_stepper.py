@@ -15,7 +15,6 @@ from typing import Any, Protocol
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.batch_output_block import BatchOutputBlock, not_followed
 from spacar.compiled.compiled_model import CompiledModel, State
 from spacar.compiled.interface import INTEGER, NUMBER, POINTER, structure
 from spacar.compiled.library import WIDTH, address_of
@@ -30,7 +29,7 @@ from spacar.compiled.methods_in_c import (
     address_of_call,
     vector,
 )
-from spacar.compiled.output_block import SUSPECT, OutputBlock
+from spacar.compiled.output_block import SUSPECT, BatchOutputBlock, OutputBlock, not_followed
 from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, STILL, Accepted, LoadedMechanism, Moving
 from spacar.errors import AnalysisError
 from spacar.integrators.adams import Adams

@@ -15,10 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.batch_output_block import BatchOutputBlock
 from spacar.compiled.interface import structure
 from spacar.compiled.library import Engine, address_of
-from spacar.compiled.output_block import VALUE, OutputBlock
+from spacar.compiled.output_block import VALUE, BatchOutputBlock, OutputBlock
 from spacar.integrators.adams import GAMMA_STAR, Adams
 from spacar.integrators.radau import KAPPA, MAX_NEWTON, Radau
 from spacar.integrators.runge_kutta import TINY, ExplicitRungeKutta

@@ -6,7 +6,8 @@ they may find something, or that C cannot evaluate, is the last one of its call,
 evaluator stands, as if it had come alone.
 
 A call ends after LONGEST, so that outputs are handed on while a run lasts and Ctrl-C is heard. The rows of its outputs
-are used by their frames; rows that are left are those of the next call.
+are used by their frames; rows that are left are those of the next call. Of several cases at a time rows are given, and
+an output at which somebody has to look ends the motion: a single run says what it is.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, CompiledModel, S
 from spacar.compiled.element_parameters import GUARD
 from spacar.compiled.interface import INTEGER, NUMBER, POINTER, structure
 from spacar.compiled.library import WIDTH, address_of
+from spacar.errors import AnalysisError
 from spacar.frame import Frame, FramesInRows
 from spacar.integrators.problem import BlockOfOutputs, Counts, counts
 from spacar.integrators.times import EvenTimes
@@ -38,6 +40,7 @@ NONE: Counts = (0, 0, 0, 0, 0)
 COUNTS = 5 * ctypes.sizeof(ctypes.c_int)  # of an output
 
 VALUE = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER)
+SHOWN = "shown"  # of outputs that stand in their rows
 
 
 def counted(c: Any, begun: Counts = NONE) -> Counts:
@@ -58,7 +61,30 @@ class OutputEvaluator(Protocol):
         """That of a state that C could not do."""
 
 
-class OutputBlock:
+class OutputRows:
+    """Outputs that the state `shown` evaluates, in rows of `width` numbers: `at` are the addresses of times, rows and
+    counts, those of the next call begin with a place among them."""
+
+    def __init__(self, solver: CompiledModel, shown: State, width: int, far: int) -> None:
+        self.solver, self.c = solver, structure("OutputBlock")(ctypes.addressof(shown.c))
+        c = self.c
+        c.exact, c.jump, c.guard, c.longest = EXACT, LARGEST_JUMP, GUARD, LONGEST
+        c.width, c.far, c.foreign = width, far, solver.slots.has_limits
+        self.address = ctypes.addressof(c)
+        self.at = 0, 0, 0
+        self.held = 0  # outputs of earlier calls that are handed on with those of the next one
+
+    def _next(self, place: int, end: int, steps: float) -> None:
+        """The next call has the places up to `end`; it ends at the first output behind so many steps."""
+        c, (t, rows, work) = self.c, self.at
+        c.t, c.rows, c.work = t + WIDTH * place, rows + WIDTH * c.width * place, work + COUNTS * place
+        c.n, c.steps = end - place, int(min(max(steps, 0), UNLIMITED))
+
+    def _show(self) -> None:
+        self.solver.engine.show(self.solver.handle, self.address)
+
+
+class OutputBlock(OutputRows):
     """Outputs at `times` that `shown` evaluates.
 
     ground    rows of e whose stresses may press but not pull, and have to be looked at when they do
@@ -74,25 +100,22 @@ class OutputBlock:
         self.sizes = n.nx, n.ne
         self.of_y = 6 * n.nx + 4 * n.ne  # where it begins in a row
         self.width = self.of_y + shown.n_positions + n.nddof
-        self.c = c = structure("OutputBlock")(ctypes.addressof(shown.state.c))
+        super().__init__(model, shown.state, self.width, far)
+        c = self.c
         if len(ground):
             self.ground = np.ascontiguousarray(ground, np.int32)  # C points at it
             c.ground = address_of(self.ground)
-        c.exact, c.jump, c.singular, c.guard, c.longest = EXACT, LARGEST_JUMP, singular, GUARD, LONGEST
-        c.width, c.far, c.n_exact, c.n_ground = self.width, far, shown.largest_exact, len(ground)
-        c.foreign = model.slots.has_limits
-        self.address = ctypes.addressof(c)
+        c.singular, c.n_exact, c.n_ground = singular, shown.largest_exact, len(ground)
         self.around = np.empty((2, shown.n_positions + n.nddof))  # C points at these two
         x, e = n.x_class["dynamic"], n.e_class["dynamic"]
         of_x, of_e = np.arange(x.start, x.stop) + 2 * n.nx, np.arange(e.start, e.stop) + (6 * n.nx + 2 * n.ne)
         self.rates = np.concatenate((of_x, of_e)).astype(np.int32)
         c.around, c.rates, c.n_rates = address_of(self.around), address_of(self.rates), len(self.rates)
         self.first = self.used = self.end = 0  # output of the first row, rows that have been handed on, rows
-        self.held = 0  # outputs of earlier calls that are handed on with those of the next one
 
     def begin(self, output: int, steps: float = UNLIMITED) -> None:
         """The next call begins with this one of the outputs; it ends at the first one behind so many steps."""
-        c, begun = self.c, self.used + self.held
+        begun = self.used + self.held
         if begun == self.end or output != self.first + begun:
             n = min(len(self.times) - output, max(1, ROOM // self.width))
             self.first, self.used, self.end = output, 0, n
@@ -103,12 +126,9 @@ class OutputBlock:
                 times.part(output, output + n) if isinstance(times, EvenTimes) else np.array(times[output : output + n])
             )
             self.at = address_of(self.t), address_of(self.rows), address_of(self.work)
-        (t, rows, work) = self.at
-        c.t, c.rows, c.work = t + WIDTH * begun, rows + WIDTH * self.width * begun, work + COUNTS * begun
-        c.n = self.end - begun
-        c.steps = UNLIMITED if steps > UNLIMITED else max(int(steps), 0)
+        self._next(begun, self.end, steps)
         if not self.held:
-            self.shown.solver.slots.outputs.clear()
+            self.solver.slots.outputs.clear()
 
     def start(self, y: Array) -> list[BlockOfOutputs]:
         """Evaluate the first output, whose state is y: it goes on with those behind it, if these have room and nobody
@@ -116,7 +136,7 @@ class OutputBlock:
         self.begin(0)
         self.c.n = 1
         self.rows[0, self.of_y :] = y
-        self.shown.solver.engine.show(self.shown.solver.handle, self.address)
+        self._show()
         if self.c.last != HARMLESS or self.end == 1:
             return self.outputs()
         self.held, self.c.done = 1, 0
@@ -126,7 +146,7 @@ class OutputBlock:
         """Those of the last call; `begun`: what the integrator had counted before it. The last one is on its own when
         it has to be looked at."""
         first, n, now = self.used, self.held + self.c.done, counted(self.c, begun)
-        lost = self.shown.solver.slots.outputs
+        lost = self.solver.slots.outputs
         if lost:  # C asks for them when there have been any
             lost[:0] = [{}] * (n - (self.c.last == NOT_SHOWN) - len(lost))
         self.used, self.held = first + n, 0
@@ -141,16 +161,16 @@ class OutputBlock:
         """Some outputs of the last call, whose rows begin with the `first`."""
         at = slice(first + which.start, first + which.stop)
         rows, t = self.rows[at], self.t[at]
-        shown = FramesInRows(t, rows, self.sizes, self.shown.solver.slots.outputs[which])
+        shown = FramesInRows(t, rows, self.sizes, self.solver.slots.outputs[which])
         return BlockOfOutputs(float(t[-1]), rows[-1, self.of_y :], self.work[at], begun, now, shown)
 
     def _last(self, block: FramesInRows, y: Array) -> FramesInRows:
         """That of the last output of a call, at which Python looks; or what says why there is none."""
         if self.c.last == LOOKED_AT:
-            self.shown.solver.slots.interrupted()  # C asks about sentences of an output
+            self.solver.slots.interrupted()  # C asks about sentences of an output
         if self.c.last == NOT_SHOWN:
             if self.c.status == NOT_ANSWERED:
-                self.shown.solver.slots.raise_error()
+                self.solver.slots.raise_error()
             frame = self.shown.frame_in_general(float(block.t[0]), y)
             for name, values in block.variables.items():  # in the row
                 values[0] = getattr(frame, name)
@@ -159,10 +179,78 @@ class OutputBlock:
 
     def prescribed(self, y: Array) -> Iterator[BlockOfOutputs]:
         """The outputs of a motion without degrees of freedom, whose state `y` is empty or the same at all times."""
-        model, given = self.shown.solver, 0
+        given = 0
         while given < len(self.times):
             self.begin(given)
             self.rows[self.used :, self.of_y :] = y
-            model.engine.show(model.handle, self.address)
+            self._show()
             given += self.c.done
             yield from self.outputs()
+
+
+class BatchOutputBlock(OutputRows):
+    """Outputs of the lanes of a model at `times` (n,), evaluated by `shown`, into `rows` (n, 6 nx + 4 ne, lanes);
+    the first one is the start, which stands in `begun`. `size`: numbers of a state of the integrators."""
+
+    def __init__(self, solver: CompiledModel, begun: State, shown: State, size: int) -> None:
+        super().__init__(solver, shown, 0, 0)
+        self.begun, self.shown, self.y = begun, shown, np.empty(size)
+        self.c.y = self.y.ctypes.data
+        self.times, self.work, self.output = np.zeros(0), np.zeros((0, 5), np.int32), 0
+
+    def into(self, times: Array, rows: Array, far: int) -> None:
+        """The outputs to come go there; behind more than `far` steps they are evaluated from the begin of a step."""
+        self.times, self.work, self.held = times, np.zeros((len(times), 5), np.int32), 0
+        self.at = address_of(times), address_of(rows), address_of(self.work)
+        self.c.width, self.c.far = rows[0].size, far
+
+    def begin(self, output: int, steps: float = UNLIMITED) -> None:
+        """The next call begins with this one of the outputs; it ends at the first one behind so many steps."""
+        self.output = output
+        self._next(output, len(self.times), steps)
+
+    def outputs(self, begun: Counts = NONE) -> list[BlockOfOutputs]:
+        """Those of the last call; `begun`: what the integrator had counted before it. Raises AnalysisError, and what a
+        user function raised."""
+        self._check()
+        first, end = self.output - self.held, self.output + self.c.done
+        self.held = 0
+        if first == end:
+            return []
+        work, now = self.work[first:end], counted(self.c, begun)
+        return [BlockOfOutputs(float(self.times[end - 1]), self.y, work, begun, now, SHOWN)]
+
+    def start(self, y: Array) -> list[BlockOfOutputs]:
+        """The first output, whose state is y; it is handed on with those behind it. Raises as `outputs`."""
+        self.show(0, y)
+        self.output = self.held = 1
+        self.c.done = 0
+        return []
+
+    def show(self, output: int, y: Array) -> None:
+        """A single output, whose state is y. Raises as `outputs`."""
+        self.begin(output)
+        self.c.n = 1
+        self.y[:] = y
+        at = self.shown if output else self.begun
+        self.c.shown = at.address
+        self._show()
+        self.c.shown = self.shown.address
+        self._check()
+        if at is not self.shown:
+            self.shown.resume(float(at.c.t), at.x, at.xd, at.xdd, at.e)
+
+    def _check(self) -> None:
+        """Raise what is wrong with the last output."""
+        c = self.c
+        if c.last == HARMLESS:
+            return
+        if c.last == NOT_SHOWN and c.status == NOT_ANSWERED:
+            self.solver.slots.raise_error()
+        self.solver.slots.interrupted()  # C asks about sentences of an output
+        raise not_followed(float(self.times[self.output + c.done - 1]))
+
+
+def not_followed(t: float) -> AnalysisError:
+    """A case has to be run alone."""
+    return AnalysisError(f"a case of the batch could not be followed at t = {t:.9g}", "study.batch")
