@@ -135,28 +135,6 @@ def _form(
     return form if isfinite(total) else None
 
 
-def _again(rows: Any, form: Form, values: Any) -> float:
-    """Write the values of rows that have the form of an earlier answer, and give their sum; else nan, when some may
-    have been written. Almost every call of a run comes here, and nothing else is asked than `_added` would."""
-    if type(rows) is not list or 3 * len(rows) != len(form):
-        return nan
-    total, k = 0.0, 0
-    try:
-        for row in rows:
-            a, b, value = row
-            # the same objects, as the small whole numbers of a program are; equal ones are looked up by `_added`
-            if a is not form[k] or b is not form[k + 1] or (type(row) is not list and type(row) is not tuple):
-                return nan
-            if type(value) is not float and type(value) not in NUMBERS:
-                return nan
-            values[form[k + 2]] = value
-            total += value
-            k += 3
-    except (TypeError, ValueError, OverflowError):
-        return nan
-    return total
-
-
 def _added(rows: Any, places: dict[tuple[Any, Any], int], values: Any) -> float:
     """Add rows to values, when they are a short list of three numbers each whose places were looked up before, and give
     the sum of the numbers. Else nan: then `UserLaw._rows` reads them, and what was added is of no use."""
@@ -294,17 +272,14 @@ class Answering:
     def __call__(self, t: float) -> dict[int, str]:
         """Write the answer at a time where zeros are. Returns the sentences of `UserForces.lost`."""
         try:
-            _, sig, f = self.function(t, *self.told)
+            given = self.function(t, *self.told)
         except BY_USERS as error:  # a user's function may fail in any way
             raise self.failed(t, error) from error
-        if self.forms:
-            (of_sig, of_f), (sigma, force) = self.forms, self.values
-            total = _again(sig, of_sig, sigma)
-            if of_f or type(f) is not list or f:
-                total += _again(f, of_f, force)
-            if isfinite(total):
-                return {}
-        return self._read(t, sig, f)
+        return self.read(t, given)
+
+    def failed(self, t: float, error: BaseException) -> AnalysisError:
+        """What is raised when the function raises something."""
+        return _failed(self.law.name, t, error)
 
     def read(self, t: float, given: Any) -> dict[int, str]:
         """The same with what the function gave. Some values may have been written."""
@@ -312,13 +287,6 @@ class Answering:
             _, sig, f = given
         except BY_USERS as error:
             raise self.failed(t, error) from error
-        return self._read(t, sig, f)
-
-    def failed(self, t: float, error: BaseException) -> AnalysisError:
-        """What is raised when the function raises something."""
-        return _failed(self.law.name, t, error)
-
-    def _read(self, t: float, sig: Any, f: Any) -> dict[int, str]:
         law, (sigma, force) = self.law, self.values
         n = law.numbering
         if law.stresses or law.forces:
