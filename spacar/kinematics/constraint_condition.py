@@ -1,9 +1,7 @@
 """Condition number of the part of the difference matrix that is inverted: how well the degrees of freedom are chosen.
 
-s_1/s_n by a singular value decomposition. From 60 unknowns on s_1^2 and s_n^2 are the ends of the spectrum of D^T D
-first, by bisection of its tridiagonal form, in less than half of the time: that leaves eps (s_1/s_n)^2 in s_n^2, and
-where this is more than 1e-6 the decomposition is made after all. For more than 150 unknowns, where both cost more than
-a factorization many times over, s_1 and 1/s_n are the largest singular values of D and of D^-1 by Golub-Kahan
+s_1/s_n by a singular value decomposition. For more than 150 unknowns, where it costs more than a factorization many
+times over, s_1 and 1/s_n are the largest singular values of D and of D^-1 by Golub-Kahan
 bidiagonalization (G. Golub, W. Kahan, SIAM J. Numer. Anal. 2 (1965) 205-224) with the factorization that is there
 anyway: linear cost, and values that are too small by two thousandths at most where it was tried. Rows and columns are
 scaled to be dimensionless.
@@ -26,10 +24,7 @@ from spacar.kinematics.kinematics import Kinematics
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 
-SQUARED_FROM = 60  # unknowns; SciPy is loaded for their factorization
 ESTIMATED_FROM = 150
-SQUARED = 1e-6  # relative error of s_n^2 above which D^T D has lost it
-EPS = float(np.finfo(float).eps)
 STEPS = 40  # of the bidiagonalization, at most
 STEADY = 1e-4  # relative change of the largest singular value in two steps that ends it
 
@@ -89,22 +84,8 @@ def of_scaled(D: Array) -> float:
     """s_1/s_n of D (n, n)."""
     if not len(D):
         return 1.0
-    if len(D) > SQUARED_FROM:
-        least, most = _ends(D.T @ D)
-        if EPS * most < SQUARED * least:
-            return float(np.sqrt(most / least))
     s = np.linalg.svd(D, compute_uv=False)
     return float(s[0] / s[-1]) if s[-1] > 0.0 else float("inf")
-
-
-def _ends(A: Array) -> tuple[float, float]:
-    """The smallest and the largest eigenvalue of a symmetric matrix (n, n)."""
-    from scipy.linalg.lapack import dstebz, dsytrd
-
-    _, diagonal, beside, _, _ = dsytrd(A, lower=1)
-    ends = (dstebz(diagonal, beside, 2, 0.0, 0.0, k, k, 0.0, "E")[1][0] for k in (1, len(A)))
-    least, most = ends
-    return float(least), float(most)
 
 
 def _estimate(k: Kinematics) -> float:
