@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array, largest, smallest
+from spacar.arrays import Array
 
 from .family import GeometryError, Trouble
 
@@ -79,8 +79,8 @@ def start_chord(x_p: Array, x_q: Array, keyword: str) -> tuple[Array, Array]:
     """
     d = x_q - x_p
     l0 = distance(d)
-    shortest = 1e-12 * max(largest(np.abs(x_p)), largest(np.abs(x_q)))
-    if not smallest(l0.real) > shortest:
+    shortest = 1e-12 * max(np.abs(x_p).max(), np.abs(x_q).max())
+    if not l0.real.min() > shortest:
         k = int((l0.real <= shortest).argmax())
         raise GeometryError(
             k,

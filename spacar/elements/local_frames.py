@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from spacar.arrays import Array, largest, smallest
+from spacar.arrays import Array
 from spacar.elements.family import GeometryError
 
 # The first is a chosen bound (the reference refuses the same angle): digits of a file, not rounding.
@@ -34,9 +34,9 @@ def unit(v: Sequence[float] | Array, index: int, what: str) -> Array:
     """v / |v| (3, n). Raises GeometryError for a zero or non-finite vector; `what` names it in the message."""
     a = np.asarray(v)
     least, most = MODERATE
-    if largest(np.abs(a)) < most:
+    if np.abs(a).max() < most:
         square = inner(a, a)
-        if smallest(square.real) > least**2:
+        if square.real.min() > least**2:
             return a / np.sqrt(square)
     size = np.maximum.reduce(np.abs(a))
     if not (np.minimum.reduce(size, None) > 0.0 and np.maximum.reduce(size, None) < np.inf):
@@ -57,16 +57,16 @@ def supplemented(ex: Array, g: Sequence[float] | Array, index: int, what: str) -
     """
     g = np.asarray(g)
     least, most = MODERATE
-    longest = 2.0 * largest(np.abs(g))  # no |g| is longer
+    longest = 2.0 * np.abs(g).max()  # no |g| is longer
     if longest < most:
         ey = _across(ex, g)
         square = inner(ey, ey)
-        if smallest(square.real) > max(least, PARALLEL * longest) ** 2:
+        if square.real.min() > max(least, PARALLEL * longest) ** 2:
             return completed(ex, ey / np.sqrt(square))
     g = unit(g, index, what)
     ey = _across(ex, g)
     sine = np.sqrt(inner(ey, ey))
-    if smallest(sine.real) < PARALLEL:
+    if sine.real.min() < PARALLEL:
         k = int(np.flatnonzero(sine < PARALLEL)[0])
         angle = np.degrees(sine.flat[k])
         raise GeometryError(
@@ -134,7 +134,7 @@ def chords(d: Array, x: Array) -> tuple[Array, Array]:
     Raises GeometryError for an element shorter than `SHORT` times the extent of the group.
     """
     l = np.sqrt(inner(d, d))
-    if not smallest(l.real) > 2.0 * SHORT * largest(np.abs(x)):  # which is more than the extent
+    if not l.real.min() > 2.0 * SHORT * np.abs(x).max():  # which is more than the extent
         points = x.real.reshape(2, 3, -1)
         shortest = SHORT * (points.max((0, 2)) - points.min((0, 2))).max()
         for k in np.flatnonzero(~(l[0] > shortest)).tolist():

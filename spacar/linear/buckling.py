@@ -20,7 +20,7 @@ from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
 from spacar.linear.eigen import is_symmetric
 from spacar.linearization.matrices import Linearization
-from spacar.linearization.state_matrix import selected, selected_columns
+from spacar.linearization.state_matrix import selected
 
 NOTHING = 1e-13  # mu below this fraction of the largest is an infinite multiplier
 PAIR = 1e-6  # relative difference of moduli below which multipliers count as +- the same: loads are known to 1e-8
@@ -184,7 +184,7 @@ def _scale(K: Array) -> Array:
 
 def directional_compliances(L: Linearization, dynamic: Index, report: Report) -> Array:
     """(nx,) diagonal of W K^-1 W^T; infinite where a singular K moves the coordinate."""
-    K, W = selected(L.stiffness, dynamic, dynamic), selected_columns(L.W, dynamic)
+    K, W = selected(L.stiffness, dynamic, dynamic), L.W[:, dynamic]
     if not len(dynamic):
         return np.zeros(len(W))
     scale = _scale(K)

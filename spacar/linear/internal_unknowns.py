@@ -26,7 +26,7 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.elements.family import Family
 from spacar.linearization.contractions import geometric_rounding
 from spacar.linearization.matrices import Linearization
-from spacar.linearization.state_matrix import selected, selected_columns
+from spacar.linearization.state_matrix import selected
 
 EPS = float(np.finfo(float).eps)
 
@@ -82,7 +82,7 @@ def joined(unknowns: list[ElementUnknowns], nx: int) -> tuple[Array, Array, Arra
 
 def buckling_matrices(dynamics: Dynamics, L: Linearization, dynamic: Index) -> tuple[Array, Array]:
     """K0 and G0 of the dynamic degrees of freedom, then of the unknowns inside elements. A G0 of rounding is zero."""
-    W, K0, G0 = selected_columns(L.W, dynamic), *(selected(A, dynamic, dynamic) for A in (L.k0, L.g0))
+    W, K0, G0 = L.W[:, dynamic], *(selected(A, dynamic, dynamic) for A in (L.k0, L.g0))
     unknowns = element_unknowns(dynamics, L.sigma)
     scale, size = dynamics.mechanism.scale, np.abs(G0)
     most = 8.0 * EPS * L.geometric_terms * float(np.abs(W / scale[:, None]).max(initial=0.0)) ** 2

@@ -276,11 +276,9 @@ def _store_matrices(frame: Frame, L: Linearization, dynamics: Dynamics) -> None:
     q, s = chosen_rows(L, dynamics)
     if not len(q):
         return
-    whole = len(q) == dynamics.numbering.ndof
     for names, rows, columns in (MASS_AND_DAMPING, q, q), (STIFFNESS, q, s), (("ak0",), s, q), (("bk0",), s, s):
         for name in names:
-            A = getattr(L, name)
-            frame.matrices[name] = A if whole else selected(A, rows, columns)
+            frame.matrices[name] = selected(getattr(L, name), rows, columns)
 
 
 def _store_tangent(solution: LinearizedSolution) -> None:

@@ -14,8 +14,6 @@ from spacar.arrays import Array, Index
 
 DENSE_LIMIT = 150  # rows or columns up to which all products of a linearization are faster dense (docs/performance.md)
 
-ZERO = bytes(8)  # one number, which nobody can write to
-
 Matrix = Any  # NumPy array or csr_array of SciPy
 
 
@@ -31,17 +29,12 @@ def matrix(rows: Index, columns: Index, values: Array, shape: tuple[int, int]) -
 
 
 def zero_matrix(shape: tuple[int, int]) -> Matrix:
-    """All entries zero; a dense one is one number for all places, not to be written to."""
+    """All entries zero."""
     if max(shape) <= DENSE_LIMIT:
-        return np.ndarray(shape, buffer=ZERO, strides=(0, 0))
+        return np.zeros(shape)
     from scipy.sparse import csr_array
 
     return csr_array(shape)
-
-
-def added(A: Matrix, B: Matrix) -> Matrix:
-    """A + B without a copy where one of them is `zero_matrix`."""
-    return B if _is_nothing(A) else A if _is_nothing(B) else A + B
 
 
 def diagonal_matrix(values: Array) -> Matrix:
@@ -52,11 +45,7 @@ def diagonal_matrix(values: Array) -> Matrix:
 
 def is_zero_matrix(A: Matrix) -> bool:
     """Are all stored entries zero?"""
-    return _is_nothing(A) or not (A if isinstance(A, np.ndarray) else A.data).any()
-
-
-def _is_nothing(A: Matrix) -> bool:
-    return A.base is ZERO if isinstance(A, np.ndarray) else not A.nnz
+    return not (A if isinstance(A, np.ndarray) else A.data).any()
 
 
 def dense(A: Matrix) -> Array:

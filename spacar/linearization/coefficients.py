@@ -23,7 +23,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import StressLaw, moment_entries
-from spacar.linear_systems.matrix import Matrix, added, diagonal_matrix, matrix, zero_matrix
+from spacar.linear_systems.matrix import Matrix, diagonal_matrix, matrix, zero_matrix
 from spacar.linearization.contractions import (
     block_pattern,
     geometric_stiffness,
@@ -99,7 +99,7 @@ def coefficients(
     if user is not None:
         active = np.arange(n.ne) >= law.first
         by = user_derivatives(dynamics.mechanism, t, sweep.e, V @ xd, x, xd, active).with_stated(user, V)
-        S, Sd = added(S, by.of("sigma", "e")), added(Sd, by.of("sigma", "ed"))
+        S, Sd = S + by.of("sigma", "e"), Sd + by.of("sigma", "ed")
         stress_x, stress_v, doubts = by.of("sigma", "x"), by.of("sigma", "xd"), by.doubts
         user_x = diagonal_matrix(user.force_k)
         load_x = load_x - user_x - (by.of("f", "x") + by.of("f", "e") @ V + by.of("f", "ed") @ rate_x)

@@ -26,7 +26,7 @@ from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.forces import StressLaw
 from spacar.kinematics.transfer import configuration_transfer, deformation_transfer, velocity_transfer
-from spacar.linear_systems.matrix import Matrix, added, dense, is_zero_matrix, zero_matrix
+from spacar.linear_systems.matrix import Matrix, dense, is_zero_matrix, zero_matrix
 from spacar.linearization.coefficients import Coefficients, coefficients
 
 
@@ -127,10 +127,10 @@ def reduced(
         m0=m0, c0=c0, d0=d0,
         k0=_between((We, c.S, Ge), (We, c.stress_x, G), (W, c.user_x, G)),
         n0=n0,
-        g0=_between((W, added(c.geometric, c.load_x), G)),
+        g0=_between((W, c.geometric + c.load_x, G)),
         ak0=ak0, bk0=bk0, W=W, We=We, G=G, Ge=Ge, Z=Z, Ze=Ze, Y=Y, Ye=Ye, Yv=Yv, Yev=Yev,
-        sigma=c.sigma, V=c.V, M=M, inertia_x=added(c.inertia_x, c.geometric), inertia_v=c.inertia_v,
-        load_x=added(c.load_x, c.user_x), load_v=c.user_v, S=c.S, Sd=c.Sd,
+        sigma=c.sigma, V=c.V, M=M, inertia_x=c.inertia_x + c.geometric, inertia_v=c.inertia_v,
+        load_x=c.load_x + c.user_x, load_v=c.user_v, S=c.S, Sd=c.Sd,
         stress_x=c.stress_x, stress_v=c.stress_v, geometric_terms=geometric_terms, doubts=c.doubts,
     )  # fmt: skip
 

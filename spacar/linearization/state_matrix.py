@@ -7,8 +7,6 @@ State z = (ds, dqd) with s = (q, k) and qd restricted to the chosen rows (dynami
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
 from spacar.arrays import Array, Index
@@ -25,23 +23,8 @@ def chosen_rows(L: Linearization, dynamics: Dynamics, everything: bool = False) 
 
 
 def selected(A: Array, rows: Index, columns: Index) -> Array:
-    """A at these rows and columns; A itself where these are all of them in order."""
-    return A if _is_all(rows, len(A)) and _is_all(columns, A.shape[1]) else A[rows[:, None], columns]
-
-
-def selected_columns(A: Array, columns: Index) -> Array:
-    """A at these columns; A itself where these are all of them in order."""
-    return A if _is_all(columns, A.shape[1]) else A[:, columns]
-
-
-def _is_all(places: Index, n: int) -> bool:
-    return len(places) == n and places.tobytes() == _in_order(n)
-
-
-@lru_cache(16)
-def _in_order(n: int) -> bytes:
-    """All places in order, in a form that is compared at once."""
-    return np.arange(n).tobytes()
+    """A copy of A at these rows and columns."""
+    return A[rows[:, None], columns]
 
 
 EPS = float(np.finfo(float).eps)
@@ -55,7 +38,7 @@ def require_mass(L: Linearization, q: Index) -> None:
     Masses that overflow are not told here.
     """
     diagonal, size = L.m0.diagonal()[q], abs(L.M)
-    W = selected_columns(L.W, q)
+    W = L.W[:, q]
     rounding = EPS * len(W)
     with np.errstate(over="ignore", invalid="ignore"):
         # 2 |w_i w_j| <= w_i^2 + w_j^2: a bound that costs little and tells what is known of ordinary masses

@@ -17,7 +17,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import largest
 from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
 from spacar.deck.table_types import ElementType
 from spacar.mechanism.element_rows import ElementRows
@@ -60,7 +59,7 @@ def class_codes(deck: Deck, types: Sequence[ElementRows], prescribed: bool) -> C
     """The classes of everything in a deck with these elements. `prescribed`: what is dynamic is an input."""
     planar = types[0].kind.planar
     width = max([6, *[len(rows.kind.modes) for rows in types]])  # 8 in a model with warping
-    roles = np.zeros(1 + max([largest(rows.nodes) for rows in types]), np.uint8)
+    roles = np.zeros(1 + max([rows.nodes.max() for rows in types]), np.uint8)
     elements = np.zeros(1 + max([rows.numbers.item(-1) for rows in types]), np.uint8)
     for rows in types:
         roles.put(rows.nodes, _roles_of(rows.kind))  # again for every element

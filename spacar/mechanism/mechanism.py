@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array as Array
 from spacar.arrays import Index as Index
-from spacar.arrays import largest
 from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.deck.table_types import lengths_of
 from spacar.mechanism.layout import Batch, Layout
@@ -260,4 +259,4 @@ class Mechanism:
     @cached_property
     def distance(self) -> float:
         """Largest coordinate of the reference configuration in its size, at least 1: more is far from the origin."""
-        return max(1.0, largest(np.abs(self.x0 / self.scale)))
+        return max(1.0, float(np.abs(self.x0 / self.scale).max()))

@@ -11,7 +11,6 @@ from spacar.errors import Report
 from spacar.linear.backward_error import of_pencil, of_scaled_pencil
 from spacar.linear.buckling import directional_compliances, order_of
 from spacar.linear.eigen import is_symmetric
-from spacar.linearization.state_matrix import selected_columns
 
 
 @pytest.mark.parametrize("power", [0, 4, 8])
@@ -59,10 +58,3 @@ def test_a_scaled_pencil_has_the_backward_error_of_the_pencil():
 def test_order_with_and_without_pairs():
     np.testing.assert_array_equal(order_of(np.array([3.0, -1.0, 2.0])), [1, 2, 0])
     np.testing.assert_array_equal(order_of(np.array([3.0, -1.0, 1.0])), [2, 1, 0])
-
-
-def test_all_columns_in_order_are_the_matrix_itself():
-    A = np.arange(6.0).reshape(2, 3)
-    assert selected_columns(A, np.arange(3)) is A
-    np.testing.assert_array_equal(selected_columns(A, np.array([2, 0, 1])), A[:, [2, 0, 1]])
-    np.testing.assert_array_equal(selected_columns(A, np.array([2, 0])), A[:, [2, 0]])
