@@ -11,8 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.linear_systems.dense import DenseSystem
-from spacar.linear_systems.linear_system import LinearSystem, SingularMatrixError
+from spacar.linear_systems.linear_system import DenseSystem, LinearSystem, SingularMatrixError
 
 __all__ = ["DENSE_LIMIT", "LinearSystem", "SingularMatrixError", "assemble", "is_dense"]
 

@@ -12,7 +12,7 @@ _HOME = {
     "RateLimiter": "control_blocks", "ReferenceY0": "setpoint_blocks", "Relay": "switching_blocks",
     "Response": "response", "Sampled": "blocks", "Saturation": "switching_blocks", "Scope": "blocks",
     "SetpointSigma0": "setpoint_blocks", "SetpointU0": "setpoint_blocks", "Sine": "signal_sources",
-    "Spasim": "plant", "StepSignal": "signal_sources", "Table": "time_tables", "TimeSeries": "signal_sources",
+    "Spasim": "plant", "StepSignal": "signal_sources", "Table": "signal_sources", "TimeSeries": "signal_sources",
     "TimeVarying": "time_varying", "TimesM0": "setpoint_blocks", "TransportDelay": "transport_delay",
     "as_control": "control_systems", "closed_loop": "engine", "computed_torque": "feedback",
     "proportional_derivative": "blocks", "reduce_modes": "reduction",

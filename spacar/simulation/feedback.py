@@ -14,7 +14,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
 from spacar.simulation.propagation import disturbance
-from spacar.simulation.time_tables import Table
+from spacar.simulation.signal_sources import Table
 from spacar.simulation.time_varying import TimeVarying
 
 
@@ -89,7 +89,7 @@ def computed_torque(
     nominal   mode 2 result with u0 and y0;  linear: mode 3 result with M0 (its leading block is used)
     positions, rates   numbers (from 1) of the outputs that are the actuated coordinates and their rates, in y and y0
               alike
-    omega [rad/s], damping [1]; interpolation, hold: of time_tables.Table
+    omega [rad/s], damping [1]; interpolation, hold: of Table
 
     Raises UsageError for numbers of outputs that do not fit or data that are not stored.
     """

@@ -13,7 +13,7 @@ from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.simulation.blocks import Block
 from spacar.simulation.reduction import reduce_modes
-from spacar.simulation.time_tables import Table
+from spacar.simulation.signal_sources import Table
 from spacar.simulation.time_varying import TimeVarying
 
 

@@ -28,7 +28,7 @@ import numpy as np
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError
 from spacar.forward.driver import has_forces
-from spacar.forward.extent import Extent
+from spacar.forward.motion import Extent
 from spacar.frame import Frame
 from spacar.integrators.methods import AUTOMATIC, METHODS
 from spacar.linearization.state_jacobian import state_jacobian
