@@ -200,6 +200,11 @@ def at_limit(e: LevelEvaluator, reached: LoadLevel, target: LoadLevel, limit: Li
         " instead of the load, or give ITERSTEP position 7 the value 1 to follow the path beyond limit points;"
         " where beams bend by tens of degrees in one element, the model with more elements may have none"
     )
+    if e.fading_force is not None:
+        text += (
+            "; the start values (STARTDX, STARTDE) are held by forces that fade on this way, so that this is no limit"
+            " load: without them the way begins at the reference configuration"
+        )
     return AnalysisError(text, "statics.limit-point", level=reached)
 
 

@@ -131,3 +131,39 @@ def test_the_toggle_for_all_numbers_of_steps(limit_load):
     for steps in [*range(1, 200), 333, 1000]:
         found = 20.0 * limit_of(toggle(4, "XF 9 0 -20", f"30 {steps} 1e-6"))
         assert found == pytest.approx(limit_load, rel=1e-8)
+
+
+TRUSSES = """
+X 1 0 0
+X 2 1 {h}
+X 3 2 0
+FIX 1
+FIX 3
+PLTRUSS 1 1 2
+PLTRUSS 2 3 2
+DYNE 1 1
+DYNE 2 1
+END HALT
+ESTIFF 1 40
+ESTIFF 2 37
+XM 2 1
+XF 2 0.3 {force}
+STARTDE 1 1 0.0188
+STARTDE 2 1 0.03
+ITERSTEP 60 {steps} 1e-12 1 0
+END END
+"""
+
+
+@pytest.mark.parametrize("general", ["", "1"])
+@pytest.mark.parametrize("h", [0.05, 0.1, 0.2])
+def test_a_start_that_is_held_does_not_lead_beyond_a_limit_point(h, general, monkeypatch):
+    """Two shallow trusses under more than their limit load, 2 E A (l0 - l) / l0 y / l < E A (h^2 - y^2) y: a start off
+    the path jumped to the other side in one of five cases, depending on the number of steps."""
+    monkeypatch.setenv("SPACAR_GENERAL", general)
+    limit = 40.0 * h**3 * 2.0 / 3.0**1.5
+    for force in (limit + 0.3, 1.0, 4.0):
+        for steps in (1, 2, 3, 5):
+            with pytest.raises(AnalysisError) as failed:
+                spacar.run(7, parse_deck(TRUSSES.format(h=h, force=-force, steps=steps), mode=7))
+            assert failed.value.code == "statics.limit-point"
