@@ -68,6 +68,11 @@ def frames(
 
         for message in lost_stiffness(deck, prepared.mechanism):
             prepared.report.add(str(message))
+        if prepared.mechanism.deck.divided:
+            from spacar.kinematics.released_parts import released_parts
+
+            for text in released_parts(prepared.mechanism, found):
+                prepared.report.add(f"warning: {text}")
     return prepared
 
 

@@ -30,6 +30,7 @@ HEAVY = {
 LATE = {
     "spacar.compiled", "spacar.symbolic", "spacar.simulation", "spacar.linear_systems", "spacar.elements",
     "spacar.mechanism.user_files", "spacar.mechanism.user_functions", "spacar.kinematics.lost_stiffness",
+    "spacar.kinematics.released_parts",
     "spacar_drawing.window",
     "spacar.result", "spacar.deck.section_block", "spacar.kinematics.failure", "spacar.linearization.state_jacobian",
     "spacar_drawing.report_page", "spacar_drawing.curves", "spacar_drawing.history", "spacar_drawing.stress_numbers",

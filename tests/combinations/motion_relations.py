@@ -111,7 +111,8 @@ def momentum(case: Case) -> Found:
     r = fine(case)
     g = np.array(case.model.rows("GRAVITY")[0][1])
     p = (r["fxgrav"] * r["xd"]).sum(1)
-    force = sum(r.node(n, variable="fxtot") @ g for n, role in case.model.roles.items() if role == "position")
+    nodes = (n for n, role in r.mechanism.numbering.kind.items() if role == "position")  # of divided beams too
+    force = sum(r.node(n, variable="fxtot") @ g for n in nodes)
     return balance(case, r.t, p, force, "momentum")
 
 

@@ -11,8 +11,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from spacar.deck import ELEMENT_TYPES
+from spacar.deck.deck import parse
+from spacar.deck.rewrite.divide import obstacles
 from spacar.deck.table_solvers import INTEGRATORS
 from spacar.integrators.methods import METHODS
+from spacar.kinematics.kinematics import CONVERGED
 from spacar.modes import MODES, Mode
 from spacar.stationary.loading import WITHOUT_N0
 from spacar.stationary.newton import LENGTHS
@@ -94,9 +97,12 @@ def sections(model: Model, rng: random.Random) -> Model | None:
     if not beams:
         return None
     chosen = rng.sample(beams, rng.randrange(1, len(beams) + 1))
+    stiff = {int(e): dict.fromkeys(range(1, 7), 1.0) for e in chosen}
+    whole = {beam for beam, *_ in obstacles(parse(model.text(), "case.dat", model.mode).statements, stiff, stiff)}
     model = model.mapped(lambda r, b: [] if r[0] in ("ESTIFF", "EM") and r[1] in chosen else [r])
     bar = ("SECTION", "bar", "CUSTOM", 0.8, 0.11, 0.13, 0.24), ("MATERIAL", "stuff", 100.0, 50.0, 0.5)
-    return model.more(1, *bar, *(("BEAMSEC", e, "bar", "stuff", *rng.choice(((), (2,)))) for e in chosen))
+    parts = (("BEAMSEC", e, "bar", "stuff", *rng.choice(((),) if e in whole else ((), (2,)))) for e in chosen)
+    return model.more(1, *bar, *parts)
 
 
 def dynamic(mode: Mode) -> bool:
@@ -121,7 +127,10 @@ OPTIONS: dict[str, Option] = {
 
 def asked(model: Model) -> float:
     """What two runs may differ by, of the largest value: the ERROR of variable steps times what the steps make of it,
-    a Jacobian from differences, and what Newton's iteration leaves of its linear convergence without N0."""
+    a Jacobian from differences, what Newton's iteration leaves of its linear convergence without N0, and of a position
+    along a trajectory."""
+    if MODES[model.mode].gives_setpoints or MODES[model.mode].takes_setpoints:
+        return CONVERGED
     if any(len(r) > 5 and r[5] in WITHOUT_N0 for r in model.rows("ITERSTEP")):
         return 2 * LENGTHS
     for r in model.rows("INTEGRAT"):
