@@ -53,62 +53,22 @@ class State:
     """
 
     def __init__(self, model: CompiledModel) -> None:
-        n = model.numbering
+        n, cases = model.numbering, model.cases
         self._sizes = nx, ne = n.nx, n.ne
-        self._together = together = np.empty((6 * nx + 5 * ne + 2 * n.nddof + n.nk, model.cases))
-        self.x_address = first = address_of(together)
+        self._together = np.empty((6 * nx + 5 * ne + 2 * n.nddof + n.nk, cases))
+        self.of_x = self._together[: 6 * nx].reshape(6, nx, cases)
+        self.of_e = self._together[6 * nx : 6 * nx + 5 * ne].reshape(5, ne, cases)
+        self.x, self.xd, self.xdd = self.of_x[:3]
+        self.e, self.ed, self.edd, self.sigma, self.given_e = self.of_e
+        self.x_address = address_of(self._together)
         self.c = structure("State")()
         self.address = ctypes.addressof(self.c)
-        model.engine.state(model.handle, self.address, first)
+        model.engine.state(model.handle, self.address, self.x_address)
 
     @property
     def together(self) -> Array:
         """Everything of the only case, (n,): x, xd, xdd, three forces (nx), e, ed, edd, sigma, given_e (ne), y."""
         return self._together[:, 0]
-
-    @cached_property
-    def of_x(self) -> Array:
-        """(6, nx, cases)"""
-        nx, _ = self._sizes
-        return self._together[: 6 * nx].reshape(6, nx, self._together.shape[1])
-
-    @cached_property
-    def of_e(self) -> Array:
-        """(5, ne, cases)"""
-        nx, ne = self._sizes
-        return self._together[6 * nx : 6 * nx + 5 * ne].reshape(5, ne, self._together.shape[1])
-
-    @property
-    def x(self) -> Array:
-        return self.of_x[0]
-
-    @property
-    def xd(self) -> Array:
-        return self.of_x[1]
-
-    @property
-    def xdd(self) -> Array:
-        return self.of_x[2]
-
-    @property
-    def e(self) -> Array:
-        return self.of_e[0]
-
-    @property
-    def ed(self) -> Array:
-        return self.of_e[1]
-
-    @property
-    def edd(self) -> Array:
-        return self.of_e[2]
-
-    @property
-    def sigma(self) -> Array:
-        return self.of_e[3]
-
-    @property
-    def given_e(self) -> Array:
-        return self.of_e[4]
 
     def of_one(self) -> tuple[Array, Array]:
         """Copies of x, xd, xdd and the forces (6, nx), of e, ed, edd and sigma (4, ne) of the only case."""
