@@ -59,7 +59,6 @@ def _write_rows(target: Path, titles: Sequence[str], rows: Iterable[Sequence[obj
 
 
 def no_formula(cell: Any) -> Any:
-    """A cell of a csv."""
     return f"'{cell}" if isinstance(cell, str) and cell[:1] in ("=", "@") else cell
 
 

@@ -198,7 +198,6 @@ class CompiledElements(Family):
 
     # -- where the NumPy family answers -------------------------------------------------------------------------
     def _here(self, c: Configuration, *vectors: Array) -> bool:
-        """Does C answer?"""
         if not isinstance(c, Place):
             return False
         return all(v.dtype == float and v.shape[1:] == self._shape[1:] for v in vectors)

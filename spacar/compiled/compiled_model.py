@@ -293,5 +293,4 @@ class CompiledModel:
 
 
 def _at(shared: ctypes.Structure | ctypes.Array[Any] | None) -> int | None:
-    """Its address."""
     return None if shared is None else ctypes.addressof(shared)

@@ -51,7 +51,6 @@ class AdamsInC:
         return status
 
     def take_steps_through(self, output_block: OutputBlock | BatchOutputBlock) -> int:
-        """Steps through many outputs."""
         status: int = self.engine.pass_adams(self.to, self.at, output_block.address)
         return status
 
@@ -99,7 +98,6 @@ class RungeKuttaInC:
         return status
 
     def take_steps_through(self, output_block: OutputBlock | BatchOutputBlock) -> int:
-        """Steps through many outputs."""
         call = VALUE(self._value)
         output_block.c.value = address_of_call(call)
         status: int = self.engine.pass_runge_kutta(self.to, self.at, output_block.address)

@@ -84,7 +84,6 @@ def composed(a: Taylor, *derivatives: Array) -> Taylor:
 
 
 def root(a: Any) -> Any:
-    """Square root."""
     if not isinstance(a, Taylor):
         return np.sqrt(a)
     value = np.sqrt(a.c[0])

@@ -79,7 +79,6 @@ class Chart:
         return replace(frame, **{name: getattr(frame, name)[self.at] for name in X_FIELDS})
 
     def views(self, block: Sequence[Frame]) -> Sequence[Frame]:
-        """The same of a block of frames."""
         if not isinstance(block, StoredFrames):
             return [self.view(frame) for frame in block]
         kept = block.variables

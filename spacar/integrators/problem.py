@@ -17,7 +17,6 @@ Rate = Callable[[float, np.ndarray], np.ndarray]
 
 
 def counts(numbers: Iterable[int]) -> Counts:
-    """Five numbers."""
     steps, rhs, jacobians, rejected, iterations = numbers
     return steps, rhs, jacobians, rejected, iterations
 
@@ -101,7 +100,6 @@ class IntegrationStatistics:
     newton_iterations: int = 0
 
     def counts(self) -> Counts:
-        """All of them, in this order."""
         return self.n_steps, self.n_rhs, self.n_jacobian, self.n_rejected, self.newton_iterations
 
 
@@ -133,7 +131,6 @@ class Output(NamedTuple):
 
     @property
     def work(self) -> Counts:
-        """The five counts."""
         return self[2:7]
 
 

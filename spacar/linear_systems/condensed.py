@@ -318,7 +318,6 @@ def _factors(R: Any) -> Any:
 
 
 def _rows_of(A: Any) -> Index:
-    """The row of every entry."""
     return np.repeat(np.arange(A.shape[0]), np.diff(A.indptr))
 
 

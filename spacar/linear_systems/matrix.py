@@ -49,5 +49,4 @@ def is_zero_matrix(A: Matrix) -> bool:
 
 
 def dense(A: Matrix) -> Array:
-    """The same as an array."""
     return A if isinstance(A, np.ndarray) else A.toarray()

@@ -151,7 +151,6 @@ class DirectedElements:
 
     # -- matrices ------------------------------------------------------------------------------------------------
     def gradient(self) -> list[ElementMatrices]:
-        """V."""
         return [ElementMatrices(b.e, b.x, V) for b, _, _, V in self.evaluated if len(b.e)]
 
     def stiffness(self, first: int) -> list[ElementMatrices]:
@@ -241,7 +240,6 @@ class DirectedElements:
         return found
 
     def deformation_mass(self) -> list[ElementMatrices]:
-        """MEE."""
         rows, columns, values = self.mechanism.deformation_inertia
         return [ElementMatrices(rows[None], columns[None], values[None, None] + 0j)] if len(rows) else []
 

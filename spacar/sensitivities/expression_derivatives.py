@@ -37,7 +37,6 @@ def derivative(expression: Expression, variable: Leaf, steps: int, directions: i
 
 
 def variables(node: ast.expr) -> Iterator[ast.Subscript]:
-    """All variables with indices."""
     return (n for n in ast.walk(node) if isinstance(n, ast.Subscript))
 
 

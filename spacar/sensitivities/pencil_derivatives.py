@@ -109,7 +109,6 @@ class Change:
 
     state: StateDerivative
     first: int
-    heavy: bool = True  # with mass and damping
 
     @cached_property
     def gradient(self) -> list[ElementMatrices]:

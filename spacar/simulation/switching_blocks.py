@@ -39,7 +39,6 @@ class Piecewise(Block):
         return self.x0.copy()
 
     def piece(self, t: float, u: Array) -> NDArray[np.int64]:
-        """The piece of every signal."""
         raise NotImplementedError
 
     def switch(self, t: float, x: Array, u: Array) -> bool:

@@ -90,7 +90,7 @@ class LevelEvaluator:
     """
 
     def __init__(self, mechanism: Mechanism) -> None:
-        self.mechanism = mechanism
+        self.mechanism, self.scale = mechanism, mechanism.scale
         self._level = LoadLevel(0.0, 0.0)
         self._in_place = 1.0, 0.0  # fractions of both parts of the loading that `_dynamics` has
         self.whole = SteadyDrive.at_level(mechanism, LoadLevel(1.0, 0.0))  # prescribed values of the initial loading
@@ -220,11 +220,6 @@ class LevelEvaluator:
     def follow(self, x: Array) -> None:
         """The next state is on the branch of the one at x (nx,), which was evaluated last."""
         self.branch[:] = self.mechanism.layout.branch(x, self.e)
-
-    @property
-    def scale(self) -> Array:
-        """Sizes of the coordinates, (nx,)."""
-        return self.mechanism.scale
 
     @property
     def unknowns(self) -> int:

@@ -76,7 +76,6 @@ def _levels(settings: SolverSettings) -> Iterator[LoadLevel]:
 
 
 def loads_at(mechanism: Mechanism, level: LoadLevel) -> Loads:
-    """Loads of a level."""
     loads = mechanism.loads if level.initial == 1.0 else mechanism.loads.scaled(level.initial)
     if level.additional and mechanism.additional is not None:
         loads = loads.plus(mechanism.additional.scaled(level.additional))

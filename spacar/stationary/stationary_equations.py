@@ -23,13 +23,12 @@ from the law).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.saddle_point import free_coordinates
 from spacar.kinematics.kinematics import largest
@@ -117,48 +116,16 @@ class StationaryEquations:
         self._has_passive = bool(self.passive.any())
         self.loose = np.where(self.constrained, 0.0, 1.0)
         self.free_scale = self.scale[self.F]
-
-    # -- made when NumPy evaluates --------------------------------------------------------------------------------
-    @cached_property
-    def _fluid(self) -> bool:
-        return any(is_tube(b) for b in self.d.sweep.moving)
-
-    @cached_property
-    def _length_rounding(self) -> Array:
-        return FLOOR * self.flexibility.size * (self.flexibility.coupled != 0.0)
-
-    @cached_property
-    def _weights(self) -> Array:
-        return np.concatenate((self.free_scale, 1.0 / (self.flexibility.size * self.e_scale)))
-
-    @cached_property
-    def signs(self) -> Array:
-        """Signs of rounding errors, a second right-hand side of every correction, (nf + ne,)."""
-        return np.where(np.arange(self.nf + self.ne) % 2, -1.0, 1.0)
-
-    @cached_property
-    def probe(self) -> Array:
-        """A load of the size of the stiffness, the third one."""
-        probe = np.zeros(self.nf + self.ne)
-        probe[: self.nf] = self.flexibility.size * (1.0 + np.arange(self.nf) / max(self.nf, 1))
-        return probe
-
-    @cached_property
-    def slips(self) -> Index:
-        """The given rows that are slips."""
-        n = self.d.numbering
+        self._fluid = any(map(is_tube, m.layout.moving))
+        size, rows = flexibility.size, np.arange(self.nf)
+        self._length_rounding = FLOOR * size * (flexibility.coupled != 0.0)
+        self._weights = np.concatenate((self.free_scale, 1.0 / (size * self.e_scale)))
+        # two more right-hand sides of every correction: signs of rounding errors, a load of the size of the stiffness
+        self.signs = np.where(np.arange(self.nf + self.ne) % 2, -1.0, 1.0)
+        self.probe = np.concatenate((size * (1.0 + rows / max(self.nf, 1)), np.zeros(self.ne)))
         given = np.arange(n.e_class["dynamic"].stop)
-        return given[n.slips[given]]
-
-    @cached_property
-    def x_kinematic(self) -> Index:
-        xk = self.d.numbering.x_class["kinematic"]
-        return np.arange(xk.start, xk.stop)
-
-    @cached_property
-    def e_kinematic(self) -> Index:
-        ek = self.d.numbering.e_class["kinematic"]
-        return np.arange(ek.start, ek.stop)
+        self.slips = given[n.slips[given]]
+        self.x_kinematic, self.e_kinematic = np.r_[n.x_class["kinematic"]], np.r_[n.e_class["kinematic"]]
 
     def motion(self, x: Array) -> Motion | None:
         """v and a at the configuration of the sweep. Raises SingularMatrixError where they are not determined."""

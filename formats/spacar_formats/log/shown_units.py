@@ -58,7 +58,6 @@ class ShownUnits:
         return values * self.metre ** (1.0 - 2.0 * self.x)
 
     def unit(self, text: str) -> str:
-        """The unit as it is shown."""
         return shown_in(text, self.metre)[1]
 
 
