@@ -28,7 +28,7 @@ NOTHING: Found = (0.0, "the relation says nothing about this model")
 GENERAL = 1e-11  # of the size of the mechanism: how exactly positions are known in NumPy (developer guide, evaluators)
 CONDITION = 300.0  # models with a larger condition number of the positions are drawn anew
 BEYOND = ("statics.limit-point", "statics.no-solution", "element.range", "element.lift-off", "position.singular",
-          "position.no-convergence", "study.refine")  # fmt: skip
+          "position.no-convergence", "statics.not-steady", "study.refine")  # fmt: skip
 
 
 @dataclass
@@ -156,7 +156,7 @@ class Spec:
 def drawn(spec: Spec, folder: Path) -> tuple[Spec, Case]:
     """The first attempt that can be used: well-conditioned, and its loads do not carry it beyond a limit point, a range
     of the theory or off the ground. Any other refusal is a finding."""
-    for attempt in range(spec.attempt, 20):
+    for attempt in range(spec.attempt, 100):
         found = replace(spec, attempt=attempt)
         if (case := found.case(folder)) is not None:
             return found, case
