@@ -15,20 +15,7 @@ from spacar.deck.rewrite.refine import refine
 from spacar.studies.policies import budget as budgeted
 from spacar.studies.runs.quantities import quantity
 from spacar.studies.runs.setting import Job, Setup, Trade, run_setup
-
-OSCILLATOR = """
-PLTRUSS 1 1 2
-X 2 1. 0.
-FIX 1
-FIX 2 2
-DYNE 1 1
-END HALT
-XM 2 0.5
-ESTIFF 1 200.
-STARTDE 1 1 0.01 0.
-TIMESTEP 0.4 8
-END END
-"""
+from tests.studies.oscillator import OSCILLATOR
 
 
 @pytest.fixture
