@@ -193,9 +193,9 @@ class Continuation:
         e, last = self.evaluator, self.path[-1]
         point, n = found.point, e.mechanism.numbering
         moved = largest((point.x - last.x) / e.scale)
-        # There is no path to be lost from a start that is not on it (a force that fades makes one), with wheels, which
-        # turn as far as they roll, and where everything is prescribed.
-        free = (self._arbitrary and e.fading_force is None) or not n.holonomic or not n.nddof
+        # There is no path to be lost from a start that is not on it, with wheels, which turn as far as they roll, and
+        # where everything is prescribed.
+        free = self._arbitrary or not n.holonomic or not n.nddof
         if free or moved < WIDE or self._steady(level, moved):
             return False
         branch = e.branch.copy()
@@ -206,9 +206,8 @@ class Continuation:
             back = e.newton(point.x, point.sigma, demand)
             if largest((back.point.x - last.x) / e.scale) > ELSEWHERE * moved:
                 return True
-        except (Astray, SingularMatrixError):  # tells nothing: a step back may be as hard as one forward
-            if self._arbitrary:
-                return True  # a step from a held start can be as small as needed
+        except (Astray, SingularMatrixError):  # too far back, or from elsewhere: smaller parts tell
+            return True
         e.load(level)
         e.branch[:] = branch
         e.set_state(point)
