@@ -12,6 +12,7 @@ import numpy as np
 
 from spacar.errors import Report, SpacarError
 from spacar.frame import Frame, StoredFrames
+from spacar.mechanism.rigid_parts import rigid_parts
 from spacar.modes import Mode
 from spacar.registry import registered
 
@@ -96,7 +97,12 @@ class Run:
 
     def _made(self) -> Iterator[Sequence[Frame]]:
         told: set[int] = set()
-        for block in registered("accuracy" if self.accuracy else self.mode.analysis)(self):
+        parts = None if self.accuracy else rigid_parts(self.mechanism, self.mode)
+        if parts is None:
+            made = registered("accuracy" if self.accuracy else self.mode.analysis)(self)
+        else:
+            made = registered("without_rigid_parts")(self, parts)
+        for block in made:
             for lost in block.lost if isinstance(block, StoredFrames) else [frame.lost for frame in block]:
                 for row, sentence in lost.items():
                     if row not in told:
