@@ -48,6 +48,7 @@ _ABOVE = {
     **dict.fromkeys(("save_run", "save_result"), "spacar_formats.saving"),
     **dict.fromkeys(("to_pandas", "to_xarray", "frame_of_rows", "frame_of_response"), "spacar_formats.tables"),
     "accuracy": "spacar.studies.policies.accuracy:frames",
+    "directional_compliances": "spacar.linear.buckling:directional_compliances",
     "without_rigid_parts": "spacar.dynamics.left_out:frames",
 }  # fmt: skip
 

@@ -38,7 +38,10 @@ class Mass(NamedTuple):
 
 
 class BodyInertia:
-    """A mechanism at its reference configuration. body_of (1 + highest node,): body of every node; origin (bodies, d): master points."""
+    """A mechanism at its reference configuration.
+
+    body_of (1 + highest node,): body of every node;  origin (bodies, d): master points
+    """
 
     def __init__(self, mechanism: Mechanism, body_of: Index, origin: Array) -> None:
         n = self.numbering = mechanism.numbering

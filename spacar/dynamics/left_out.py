@@ -30,6 +30,7 @@ from spacar.deck import Deck
 from spacar.dynamics.body_inertia import BodyInertia, NotRigid
 from spacar.dynamics.forces import StressLaw
 from spacar.dynamics.rigid_motion import Masters, Motion, Weight
+from spacar.errors import Report
 from spacar.frame import E_FIELDS, X_FIELDS, Frame, FramesInRows
 from spacar.kinematics import Kinematics
 from spacar.linear_systems import SingularMatrixError
@@ -41,6 +42,7 @@ from spacar.registry import registered
 from spacar.stream import Run
 
 MOST = 4_000_000  # numbers of A
+MOST_DENSE = 500  # unknowns of which a dense matrix takes less time than loading SciPy
 SIGMA = 3  # place among E_FIELDS
 GRAVITY, TOTAL = 4, 5  # among X_FIELDS
 
@@ -68,6 +70,13 @@ class _Law(NamedTuple):
     B: Array
 
 
+class Stiffness(NamedTuple):
+    """K of the degrees of freedom and the transfer functions of some coordinates."""
+
+    stiffness: Array
+    W: Array
+
+
 class LeftOut:
     """The reduced mechanism, and how its frames become those of the whole one. Bodies are those that move, and behind
     them everything at rest as one. Raises NotRigid, SingularMatrixError.
@@ -76,9 +85,9 @@ class LeftOut:
     def __init__(self, mechanism: Mechanism, parts: RigidParts, mode: int) -> None:
         self.n = n = mechanism.numbering
         d, beams = 2 if n.planar else 3, mechanism.settings.beams
-        points = [body.point for body in parts.moving]
-        origin = np.where(np.array([[p > 0] for p in points]), mechanism.x0[n.x_places[points, :d]], 0.0)
-        origin = np.append(origin.reshape(-1, d), np.zeros((1, d)), 0)
+        points = np.array([body.point for body in parts.moving], np.int64)
+        origin = np.zeros((len(points) + 1, d))
+        origin[:-1][points > 0] = mechanism.x0[n.x_places[points[points > 0], :d]]
         left = build(parts.left(), beams=beams)
         inertia = BodyInertia(left, parts.owners[:, 1], origin)
         positions = {k: mechanism.x0[n.x_places[k, :d]] for k in np.flatnonzero(n.roles == 1).tolist()}
@@ -86,13 +95,11 @@ class LeftOut:
         made = build(parts.reduced(deck), mode, beams=beams)
         self.reduced = replace(made, drive=mechanism.drive, settings=mechanism.settings, length=mechanism.length)
         self._map(parts, left.numbering)
-        self._solve(parts, left, inertia, self._stood_in(parts, deck, origin, beams))
+        C = inertia.forces()
+        stood = self._stood_in(parts, deck, origin, beams)
+        self._solve(left, inertia, *self._ties(left.numbering, stood, C))
         self.masters = Masters(mechanism.x0, n, self.reduced.numbering, parts)
-        self.weight = Weight(inertia, mechanism.loads.gravity)
-        gone = n.x_places[sorted(parts.gone)]
-        free = np.isin(self.x_left[1], left.numbering.velocity_unknowns) | ~np.isin(self.x_left[0], gone)
-        self.reaction_to, columns = (places[~free] for places in self.x_left)
-        self.reaction = inertia.sweep.gradient()[:, columns]
+        self.weight = Weight(inertia, C[:, :d], mechanism.loads.gravity)
 
     def _map(self, parts: RigidParts, l: Numbering) -> None:
         """Places of what stays and of what is left out: in the whole, in their own numbering."""
@@ -123,23 +130,28 @@ class LeftOut:
             body_of[list(nodes)] = parts.body_of[number]
         return BodyInertia(made, body_of, origin)
 
-    def _solve(self, parts: RigidParts, left: Mechanism, inertia: BodyInertia, stood: BodyInertia | None) -> None:
-        """A and B, and what never changes of immovable elements."""
+    def _ties(self, l: Numbering, stood: BodyInertia | None, C: Array) -> tuple[Array, Index, Index, Array]:
+        """C_s - C, and entries of V_s: rows of sigma of the reduced model, columns of what is left out, values."""
+        if stood is None:
+            return -C, *NO_ENTRIES
+        to, own = _common(l.x_places, stood.numbering.x_places)
+        difference = -C
+        difference[to] += stood.forces()[own]
+        column = _table(own, to, stood.numbering.nx)[stood.sweep.v_columns]
+        to, own = _common(self.reduced.numbering.e_places, stood.numbering.e_places)
+        row = _table(own, to, stood.numbering.ne)[stood.sweep.v_rows]
+        there = (row >= 0) & (column >= 0)
+        return difference, row[there], column[there], stood.sweep.v_entries[there]
+
+    def _solve(
+        self, left: Mechanism, inertia: BodyInertia, C: Array, rows: Index, columns: Index, values: Array
+    ) -> None:
+        """A and B, what never changes of immovable elements, and the forces on what is fixed."""
         l, sweep, n_bodies = left.numbering, inertia.sweep, len(inertia.origin)
-        kinematics = Kinematics(left, sweep=sweep)
+        kind = "dense" if len(l.velocity_unknowns) <= MOST_DENSE else None
+        kinematics = Kinematics(left, kind, sweep)
         kinematics.x = left.x0.copy()
         kinematics.refactor()
-        C = -inertia.forces()
-        rows, columns, values = NO_ENTRIES
-        if stood is not None:
-            to, own = _common(l.x_places, stood.numbering.x_places)
-            C[to] += stood.forces()[own]
-            column = _table(own, to, stood.numbering.nx)
-            to, own = _common(self.reduced.numbering.e_places, stood.numbering.e_places)
-            row = _table(own, to, stood.numbering.ne)
-            rows, columns = row[stood.sweep.v_rows], column[stood.sweep.v_columns]
-            there = (rows >= 0) & (columns >= 0)
-            rows, columns, values = rows[there], columns[there], stood.sweep.v_entries[there]
         active = StressLaw.of(left, left.loads)(sweep.e, np.zeros(l.ne))
         body = inertia.column_body[columns]
         given = [np.unique(rows[body == k]) for k in range(n_bodies)]
@@ -164,6 +176,14 @@ class LeftOut:
         for k, own in enumerate(given):
             mine = np.flatnonzero(row_body == k)
             self.laws.append(_Law(mine, own, found[mine, size + 1 : size + 1 + len(own)], found[mine, :size]))
+        resting = inertia.column_body[self.x_left[1]] == n_bodies - 1
+        fixed = resting & ~np.isin(self.x_left[1], l.velocity_unknowns)
+        self.reaction_to, ground = (places[fixed] for places in self.x_left)
+        self.carried = self.x_left[0][~fixed], self.x_left[1][~fixed]
+        self.reaction, self.tied = sweep.gradient()[:, ground], np.zeros((len(given[-1]), len(ground)))
+        place = _table(ground, np.arange(len(ground)), l.nx)[columns]
+        there = place >= 0
+        np.add.at(self.tied, (np.searchsorted(given[-1], rows[there]), place[there]), -values[there])
         still = self.e_left[1] >= l.e_class["calculable"].start
         self.deformed = self.e_left[0][still], sweep.e[self.e_left[1][still]]
 
@@ -182,7 +202,7 @@ class LeftOut:
         return made
 
     def _rows(self, x: Array, e: Array) -> Array:
-        """X_FIELDS and E_FIELDS of the whole (steps, 6 nx + 4 ne) from (steps, 6, nx), (steps, 4, ne) of the reduced."""
+        """X_FIELDS and E_FIELDS of the whole, (steps, 6 nx + 4 ne); x (steps, 6, nx), e (steps, 4, ne) reduced."""
         n, steps = self.n, len(x)
         rows = np.zeros((steps, 6 * n.nx + 4 * n.ne))
         X = rows[:, : 6 * n.nx].reshape(steps, 6, n.nx)
@@ -200,12 +220,12 @@ class LeftOut:
         for to, own in zip(*map(np.ndarray.tolist, self.norms), strict=True):
             S[:, SIGMA, to] += sigma[:, own]
         if self.weight.present:
-            weight = self.weight.forces(motion)[:, self.x_left[1]]
-            added = np.zeros((n.nx, steps))
-            np.add.at(added, self.x_left[0], weight.T)
-            X[:, GRAVITY] += added.T
-            X[:, TOTAL] += added.T
-        X[:, TOTAL, self.reaction_to] = sigma @ self.reaction
+            weight = self.weight.forces(motion)
+            for field, (to, own) in ((GRAVITY, self.x_left), (TOTAL, self.carried)):
+                added = np.zeros((n.nx, steps))
+                np.add.at(added, to, weight.T[own])
+                X[:, field] += added.T
+        X[:, TOTAL, self.reaction_to] += sigma @ self.reaction + e[:, SIGMA, self.laws[-1].given] @ self.tied
         return rows
 
     def _lost(self, found: dict[int, str]) -> dict[int, str]:
@@ -225,7 +245,23 @@ class LeftOut:
                 setattr(made, name, self._transfer(name, given, motion))
             if name in f.log:
                 made.log[name] = self._transfer(name, f.log[name], motion)
+        if f.xcompl is not None:
+            made.xcompl = self._compliances(f.xcompl, made)
         return made
+
+    def _compliances(self, given: Array, made: Frame) -> Array:
+        """(nx,) those of the whole; nan for what is left out where no linearized equations are known."""
+        n = self.n
+        found = np.zeros(n.nx)
+        found[self.x_kept[0]] = given[self.x_kept[1]]
+        moving = self.masters.to
+        if len(n.dynamic):
+            found[moving] = np.nan
+        if made.dxc is not None and "k0" in made.matrices:
+            K = np.add.reduce([made.matrices[name][:, -n.nddof :] for name in ("k0", "n0", "g0")])
+            equations = Stiffness(K, made.dxc[moving][:, n.dynamic])
+            found[moving] = registered("directional_compliances")(equations, np.arange(n.nddof), Report())
+        return found
 
     def _transfer(self, name: str, given: Array, motion: Motion) -> Array:
         """Transfer functions of coordinates (nx, k), or of deformations (ne, k)."""

@@ -42,6 +42,7 @@ class Masters:
         point, places = n.roles[nodes] == 1, n.x_places[nodes]
         self.p_to, self.p_body = places[point, : self.d], body[point]
         self.q_to, self.q_body = places[~point, :size], body[~point]
+        self.to = np.append(self.p_to, self.q_to)  # coordinates that move and are gone
         self.r = (x0[self.p_to] - x0[n.x_places[given[:, 0], : self.d]][self.p_body]).T
 
     def motion(self, x: Array) -> Motion:
@@ -111,6 +112,7 @@ class Weight:
     """Gravity on what is left out: G (nx, d) in the axes of the bodies, as part of their inertia forces."""
 
     inertia: BodyInertia
+    G: Array
     field: Array
 
     @property
@@ -123,12 +125,11 @@ class Weight:
         d = of.d
         rest = np.broadcast_to(np.eye(d)[:, :, None, None], (d, d, steps, 1))
         R = np.concatenate((motion.R, rest), 3)
-        G = of.forces()[:, :d]
         field = _einsum("jisb,j->isb", R, self.field)
         out = np.zeros((steps, of.numbering.nx))
-        own = _einsum("nij,jsn->isn", G[of.p], field[..., of.p_body])
+        own = _einsum("nij,jsn->isn", self.G[of.p], field[..., of.p_body])
         out[:, of.p] = _einsum("ijsn,jsn->sni", R[..., of.p_body], own)
-        own = _einsum("nij,jsn->isn", G[of.q], field[..., of.q_body])
+        own = _einsum("nij,jsn->isn", self.G[of.q], field[..., of.q_body])
         if not motion.masters.planar:
             still = np.zeros((4, steps, 1))
             still[0] = 1.0

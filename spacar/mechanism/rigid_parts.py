@@ -132,7 +132,8 @@ class RigidParts:
                 elif not s.values:
                     found.append(s)
             elif s.keyword == "X" or (s.keyword == "XM" and s.values[0] in self.gone):
-                found += [s._replace(values=(own[s.integer(0)], *s.values[1:])) for own in self.own if s.values[0] in own]
+                of = s.integer(0)
+                found += [s._replace(values=(own[of], *s.values[1:])) for own in self.own if of in own]
         held = [(body.point, body.turn, own) for body, own in zip(self.moving, self.own, strict=False)]
         numbers = [own[node] for point, turn, own in held for node in (point, turn) if node]
         numbers += [number for node, number in self.own[-1].items() if node in self.fixed]
@@ -148,7 +149,8 @@ class RigidParts:
         centre = self.n_own
         for body in self.bodies:
             k = self.body_of[body.elements[0]]
-            ties = [*[(point, (body.point, body.turn, n)) for n in body.points]]
+            ties: list[tuple[ElementType, tuple[int, ...]]] = []
+            ties += [(point, (body.point, body.turn, n)) for n in body.points]
             ties += [(hinge, (body.turn, n)) for n in body.turns]
             numbers = iter(body.elements)
             for kind, nodes in ties:
@@ -213,11 +215,15 @@ def rigid_parts(mechanism: Mechanism, mode: Mode) -> RigidParts | None:
     tensors = settings.sbd_level not in (None, 0, 1) or settings.log_level not in (0, 1)
     large = (mode.linearized or mode.buckling) and n.nddof > MOST_LINEARIZED
     changing = mechanism.additional is not None and mechanism.additional.gravity.any()
+    if mode.buckling and settings.sbd_level == 0:  # compliances of what is left out follow from transfer functions
+        return None
     if not mode.forces or mode.takes_setpoints or tensors or large or changing:
         return None
     if mechanism.user_signal is not None or not n.is_square:
         return None
-    return _Search(mechanism.deck, n, frozenset(np.flatnonzero(fixed).tolist())).found()
+    # the parts n0 and g0 of the stiffness of moving equations are those of the elements, only their sum of the bodies
+    split = mode.linearized and (mode.timed or len(n.rheonomic) > 0)
+    return _Search(mechanism.deck, n, frozenset(np.flatnonzero(fixed).tolist())).found(only_at_rest=split)
 
 
 def _fixed_nodes(n: Numbering) -> NDArray[np.bool_]:
@@ -258,6 +264,10 @@ class _Search:
     def __init__(self, deck: Deck, numbering: Numbering, fixed: frozenset[int]) -> None:
         self.deck, self.numbering, self.fixed = deck, numbering, fixed
         self.size = (2, 1) if numbering.planar else (3, 3)
+        self.role = numbering.roles.tolist()
+        calculable, x = numbering.x_class["calculable"], numbering.x_places
+        free = ((x >= calculable.start) & (x < calculable.stop) | (x < 0)).all(axis=1).tolist()
+        self.rank = [(node not in fixed, free[node]) for node in range(len(free))]
         self.nodes: set[int] = set()  # that a statement names
         self.named: set[int] = set()  # elements that one other than their properties names
         self.bound: set[int] = set()  # elements that one names which no element at rest may have
@@ -272,11 +282,12 @@ class _Search:
                     self.named.add(number)
                 if kind != NODE and s.keyword not in AT_REST:
                     self.bound.add(number)
+        self.resting = fixed - self.nodes
         self.nodes_of = {number: nodes for number, _, nodes in numbering.elements}
 
-    def found(self) -> RigidParts | None:
+    def found(self, only_at_rest: bool) -> RigidParts | None:
         immovable, members = self._candidates()
-        grown = [*self._grown(members)]
+        grown = [part for part in self._grown(members) if not only_at_rest or self._at_rest(part[1])]
         used = self._used(grown, immovable)
         grown = [part for part in grown if self._body(*part, used).n_ties < len(part[0])]
         used = self._used(grown, immovable)
@@ -307,14 +318,13 @@ class _Search:
             e = n.e_places[rows.numbers, : len(kind.modes)]
             rigid = (e < end).all(axis=1) & _is_body(kind)
             free = (e >= calculable).all(axis=1)
-            turning = [role == "orientation" for role in kind.nodes]
+            points, turns = ([i for i, r in enumerate(kind.nodes) if r == role] for role in ("position", "orientation"))
             for k, (number, nodes) in enumerate(zip(rows.numbers.tolist(), rows.nodes.tolist(), strict=True)):
                 if rigid[k] and number not in self.named:
-                    split = [tuple(m for m, turns in zip(nodes, turning, strict=True) if turns is t) for t in (False, True)]
-                    members[number] = Member(*split, len(kind.modes))
-                elif free[k] and number not in self.bound and self.fixed.issuperset(nodes):
-                    if self.nodes.isdisjoint(nodes):
-                        immovable.append(number)
+                    own = tuple(nodes[i] for i in points), tuple(nodes[i] for i in turns)
+                    members[number] = Member(*own, len(kind.modes))
+                elif free[k] and number not in self.bound and self.resting.issuperset(nodes):
+                    immovable.append(number)
         return immovable, members
 
     def _grown(self, members: dict[int, Member]) -> Iterable[tuple[tuple[int, ...], frozenset[int]]]:
@@ -328,9 +338,9 @@ class _Search:
             points, turns, chosen = set[int](), set[int](), list[int]()
             while waiting:
                 number = waiting.popleft()
-                member = members.get(number)
-                if member is None:
+                if number not in members:
                     continue
+                member = members[number]
                 new_points, new_turns = set(member.points) - points, set(member.turns) - turns
                 if chosen and not self._joins(member, new_points, new_turns, bool(points)):
                     continue
@@ -369,29 +379,15 @@ class _Search:
 
     def _at_rest(self, nodes: Iterable[int]) -> bool:
         """Are a point and an orientation fixed, or an orientation where there are no points?"""
-        roles = {self.numbering.role(node) for node in self.fixed.intersection(nodes)}
-        every = {self.numbering.role(node) for node in nodes}
-        return roles == every
+        return {self.role[node] for node in self.fixed.intersection(nodes)} == {self.role[node] for node in nodes}
 
     def _body(self, elements: tuple[int, ...], nodes: frozenset[int], used: set[int]) -> Body:
         """Its masters are fixed ones, else those whose coordinates are not all calculable, if it has any."""
-        n = self.numbering
-        calculable = n.x_class["calculable"]
         kept = nodes & (used | self.nodes)
-        masters, rest = [], []
-        for role in ("position", "orientation"):
-            own = sorted(node for node in nodes if n.role(node) == role)
-            place = {node: n.x_places[node] for node in own}
-
-            def rank(node: int, place: dict[int, Array] = place) -> tuple[bool, bool, bool]:
-                free = ((place[node] >= calculable.start) & (place[node] < calculable.stop)) | (place[node] < 0)
-                return node not in self.fixed, bool(free.all()), node not in kept
-
-            master = min(own, key=rank, default=0)
-            masters.append(master)
-            rest.append(tuple(node for node in own if node in kept and node != master))
-        point, turn = masters
-        return Body(elements, point, turn, rest[0], rest[1], nodes, self._at_rest(nodes))
+        points, turns = (sorted(node for node in nodes if self.role[node] == role) for role in (1, 2))
+        point, turn = (min(own, key=lambda n: (self.rank[n], n not in kept), default=0) for own in (points, turns))
+        others, other_turns = (tuple(n for n in own if n in kept and n not in (point, turn)) for own in (points, turns))
+        return Body(elements, point, turn, others, other_turns, nodes, self._at_rest(nodes))
 
 
 def _deck(deck: Deck, statements: Iterable[Statement], more: Iterable[Statement]) -> Deck:
@@ -404,7 +400,7 @@ def _tie_type(planar: bool, turns: bool) -> ElementType:
     nodes = ("orientation", "orientation") if turns else ("position", "orientation", "position")
     return next(
         kind for kind in ELEMENT_TYPES.values()
-        if kind.planar == planar and kind.nodes == nodes and _is_plain(kind) and kind.length == "never"
+        if kind.planar == planar and kind.nodes == nodes and _is_plain(kind) and kind.length != "always"
     )  # fmt: skip
 
 
