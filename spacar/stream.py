@@ -12,7 +12,7 @@ import numpy as np
 
 from spacar.errors import Report, SpacarError
 from spacar.frame import Frame, StoredFrames
-from spacar.mechanism.rigid_parts import rigid_parts
+from spacar.mechanism.rigid_search import rigid_parts
 from spacar.modes import Mode
 from spacar.registry import registered
 

@@ -29,8 +29,8 @@ from spacar.arrays import Array, Index
 from spacar.deck import Deck
 from spacar.dynamics.body_inertia import BodyInertia, NotRigid
 from spacar.dynamics.forces import StressLaw
-from spacar.dynamics.rigid_motion import Masters, Motion, Weight
-from spacar.errors import Report
+from spacar.dynamics.rigid_motion import BodyMotion, Masters, Weight
+from spacar.errors import AnalysisError, Report
 from spacar.frame import E_FIELDS, X_FIELDS, Frame, FramesInRows
 from spacar.kinematics import Kinematics
 from spacar.linear_systems import SingularMatrixError
@@ -48,17 +48,24 @@ GRAVITY, TOTAL = 4, 5  # among X_FIELDS
 
 
 def frames(run: Run, parts: RigidParts) -> Iterator[Sequence[Frame]]:
-    """The blocks of frames of a run, computed without its rigid parts."""
+    """The blocks of frames of a run, computed without its rigid parts. Where that fails everything is evaluated."""
     analysis = registered(run.mode.analysis)
     try:
         left = LeftOut(run.mechanism, parts, run.mode.number)
     except (NotRigid, SingularMatrixError):
         yield from analysis(run)
         return
-    reduced = replace(run, mechanism=left.reduced)
-    for block in analysis(reduced):
-        run.n_frames = reduced.n_frames
-        yield left.whole(block)
+    reduced, done = replace(run, mechanism=left.reduced), 0
+    try:
+        for block in analysis(reduced):
+            run.n_frames = reduced.n_frames
+            yield left.whole(block)
+            done += len(block)
+    except AnalysisError:  # the whole mechanism says why, with the names of its own nodes and elements
+        for block in analysis(run):
+            if done < len(block):
+                yield block[done:] if done else block
+            done = max(done - len(block), 0)
 
 
 class _Law(NamedTuple):
@@ -263,7 +270,7 @@ class LeftOut:
             found[moving] = registered("directional_compliances")(equations, np.arange(n.nddof), Report())
         return found
 
-    def _transfer(self, name: str, given: Array, motion: Motion) -> Array:
+    def _transfer(self, name: str, given: Array, motion: BodyMotion) -> Array:
         """Transfer functions of coordinates (nx, k), or of deformations (ne, k)."""
         of_x = name.startswith("dx")
         to, own = self.x_kept if of_x else self.e_kept

@@ -45,14 +45,14 @@ class Masters:
         self.to = np.append(self.p_to, self.q_to)  # coordinates that move and are gone
         self.r = (x0[self.p_to] - x0[n.x_places[given[:, 0], : self.d]][self.p_body]).T
 
-    def motion(self, x: Array) -> Motion:
+    def motion(self, x: Array) -> BodyMotion:
         """x (steps, 3 or more, nx): coordinates, velocities, accelerations of the reduced model."""
         of_p = x[:, :3, self.p].transpose(1, 3, 0, 2) * self.has_point  # (3, d, steps, bodies)
         of_q = x[:, :3, self.q].transpose(1, 3, 0, 2)
-        return Motion(self, of_p, of_q)
+        return BodyMotion(self, of_p, of_q)
 
 
-class Motion:
+class BodyMotion:
     """Masters at some steps: points (3, d, steps, bodies), orientations (3, 1 or 4, steps, bodies)."""
 
     def __init__(self, masters: Masters, points: Array, orientations: Array) -> None:
@@ -119,7 +119,7 @@ class Weight:
     def present(self) -> bool:
         return bool(self.field.any())
 
-    def forces(self, motion: Motion) -> Array:
+    def forces(self, motion: BodyMotion) -> Array:
         """(steps, nx) of what is left out."""
         of, steps = self.inertia, motion.R.shape[2]
         d = of.d

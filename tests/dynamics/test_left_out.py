@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 import spacar
+import spacar.errors
 from spacar import stream
 from spacar.deck import Deck
 from spacar.frame import E_FIELDS, X_FIELDS
 from spacar.mechanism import build
-from spacar.mechanism.rigid_parts import rigid_parts
+from spacar.mechanism.rigid_search import rigid_parts
 from spacar.modes import find_mode
 
 TRANSFER = ("dx", "dxc", "de", "dec", "xcompl")
@@ -195,13 +196,28 @@ def test_a_rod_of_many_beams_is_evaluated_as_one():
 
 
 def test_what_stays():
-    """Nothing is left out of a small model, for a user function, which sees all coordinates, or for tensors."""
+    """Nothing is left out of a small model, and where second derivatives of all coordinates are asked for."""
     kinematics, dynamics = Growing(8, True).model()
-    for rows, mode, options in (
-        ((kinematics[:2], []), 0, {}),
-        ((kinematics, dynamics), 7, {"sbd_level": 3}),
-    ):
-        mechanism = build(Deck.build(kinematics, dynamics, mode=mode), mode, **options)
-        assert rigid_parts(mechanism, find_mode(mode)) is None, rows
+    mechanism = build(Deck.build(kinematics, dynamics, mode=7), 7, sbd_level=3)
+    assert rigid_parts(mechanism, find_mode(7)) is None
     small = [("PLBEAM", 1, 1, 2, 3, 4), ("X", 3, 1.0, 0.0), ("FIX", 1), ("DYNX", 2, 1)]
     assert rigid_parts(build(Deck.build(small, [("EM", 1, 1.0)], mode=7), 7), find_mode(7)) is None
+
+
+def test_a_failure_is_told_of_the_whole(monkeypatch):
+    """A hinge turns about the rod behind it, which has no inertia about its axis: the message names real nodes."""
+    rows = [("HINGE", 1, 1, 2, 1.0, 0.0, 0.0), ("FIX", 1), ("FIX", 3), ("DYNE", 1, 1), ("X", 3, 0.0, 0.0, 0.0)]
+    points, turns = [3, *range(10, 22)], [2, *range(30, 42)]
+    for k in range(12):
+        rows.append(("BEAM", 2 + k, points[k], turns[k], points[k + 1], turns[k + 1], 0.0, 1.0, 0.0))
+        rows.append(("X", points[k + 1], 0.1 * (k + 1), 0.0, 0.0))
+    deck = Deck.build(rows, [*[("EM", 2 + k, 1.0) for k in range(12)], ("TIMESTEP", 0.1, 2)], mode=1)
+    assert rigid_parts(build(deck), find_mode(1)) is not None
+    texts = []
+    for everything in (False, True):
+        if everything:
+            monkeypatch.setattr(stream, "rigid_parts", lambda *_: None)
+        with pytest.raises(spacar.errors.AnalysisError) as error:
+            spacar.run(1, deck)
+        texts.append(str(error.value))
+    assert texts[0] == texts[1]
