@@ -174,6 +174,22 @@ def test_prescribed_motion(monkeypatch):
         check(a, b, (*X_FIELDS, *E_FIELDS), 1e-9)
 
 
+@pytest.mark.parametrize("planar", [True, False])
+def test_inverse_dynamics(monkeypatch, planar):
+    """Mode 2: the nominal input is the moment at the driven hinges."""
+    kinematics, dynamics = Growing(9, planar).model()
+    moved = [("INPUTE", *row[1:]) if row[0] == "DYNE" else row for row in kinematics]
+    hinges = [row[1] for row in kinematics if row[0] in ("PLTOR", "HINGE")]
+    kept = [row for row in dynamics if row[0] not in ("STARTDE", "ESTIFF")]
+    third = [("TRAJECT", 1), *[("TRE", e, 0.3) for e in hinges], ("TRTIME", 0.5, 4)]
+    third += [("NOMS", k, e, 1) for k, e in enumerate(hinges, 1)] + [("REFE", 1, hinges[0], 1)]
+    whole, found = whole_and_left_out(monkeypatch, 2, (moved, kept, third))
+    for a, b in zip(whole.frames, found.frames, strict=True):
+        check(a, b, (*X_FIELDS, *E_FIELDS), 1e-9)
+    for name in ("u0", "y0"):
+        assert np.allclose(whole[name], found[name], rtol=0.0, atol=1e-9 * max(1.0, np.abs(whole[name]).max()))
+
+
 def test_only_what_rests_is_left_out_of_moving_equations(monkeypatch):
     """The parts n0 and g0 of the stiffness about a motion are those of the elements."""
     kinematics, dynamics = Growing(6, True).model()
