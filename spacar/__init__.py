@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from spacar.stroke import flexure
     from spacar.studies.study_calls import sweep, trade
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 __all__ = [
     "Deck", "Frame", "Model", "Result", "Run", "Sensitivity",
     "flexure", "frames", "parse_deck", "read_deck", "run", "sensitivity", "sweep", "trade",
