@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from spacar.deck.deck import Deck
-from spacar.deck.lexer import scan, split_lines, words_of
+from spacar.deck.lexer import scan
+
+_BLANKS = " \t\r\f\v"
 
 
 def echo(deck: Deck, block: int) -> list[str]:
@@ -11,11 +13,10 @@ def echo(deck: Deck, block: int) -> list[str]:
     if block not in deck.spans:
         return []
     start, end = deck.spans[block]
-    bare, lines = scan(deck.text).lines, split_lines(deck.text.removeprefix("\ufeff"))
-    echoed = []
-    for number in range(start[0], min(end[0], len(bare)) + 1):
-        words = [w for w in words_of(bare[number - 1], number) if start <= (number, w.column) < end]
-        if words:
-            last = words[-1].column + len(words[-1].text)
-            echoed.append(lines[number - 1][words[0].column - 1 : last - 1].upper())
-    return echoed
+    lines = scan(deck.text).lines[: end[0]]
+    if len(lines) == end[0]:
+        lines[-1] = lines[-1][: end[1] - 1]
+    lines = lines[start[0] - 1 :]
+    if lines:
+        lines[0] = lines[0][start[1] - 1 :]
+    return [bare.upper() for line in lines if (bare := line.strip(_BLANKS))]

@@ -17,7 +17,7 @@ def real(value: float) -> str:
 
 
 def cell(value: object) -> str:
-    return real(value) if isinstance(value, float) else str(value)
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
@@ -25,9 +25,11 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str
     body = list(zip(*rows, strict=True)) or [()] * len(headings)
     columns = []
     for head, values in zip(headings, body, strict=True):  # column by column: tables of large models have 1e5 cells
-        cells = [head, *map(cell, values)]
+        kinds = {*map(type, values)}
+        plain = not any(issubclass(kind, float) for kind in kinds)
+        cells = [head, *map(str if plain else cell, values)]
         width = max(map(len, cells))
-        words = any(isinstance(v, str) for v in values)
+        words = any(issubclass(kind, str) for kind in kinds)
         columns.append([c.ljust(width) for c in cells] if words else [c.rjust(width) for c in cells])
     return [("  " + "  ".join(line)).rstrip() for line in zip(*columns, strict=True)]
 
