@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from spacar.mechanism import Mechanism
 
 
-
 class Sink(Protocol):
     """A consumer of frames: the log, a result file, a progress bar, a live plot.
 

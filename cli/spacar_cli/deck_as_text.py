@@ -167,9 +167,7 @@ class DeckText(DeckParts, ABC):
 
     def close(self, end: str, node: int) -> None:
         """The loop from a point of a part to a node that is known."""
-        self.table(
-            "close", **{"from": end, "to": self.points[node]}, directions=[k + 1 for k in range(self.dimension)]
-        )
+        self.table("close", **{"from": end, "to": self.points[node]}, directions=[k + 1 for k in range(self.dimension)])
 
     def span(self, part: Part, x: Any = None) -> np.ndarray:
         """From p to q."""

@@ -43,9 +43,7 @@ def checksbf(name: str | os.PathLike[str]) -> SbfCheck:
     with SbfFile(result_path(name)) as file:
         damage = []
         if file.truncated:
-            damage.append(
-                f"it has {file.steps} of the {file.directory.committed} steps that it announces: cut off"
-            )
+            damage.append(f"it has {file.steps} of the {file.directory.committed} steps that it announces: cut off")
         elif file.state == COMPLETE and file.surplus:
             damage.append(f"{file.surplus} bytes follow the last step of a complete file")
         bad = file.damaged_steps()
@@ -94,18 +92,8 @@ def as_json(check: SbfCheck) -> dict[str, object]:
         for r, v in zip(check.header, check.values, strict=True)
     ]
     steps = [{"id": r.id, "type": r.type, "rows": r.rows, "cols": r.cols} for r in check.step_variables]
-    found: dict[str, object] = {
-        "file": check.path,
-        "kind": check.kind,
-        "state": check.state,
-        "steps": check.steps,
-    }
-    return found | {
-        "header": header,
-        "step_variables": steps,
-        "damage": list(check.damage),
-        "notes": list(check.notes),
-    }
+    found: dict[str, object] = {"file": check.path, "kind": check.kind, "state": check.state, "steps": check.steps}
+    return found | {"header": header, "step_variables": steps, "damage": list(check.damage), "notes": list(check.notes)}
 
 
 def _shortened(value: np.ndarray | list[str]) -> str:

@@ -78,13 +78,9 @@ def _check_same(first: SbfFile, other: SbfFile) -> None:
                 where = other.path if ident in a else first.path
                 raise UsageError(f"{where} has no step variable {ident}, the other file has", "files.combine")
             if a[ident] != b[ident]:
-                sizes = (
-                    f"{a[ident].rows} x {a[ident].cols} in {first.path}, {b[ident].rows} x {b[ident].cols}"
-                )
+                sizes = f"{a[ident].rows} x {a[ident].cols} in {first.path}, {b[ident].rows} x {b[ident].cols}"
                 raise UsageError(f"the step variable {ident} is {sizes} in {other.path}", "files.combine")
-        raise UsageError(
-            f"the step variables of {first.path} and {other.path} differ in order", "files.combine"
-        )
+        raise UsageError(f"the step variables of {first.path} and {other.path} differ in order", "files.combine")
     for ident in _MECHANISM:
         mine, theirs = first.header.get(ident), other.header.get(ident)
         if (mine is None) != (theirs is None) or (mine is not None and not np.array_equal(mine, theirs)):  # type: ignore[arg-type]

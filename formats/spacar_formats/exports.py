@@ -28,9 +28,7 @@ def to_mat(arrays: Arrays, target: Path) -> None:
     """
     from scipy.io import savemat
 
-    content = {
-        name: value if value.dtype.kind == "U" else value.astype(np.float64) for name, value in arrays.items()
-    }
+    content = {name: value if value.dtype.kind == "U" else value.astype(np.float64) for name, value in arrays.items()}
     with replacing(target) as side:
         savemat(side, content, appendmat=False, oned_as="column")
 
@@ -95,10 +93,7 @@ def header_table(file: SbfFile, ids: tuple[str, ...]) -> dict[str, np.ndarray]:
             rows += [(name, i, 1, line) for i, line in enumerate(value, 1)]
         else:
             rows += [(name, i + 1, j + 1, repr(value[i, j].item())) for i, j in np.ndindex(value.shape)]
-    return {
-        title: np.array([row[k] for row in rows])
-        for k, title in enumerate(("name", "row", "column", "value"))
-    }
+    return {title: np.array([row[k] for row in rows]) for k, title in enumerate(("name", "row", "column", "value"))}
 
 
 def export_file(
@@ -119,9 +114,7 @@ def export_file(
     with open_result(name, kind) as file:
         endings = formats or ("npz",)
         targets = (
-            [file.path.with_name(f"{file.path.name}.{end}") for end in endings]
-            if output is None
-            else [Path(output)]
+            [file.path.with_name(f"{file.path.name}.{end}") for end in endings] if output is None else [Path(output)]
         )
         ids = tuple(file.variable(ident).id for ident in idents) or file.ids
         written = [path for target in targets for path in _export(file, target, ids)]
@@ -138,9 +131,7 @@ def _export(file: SbfFile, target: Path, ids: tuple[str, ...]) -> list[Path]:
         return [target, header]
     writers: dict[str, Callable[[Arrays, Path], None]] = {".mat": to_mat, ".npz": to_npz}
     if suffix not in writers:
-        raise UsageError(
-            f"cannot export to {target}: the extension must be .mat, .npz or .csv", "files.export"
-        )
+        raise UsageError(f"cannot export to {target}: the extension must be .mat, .npz or .csv", "files.export")
     writers[suffix](named_arrays(file, ids), target)
     return [target]
 

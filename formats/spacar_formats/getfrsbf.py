@@ -33,9 +33,7 @@ def step_numbers(text: str, last: int) -> int | list[int]:
     for word in text.replace(" ", "").split(","):
         match = _RANGE.fullmatch(word)
         if match is None:
-            raise UsageError(
-                f"'{word}' is no step; write for example 3, end, 2:5, 1:10:end or 1,4,9", "files.step"
-            )
+            raise UsageError(f"'{word}' is no step; write for example 3, end, 2:5, 1:10:end or 1,4,9", "files.step")
         first, *rest = [last if w == "end" else int(w) for w in match.groups() if w is not None]
         if first < 0:
             first += last + 1

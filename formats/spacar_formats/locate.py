@@ -15,10 +15,8 @@ from spacar_formats.sbf import SbfError, SbfFile
 
 KINDS = ("sbd", "sbm", "ltv")
 _WRITTEN_BY = {
-    "sbd": "any mode writes it",
-    "sbm": "modes 3, 4, 7, 8, 9 and 10 write it",
-    "ltv": "modes 2, 3, 4 and 9 write it",
-}
+    "sbd": "any mode writes it", "sbm": "modes 3, 4, 7, 8, 9 and 10 write it", "ltv": "modes 2, 3, 4 and 9 write it",
+}  # fmt: skip
 
 
 def result_path(name: str | os.PathLike[str], kind: str | None = None) -> Path:
@@ -40,8 +38,7 @@ def result_path(name: str | os.PathLike[str], kind: str | None = None) -> Path:
     unfinished = [part_path(c) for c in candidates if part_path(c).is_file()]
     if unfinished:
         raise UsageError(
-            f"{wanted} not found; the run did not finish, its results are in {unfinished[0]}",
-            "files.not-found",
+            f"{wanted} not found; the run did not finish, its results are in {unfinished[0]}", "files.not-found"
         )
     suffix = wanted.suffix[1:].lower()
     text = f"{wanted} not found"

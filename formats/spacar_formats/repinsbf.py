@@ -20,10 +20,7 @@ from spacar_formats.sbf.record_layout import DTYPES, PREAMBLE, TEXT, encode_text
 
 
 def repinsbf(
-    name: str | os.PathLike[str],
-    ident: str,
-    value: np.ndarray | float | str | Sequence,
-    step: int | None = None,
+    name: str | os.PathLike[str], ident: str, value: np.ndarray | float | str | Sequence, step: int | None = None
 ) -> None:
     """Replace a header variable, or a step variable at one step (1, 2, ...; -1 the last).
 
@@ -43,13 +40,7 @@ def repinsbf(
             head[record.offset : record.offset + len(payload)] = payload
             body = bytes(head[PREAMBLE.size :])
             first = preamble(
-                file.kind,
-                file.state,
-                where.tdef_offset,
-                where.data_offset,
-                where.stride,
-                len(where.steps),
-                body,
+                file.kind, file.state, where.tdef_offset, where.data_offset, where.stride, len(where.steps), body
             )
             at, new = 0, first + body
         else:
@@ -81,9 +72,7 @@ def _payload(record: Record, value: np.ndarray | float | str | Sequence, file: s
     try:
         array = np.asarray(value)
     except (ValueError, OverflowError):
-        raise UsageError(
-            f"the rows of the new value of {record.id} have different lengths", "files.size"
-        ) from None
+        raise UsageError(f"the rows of the new value of {record.id} have different lengths", "files.size") from None
     if array.dtype.kind not in "biuf":
         raise UsageError(f"{record.id} in {file} holds numbers, the new value does not", "files.size")
     if not np.isfinite(array).all():
@@ -91,8 +80,7 @@ def _payload(record: Record, value: np.ndarray | float | str | Sequence, file: s
     vector = array.ndim <= 1 and 1 in shape and array.size == record.size
     if not vector and array.shape != shape:
         raise UsageError(
-            f"{record.id} in {file} is {shape[0]} x {shape[1]}, the new value has the shape {array.shape}",
-            "files.size",
+            f"{record.id} in {file} is {shape[0]} x {shape[1]}, the new value has the shape {array.shape}", "files.size"
         )
     with np.errstate(all="ignore"):
         stored = array.astype(DTYPES[record.type])

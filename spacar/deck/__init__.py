@@ -6,14 +6,6 @@ from spacar.deck.keyword_table import ELEMENT_TYPES, KEYWORDS, BlockKind, Elemen
 from spacar.deck.statement import Statement
 
 __all__ = [
-    "ELEMENT_TYPES",
-    "KEYWORDS",
-    "BlockKind",
-    "Deck",
-    "ElementType",
-    "Statement",
-    "coordinates_of",
-    "echo",
-    "parse_deck",
-    "read_deck",
-]
+    "ELEMENT_TYPES", "KEYWORDS", "BlockKind", "Deck", "ElementType", "Statement", "coordinates_of", "echo",
+    "parse_deck", "read_deck",
+]  # fmt: skip

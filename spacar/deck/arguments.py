@@ -8,15 +8,7 @@ from __future__ import annotations
 
 from spacar.deck.findings import Findings, alternatives, ordinal
 from spacar.deck.length_unit import length_power
-from spacar.deck.lexer import (
-    LARGEST_NUMBER,
-    LARGEST_REAL,
-    SMALLEST_REAL,
-    Word,
-    integer_of,
-    is_in_range,
-    number_of,
-)
+from spacar.deck.lexer import LARGEST_NUMBER, LARGEST_REAL, SMALLEST_REAL, Word, integer_of, is_in_range, number_of
 from spacar.deck.outline import Outline
 from spacar.deck.plain_forms import NUMBERED_PARTS
 from spacar.deck.raw_statements import Raw
@@ -133,9 +125,7 @@ def _values(
     return tuple(values) if good else None
 
 
-def _in_metres(
-    raw: Raw, values: tuple[Value, ...], variant: Variant, role: str, outline: Outline
-) -> tuple[Value, ...]:
+def _in_metres(raw: Raw, values: tuple[Value, ...], variant: Variant, role: str, outline: Outline) -> tuple[Value, ...]:
     """The values of a file with another unit of length, in SI."""
     of = [p.of for p in variant.parameters]
     kinds = [outline.types[int(v)] for v, o in zip(values, of, strict=False) if o == "element" and v in outline.types]
@@ -176,13 +166,7 @@ def _an(noun: str) -> str:
 
 
 def _count(
-    raw: Raw,
-    words: list[Word],
-    variants: list[Variant],
-    variant: Variant,
-    kind: str,
-    role: str,
-    findings: Findings,
+    raw: Raw, words: list[Word], variants: list[Variant], variant: Variant, kind: str, role: str, findings: Findings
 ) -> bool:
     """Whether the number of arguments is allowed; otherwise say which one is missing or surplus."""
     counts = {n for v in variants for n in v.counts}
@@ -202,16 +186,10 @@ def _count(
         rest = words[max(counts) :]
         surplus = next((w for w in rest if raw.keyword in _COEFFICIENTS and number_of(w.text) != 0.0), rest[0])
         findings.add(
-            "error",
-            surplus.line,
-            _subject(raw),
-            f"surplus argument '{surplus.text}'; {takes}",
-            "surplus-argument",
+            "error", surplus.line, _subject(raw), f"surplus argument '{surplus.text}'; {takes}", "surplus-argument"
         )
         return False
-    fuller = min(
-        (v for v in variants if v.counts[-1] > given), key=lambda v: min(n for n in v.counts if n > given)
-    )
+    fuller = min((v for v in variants if v.counts[-1] > given), key=lambda v: min(n for n in v.counts if n > given))
     missing = fuller.parameters[given] if given < len(fuller.parameters) else variant.parameters[-1]
     needed = min(n for n in counts if n > given)
     line = words[-1].line if words else raw.line
@@ -260,9 +238,7 @@ def _references(statement: Statement, variant: Variant, outline: Outline, findin
                 owner = None
                 good = False
                 if number not in outline.elements:
-                    findings.error(
-                        statement, i, outline.missing_element(number), "unknown-element", bare=i == 0
-                    )
+                    findings.error(statement, i, outline.missing_element(number), "unknown-element", bare=i == 0)
         elif of.endswith("node"):
             owner = ("node", number)
             if number not in outline.roles:
@@ -284,9 +260,7 @@ def _unknown_node(statement: Statement, i: int, number: int, outline: Outline, f
     if not outline.complete:
         return False
     if statement.keyword in _UNUSED_NODES_ALLOWED and statement.block == 1:
-        findings.warning(
-            statement, i, f"{outline.missing_node(number)}; the statement has no effect", "unknown-node"
-        )
+        findings.warning(statement, i, f"{outline.missing_node(number)}; the statement has no effect", "unknown-node")
         return False
     findings.error(statement, i, outline.missing_node(number), "unknown-node", bare=i == 0)
     return False
@@ -305,9 +279,7 @@ def _in_range(
     if 1 <= number <= most:
         return True
     allowed = "only 1" if most == 1 else f"1 to {most}"
-    findings.error(
-        statement, i, f"{noun} {number} does not exist; {whose} has {noun} {allowed}", f"{noun}-range"
-    )
+    findings.error(statement, i, f"{noun} {number} does not exist; {whose} has {noun} {allowed}", f"{noun}-range")
     return False
 
 

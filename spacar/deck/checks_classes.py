@@ -11,12 +11,9 @@ from spacar.deck.table_elements import ELEMENT_TYPES
 COORDINATE_CLASSES = {"FIX": "fixed", "INPUTX": "prescribed", "DYNX": "dynamic", "KINX": "kinematic"}
 DEFORMATION_CLASSES = {"RLSE": "calculable", "INPUTE": "prescribed", "DYNE": "dynamic", "KINE": "kinematic"}
 _DONE = {
-    "fixed": "fixed",
-    "prescribed": "prescribed",
-    "dynamic": "declared dynamic",
-    "kinematic": "declared kinematic",
+    "fixed": "fixed", "prescribed": "prescribed", "dynamic": "declared dynamic", "kinematic": "declared kinematic",
     "calculable": "released",
-}
+}  # fmt: skip
 
 
 def classify(scene: CheckMaterial) -> None:
@@ -48,11 +45,7 @@ def _without_released(scene: CheckMaterial, s: Statement, indices: tuple[int, ..
 
 
 def _put(
-    scene: CheckMaterial,
-    noun: str,
-    every: Callable[[int], tuple[int, ...]],
-    names: Mapping[str, str],
-    classes: Classes,
+    scene: CheckMaterial, noun: str, every: Callable[[int], tuple[int, ...]], names: Mapping[str, str], classes: Classes
 ) -> None:
     """Give a class to what the statements name, or, without numbers, to `every` coordinate or mode."""
     count = 0
@@ -120,7 +113,5 @@ def _check_kinematic(scene: CheckMaterial) -> None:
         return
     for s in scene.of("KINX", "KINE"):
         wheels = ", ".join(t.keyword for t in ELEMENT_TYPES.values() if t.slips)
-        text = (
-            f"there is no non-holonomic element ({wheels}), so no kinematic coordinate can exist"
-        )
+        text = f"there is no non-holonomic element ({wheels}), so no kinematic coordinate can exist"
         scene.findings.error(s, None, text, "no-wheel")

@@ -216,10 +216,7 @@ def _check_motion(scene: CheckMaterial) -> None:
     if scene.of("USERINP"):
         return
     moved = {(name, *row[:2]) for name in ("INPUTX", "INPUTE") for row in scene.index.rows(name, 2)}
-    for keyword, classes, noun in (
-        ("INPUTX", scene.coordinates, "coordinate"),
-        ("INPUTE", scene.deformations, "mode"),
-    ):
+    for keyword, classes, noun in (("INPUTX", scene.coordinates, "coordinate"), ("INPUTE", scene.deformations, "mode")):
         for (number, index), (name, by, k) in classes.items():
             if name == "prescribed" and (keyword, number, index) not in moved:
                 text = (

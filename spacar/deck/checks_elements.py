@@ -35,10 +35,7 @@ def check_elements(scene: CheckMaterial) -> None:
             first_of_kind[kind.planar] = s
             if other is not None:
                 words = ("planar", "spatial") if kind.planar else ("spatial", "planar")
-                text = (
-                    f"{words[0]} element in a model with the {words[1]} element {other.subject} (line "
-                    f"{other.line})"
-                )
+                text = f"{words[0]} element in a model with the {words[1]} element {other.subject} (line {other.line})"
                 findings.error(s, None, text, "planar-and-spatial")
         _check_nodes(s, scene)
 

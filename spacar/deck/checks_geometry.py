@@ -54,9 +54,7 @@ def check_geometry(scene: CheckMaterial) -> None:
             if not any(s.reals(first, 3)):
                 scene.findings.error(s, first, f"the {what} is a zero vector", "direction")
         if _sine(s.reals(4, 3), s.reals(7, 3)) < PARALLEL and any(s.reals(4, 3)) and any(s.reals(7, 3)):
-            scene.findings.error(
-                s, 7, "the direction of y' at q is parallel to the tangent at q", "direction"
-            )
+            scene.findings.error(s, 7, "the direction of y' at q is parallel to the tangent at q", "direction")
 
 
 def _size(scene: CheckMaterial, positions: dict[int, Vector]) -> float:
@@ -97,9 +95,7 @@ def _positions_one_by_one(scene: CheckMaterial, statements: Iterable[Statement])
         if node in given:
             line = given[node].line
             if positions[node] == place:
-                scene.findings.warning(
-                    s, None, f"the same position was already given at line {line}", "repeated"
-                )
+                scene.findings.warning(s, None, f"the same position was already given at line {line}", "repeated")
             else:
                 text = f"node {node} was already given another position at line {line}"
                 scene.findings.error(s, None, text, "repeated")
@@ -169,10 +165,7 @@ def _check_element(
             scene.findings.error(s, None, text, "zero-length")
         return
     if 0.0 < length <= least_length(s):
-        text = (
-            f"the pulleys with radii {s.real(5):.6g} and {s.real(6):.6g} are only {length:.6g} apart: "
-            "no free belt"
-        )
+        text = f"the pulleys with radii {s.real(5):.6g} and {s.real(6):.6g} are only {length:.6g} apart: no free belt"
         scene.findings.error(s, 5, text, "belt")
     if kind.direction is not None and kind.direction[2] != "axis" and direction is not None:
         sine = _sine(chord, direction)

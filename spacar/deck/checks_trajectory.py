@@ -34,8 +34,7 @@ def check_trajectories(scene: CheckMaterial) -> None:
     for before, after in pairwise(trajectories):
         if after.start.integer(0) <= before.start.integer(0):
             text = (
-                f"trajectory numbers must ascend; the one before is {before.start.values[0]} (line "
-                f"{before.start.line})"
+                f"trajectory numbers must ascend; the one before is {before.start.values[0]} (line {before.start.line})"
             )
             scene.findings.error(after.start, 0, text, "trajectory-order")
     for trajectory in trajectories:
@@ -71,10 +70,7 @@ def _check_one(scene: CheckMaterial, t: _Trajectory, whole: bool) -> None:
         findings.error(t.start, None, f"a path is missing: {', '.join(PATHS)} or USERTRAJ", "no-path")
     if paths and user:
         findings.error(
-            user[0],
-            None,
-            f"USERTRAJ replaces all paths, but {paths[0].subject} is given too",
-            "user-trajectory",
+            user[0], None, f"USERTRAJ replaces all paths, but {paths[0].subject} is given too", "user-trajectory"
         )
     if len(paths) > MOST_PATHS:
         text = f"{len(paths)} path statements in one trajectory; at most {MOST_PATHS}"
@@ -147,9 +143,7 @@ def _check_path(scene: CheckMaterial, s: Statement) -> None:
     if s.keyword == "TRE":
         found = scene.class_of("element", number, 1)
         if found != "prescribed":
-            text = (
-                f"mode 1 of element {number} is {found}; TRE needs INPUTE {number} 1 in the kinematics block"
-            )
+            text = f"mode 1 of element {number} is {found}; TRE needs INPUTE {number} 1 in the kinematics block"
             scene.findings.error(s, 0, text, "path-class")
         return
     needed = scene.outline.independent(number)
@@ -168,10 +162,7 @@ def _check_rest(scene: CheckMaterial, trajectories: list[_Trajectory]) -> None:
     """Prescribed coordinates and deformations without any path rest at their initial value."""
     nodes = {s.values[0] for t in trajectories for s in t.of("TROT", "TRANS", "TRCIRL")}
     elements = {s.values[0] for t in trajectories for s in t.of("TRE")}
-    for moved, classes, noun in (
-        (nodes, scene.coordinates, "node"),
-        (elements, scene.deformations, "element"),
-    ):
+    for moved, classes, noun in ((nodes, scene.coordinates, "node"), (elements, scene.deformations, "element")):
         resting = {n: by[k] for (n, _), (name, by, k) in classes.items() if name == "prescribed" and n not in moved}
         for number, by in resting.items():
             text = f"{noun} {number} has no path in any trajectory: it stays at its initial value"

@@ -61,9 +61,7 @@ def rectangle_torsion(w: float, t: float) -> float:
 
 def rectangle(w: float, t: float, nu: float) -> SectionConstants:
     k = 10 * (1 + nu) / (12 + 11 * nu)
-    return SectionConstants(
-        w * t, w * t**3 / 12, t * w**3 / 12, rectangle_torsion(w, t), k, k, (w * t) ** 3 / 144
-    )
+    return SectionConstants(w * t, w * t**3 / 12, t * w**3 / 12, rectangle_torsion(w, t), k, k, (w * t) ** 3 / 144)
 
 
 def tube(d: float, t: float, nu: float) -> SectionConstants:
@@ -118,9 +116,7 @@ def _thin(b: float, h: float, m: float, nu: float, *, box: bool) -> float:
     return 10 * (1 + nu) * (1 + 3 * m) ** 2 / below
 
 
-def custom(
-    A: float, Iy: float, Iz: float, It: float, ky: float, kz: float, Cw: float, nu: float
-) -> SectionConstants:
+def custom(A: float, Iy: float, Iz: float, It: float, ky: float, kz: float, Cw: float, nu: float) -> SectionConstants:
     return SectionConstants(A, Iy, Iz, It, ky, kz, Cw)
 
 
@@ -210,13 +206,10 @@ def isotropic(E: float, nu: float, rho: float) -> Material:
 
 # Handbook values at room temperature, rounded: E [N/m^2], nu, rho [kg/m^3].
 MATERIALS = {
-    "steel": isotropic(210e9, 0.3, 7850.0),
-    "stainless": isotropic(193e9, 0.29, 8000.0),
-    "aluminium": isotropic(70e9, 0.33, 2700.0),
-    "titanium": isotropic(114e9, 0.34, 4430.0),
-    "brass": isotropic(100e9, 0.34, 8500.0),
-    "copper": isotropic(120e9, 0.34, 8960.0),
-}
+    "steel": isotropic(210e9, 0.3, 7850.0), "stainless": isotropic(193e9, 0.29, 8000.0),
+    "aluminium": isotropic(70e9, 0.33, 2700.0), "titanium": isotropic(114e9, 0.34, 4430.0),
+    "brass": isotropic(100e9, 0.34, 8500.0), "copper": isotropic(120e9, 0.34, 8960.0),
+}  # fmt: skip
 
 
 def planar_rows(s: SectionConstants, m: Material) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -108,12 +108,7 @@ class Deck(ModelCalls):
         return f"{self.source}:{_line(statement, value_index)}: {statement.subject}"
 
     def message(
-        self,
-        severity: str,
-        statement: Statement,
-        text: str,
-        value_index: int | None = None,
-        code: str = "input",
+        self, severity: str, statement: Statement, text: str, value_index: int | None = None, code: str = "input"
     ) -> Message:
         """A message about a statement or one of its values (value_index from 0), for checks beyond the deck.
 

@@ -18,11 +18,7 @@ from spacar.deck.table_types import BlockKind
 
 
 def check(
-    statements: StatementIndex,
-    outline: Outline,
-    mode: Purpose,
-    third: BlockKind | None,
-    findings: dict[int, Findings],
+    statements: StatementIndex, outline: Outline, mode: Purpose, third: BlockKind | None, findings: dict[int, Findings]
 ) -> None:
     """Run all checks; the messages of block b go to `findings[b]`."""
     scene = CheckMaterial(statements, outline, mode, third, findings[1])

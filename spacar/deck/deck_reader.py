@@ -170,10 +170,7 @@ def _metre(statements: list[PlainLines | Raw], findings: Findings) -> float:
 def _lexical(text: str, source: SourceText, findings: Findings) -> None:
     if source.long_lines:
         first, count = source.long_lines[0], len(source.long_lines)
-        text_ = (
-            f"line longer than {LONGEST_LINE} characters; other programs that read this language do not "
-            "accept it"
-        )
+        text_ = f"line longer than {LONGEST_LINE} characters; other programs that read this language do not accept it"
         if count > 1:
             text_ += f" ({count} such lines)"
         findings.add("warning", first, "", text_, "long-line")
@@ -188,8 +185,7 @@ def _lexical(text: str, source: SourceText, findings: Findings) -> None:
                 "error",
                 word.line,
                 "",
-                f"byte 0x{byte:02X} in '{shown}' (column {word.column}) is not UTF-8; allowed in "
-                "comments only",
+                f"byte 0x{byte:02X} in '{shown}' (column {word.column}) is not UTF-8; allowed in comments only",
                 "encoding",
             )
 
@@ -230,9 +226,7 @@ def _report_skipped(
     if first is None:
         return
     line, name = first.line, _NAMES[block]
-    findings.add(
-        "information", line, "", f"the {name} is not used in mode {mode} and is skipped", "skipped-block"
-    )
+    findings.add("information", line, "", f"the {name} is not used in mode {mode} and is skipped", "skipped-block")
     errors = found.errors
     if errors:
         findings.add(

@@ -8,19 +8,9 @@ from spacar.deck.statement import Statement
 from spacar.errors import Message
 
 _ORDINALS = [
-    "first",
-    "second",
-    "third",
-    "fourth",
-    "fifth",
-    "sixth",
-    "seventh",
-    "eighth",
-    "ninth",
-    "tenth",
-    "eleventh",
+    "first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth", "eleventh",
     "twelfth",
-]
+]  # fmt: skip
 
 
 @dataclass(slots=True, eq=False)
@@ -31,13 +21,9 @@ class Findings:
     messages: list[Message] = field(default_factory=list)
 
     def add(self, severity: str, line: int | None, keyword: str, text: str, code: str) -> None:
-        self.messages.append(
-            Message(severity, self.file, line, _clean(keyword), _clean(text), f"input.{code}")
-        )
+        self.messages.append(Message(severity, self.file, line, _clean(keyword), _clean(text), f"input.{code}"))
 
-    def error(
-        self, statement: Statement, index: int | None, text: str, code: str, bare: bool = False
-    ) -> None:
+    def error(self, statement: Statement, index: int | None, text: str, code: str, bare: bool = False) -> None:
         """Error at the value `index` of a statement (None: at its keyword); `bare` names the keyword only."""
         self.about("error", statement, index, text, code, bare)
 

@@ -54,16 +54,6 @@ def keyword_of(name: str, block: int, third: BlockKind | None) -> Keyword:
 
 
 __all__ = [
-    "ALIASES",
-    "ELEMENT_TYPES",
-    "KEYWORDS",
-    "NAMES",
-    "NAME_PLACES",
-    "BlockKind",
-    "ElementType",
-    "Keyword",
-    "blocks_of",
-    "coordinates_of",
-    "keyword_of",
-    "kind_of",
-]
+    "ALIASES", "ELEMENT_TYPES", "KEYWORDS", "NAMES", "NAME_PLACES", "BlockKind", "ElementType", "Keyword", "blocks_of",
+    "coordinates_of", "keyword_of", "kind_of",
+]  # fmt: skip

@@ -217,9 +217,7 @@ def _by_name(form: Variant, names: list[str], named: Mapping[str, Value]) -> lis
     return [named.get(name, _default(p)) for name, p in zip(names[:length], rest, strict=False)]
 
 
-def _filled(
-    row: Keyword, parameters: Sequence[Parameter], values: Sequence[Value | None], place: Place
-) -> list[Value]:
+def _filled(row: Keyword, parameters: Sequence[Parameter], values: Sequence[Value | None], place: Place) -> list[Value]:
     """The values up to the last that is given; those that are left out before it take their defaults."""
     given = list(values)
     while given and given[-1] is None:

@@ -47,8 +47,7 @@ def rules(keyword: Keyword) -> list[str]:
         found.append("At most once in a file.")
     elif keyword.unique is not None:
         found.append(
-            "At most once for the same node or element"
-            + (", coordinate or mode." if keyword.unique != 1 else ".")
+            "At most once for the same node or element" + (", coordinate or mode." if keyword.unique != 1 else ".")
         )
     return found
 
@@ -58,8 +57,7 @@ def markdown() -> str:
     lines = [
         "# Keywords of the input file",
         "",
-        "This page is made from the keyword table by `python -m spacar.deck.reference`; do not edit "
-        "it. The same",
+        "This page is made from the keyword table by `python -m spacar.deck.reference`; do not edit it. The same",
         "table is printed by `spacar keywords` and `spacar keywords NAME`.",
         "",
         *_RULES,
@@ -80,14 +78,12 @@ def markdown() -> str:
 
 
 _RULES = (
-    "A statement is a keyword followed by its arguments, separated by blanks, tabs or line ends; the "
-    "next keyword ends",
+    "A statement is a keyword followed by its arguments, separated by blanks, tabs or line ends; the next keyword ends",
     "it. Everything after `%`, `#` or `;` on a line is a comment. Case does not matter. Reals may "
     "have an exponent with",
     "`e` or `d`; an integral real such as `3.` is accepted as an integer. Trailing arguments with a "
     "default may be left",
-    "out. A block ends with `END HALT` when another one follows and with `END END` at the end of the "
-    "input; a section",
+    "out. A block ends with `END HALT` when another one follows and with `END END` at the end of the input; a section",
     "`VISUALIZATION` for drawing may follow. Angles are in radians; the units shown are SI, any "
     "consistent set will do.",
 )
@@ -98,13 +94,7 @@ def _section(keyword: Keyword) -> list[str]:
     if keyword.aliases:
         lines[-1] += f" Older name: {', '.join(keyword.aliases)}."
     for variant in keyword.variants:
-        lines += [
-            "",
-            f"*{_heading(variant)}*",
-            "",
-            "| position | meaning | unit | default |",
-            "|---|---|---|---|",
-        ]
+        lines += ["", f"*{_heading(variant)}*", "", "| position | meaning | unit | default |", "|---|---|---|---|"]
         for i, p in enumerate(_listed(variant), 1):
             last = i == len(_listed(variant)) and len(_listed(variant)) < len(variant.parameters)
             default = "" if p.default is None else f"{p.default:g}"

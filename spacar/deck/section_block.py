@@ -81,9 +81,7 @@ def expand(statements: Sequence[Statement], outline: Outline, findings: Findings
     return Expansion(tuple(full), _outline_of(full, outline), tuple(found), tuple(drawn))
 
 
-def _sections(
-    statements: Sequence[Statement], metre: float, findings: Findings
-) -> dict[str, _GivenSection | None]:
+def _sections(statements: Sequence[Statement], metre: float, findings: Findings) -> dict[str, _GivenSection | None]:
     """Sections by name in small letters; None for a wrong one, about which an error was said."""
     _once(statements, findings)
     found: dict[str, _GivenSection | None] = {}

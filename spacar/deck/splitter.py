@@ -217,9 +217,7 @@ class _Splitter:
             return
         self.current = None
         self.skipping = True
-        many = (
-            len(self.findings.messages) > _SUGGESTIONS
-        )  # a file that is no input at all must not take minutes
+        many = len(self.findings.messages) > _SUGGESTIONS  # a file that is no input at all must not take minutes
         self.result.strangers.append(Raw(name, self.block, word.line))
         self.error(word, unknown(word, self.block, suggest=not many), "unknown-keyword")
 
@@ -231,19 +229,12 @@ class _Splitter:
             self.misplaced.add((self.block, target))
             here = _BLOCK_NAMES[self.block]
             if forward:
-                advice = (
-                    f"an END HALT is missing before this line (the {here} is open since line {self.opened})"
-                )
+                advice = f"an END HALT is missing before this line (the {here} is open since line {self.opened})"
             elif target < self.block:
-                advice = (
-                    f"an END HALT before line {self.opened} is superfluous, or the statement must be "
-                    "moved there"
-                )
+                advice = f"an END HALT before line {self.opened} is superfluous, or the statement must be moved there"
             else:
                 advice = "move it there; if it is in place, an END HALT is missing before it"
-            self.error(
-                word, f"{name} belongs to the {other.value}, not to the {here}; {advice}", "wrong-block"
-            )
+            self.error(word, f"{name} belongs to the {other.value}, not to the {here}; {advice}", "wrong-block")
         if forward:
             while self.block < target:
                 self._next_block(word)

@@ -45,23 +45,18 @@ _FLOW = (
     real("flow shape factor", "", 1.0),
     integer("end condition 0-3", default=0),
 )
-_WOUND = (
-    real("angle wound over the first pulley", "rad", 0.0),
-    real("angle wound over the second pulley", "rad", 0.0),
-)
+_WOUND = (real("angle wound over the first pulley", "rad", 0.0), real("angle wound over the second pulley", "rad", 0.0))
 # Form of EM that a type names -> positions behind the element number, allowed counts.
 MASS_FORMS = {
-    "bar": ((_PER_LENGTH,), (2,)),
-    "planar beam": ((_PER_LENGTH, real("J per length", "kg m", 0.0)), (2, 3)),
+    "bar": ((_PER_LENGTH,), (2,)), "planar beam": ((_PER_LENGTH, real("J per length", "kg m", 0.0)), (2, 3)),
     "spatial beam": ((_PER_LENGTH, *_JS), span(2, 6)),
     "spatial beam with warping": (
-        (_PER_LENGTH, *_JS, real("warping inertia Jw per length", "kg m^3", 0.0)),
-        span(2, 7),
+        (_PER_LENGTH, *_JS, real("warping inertia Jw per length", "kg m^3", 0.0)), span(2, 7),
     ),
     "belt": ((_PER_LENGTH, *_WOUND), span(2, 4)),
     "planar tube": ((*_FLOW, real("J per length", "kg m", 0.0)), span(2, 7)),
     "spatial tube": ((*_FLOW, *_JS), span(2, 10)),
-}
+}  # fmt: skip
 
 
 def _mass() -> tuple[Variant, ...]:
@@ -69,8 +64,7 @@ def _mass() -> tuple[Variant, ...]:
         return types_that(lambda t: t.mass == name)
 
     return tuple(
-        form((ELEMENT, *parameters), *counts, types=types(name))
-        for name, (parameters, counts) in MASS_FORMS.items()
+        form((ELEMENT, *parameters), *counts, types=types(name)) for name, (parameters, counts) in MASS_FORMS.items()
     )
 
 
@@ -83,18 +77,12 @@ def _coefficients(prefix: str, damping: bool) -> tuple[Variant, ...]:
     stretch = real(f"E{d}A", f"N{s}")
     bend2 = real(f"E{d}I", f"N m^2{s}", 0.0)
     torsion, bend_y, bend_z = (real(n, f"N m^2{s}", 0.0) for n in (f"G{d}It", f"E{d}Iy", f"E{d}Iz"))
-    generic = tuple(
-        real(f"{prefix}{i}", f"coefficient of mode {i}", None if i == 1 else 0.0) for i in range(1, 7)
-    )
+    generic = tuple(real(f"{prefix}{i}", f"coefficient of mode {i}", None if i == 1 else 0.0) for i in range(1, 7))
     beam2: tuple[Parameter, ...] = (stretch, bend2)
     beam3: tuple[Parameter, ...] = (stretch, torsion, bend_y, bend_z)
     if not damping:
         beam2 = (*beam2, real("shear parameter EI/(GAk)", "m^2", 0.0))
-        beam3 = (
-            *beam3,
-            real("shear parameter EIy/(GAkz)", "m^2", 0.0),
-            real("shear parameter EIz/(GAky)", "m^2", 0.0),
-        )
+        beam3 = (*beam3, real("shear parameter EIy/(GAkz)", "m^2", 0.0), real("shear parameter EIz/(GAky)", "m^2", 0.0))
     unused = () if not damping else (real("not used", "", 0.0),) * 2
     forms = {"stretch": (stretch,), "planar beam": beam2, "spatial beam": beam3}
     forms["spatial beam with warping"] = (*beam3, *unused, real(f"E{d}Cw", f"N m^4{s}", 0.0))
@@ -113,17 +101,8 @@ def _coefficient_form(t: ElementType, damping: bool) -> str:
 
 # -- motion ------------------------------------------------------------------------------------------------
 
-_MOTION = (
-    real("start value", "", 0.0),
-    real("start rate", "1/s", 0.0),
-    real("constant acceleration", "1/s^2", 0.0),
-)
-_FROM_X = (
-    NODE,
-    COORDINATE,
-    real("start value (when left out: the value given with X, for lambda0 1)"),
-    *_MOTION[1:],
-)
+_MOTION = (real("start value", "", 0.0), real("start rate", "1/s", 0.0), real("constant acceleration", "1/s^2", 0.0))
+_FROM_X = (NODE, COORDINATE, real("start value (when left out: the value given with X, for lambda0 1)"), *_MOTION[1:])
 _START_E = (
     "A start value is the deformation with respect to the configuration given with X; with DRPINBOD it is counted "
     "from the projections given there."
@@ -132,53 +111,35 @@ _START_ZERO = "A zero start value and rate of what is neither dynamic nor kinema
 
 KEYWORDS = (
     Keyword(
-        "XM",
-        _D,
-        "lumped mass or inertia of a node",
-        XM_FORMS,
-        unique=1,
+        "XM", _D, "lumped mass or inertia of a node", XM_FORMS, unique=1,
         notes=(
-            "Components of the tensor about the global axes in the initial configuration; Jxy etc. carry a minus "
-            "sign against the products of inertia.",
+            "Components of the tensor about the global axes in the initial configuration; Jxy etc. carry a minus sign "
+            "against the products of inertia.",
         ),
     ),
     Keyword(
-        "EM",
-        _D,
-        "distributed mass of an element",
-        _mass(),
-        unique=1,
-        notes=(
-            "End condition of a tube: 0 spherical flow at p and q, 1 jet at p, 2 jet at q, 3 jets at both.",
-        ),
+        "EM", _D, "distributed mass of an element", _mass(), unique=1,
+        notes=("End condition of a tube: 0 spherical flow at p and q, 1 jet at p, 2 jet at q, 3 jets at both.",),
     ),
     Keyword(
-        "XGYRO",
-        _D,
-        "gyrostat: a rotor carried by an orientation node",
+        "XGYRO", _D, "gyrostat: a rotor carried by an orientation node",
         (
             form(
                 (
-                    ORIENTATION,
-                    *vector("angular velocity", "Omega1 Omega2 Omega3", "rad/s"),
-                    real("rotor inertia J", "kg m^2"),
-                    integer("type: 0 free, 1 prescribed", default=0),
+                    ORIENTATION, *vector("angular velocity", "Omega1 Omega2 Omega3", "rad/s"),
+                    real("rotor inertia J", "kg m^2"), integer("type: 0 free, 1 prescribed", default=0),
                 ),
-                5,
-                6,
-                space="spatial",
+                5, 6, space="spatial",
             ),
         ),
         unique=1,
         notes=(
-            "Free rotor: components of its absolute angular velocity; prescribed: of the constant one relative to "
-            "the carrier.",
+            "Free rotor: components of its absolute angular velocity; prescribed: of the constant one relative to the "
+            "carrier.",
         ),
     ),
     Keyword(
-        "MEE",
-        _D,
-        "fixed entry of the mass matrix for deformations",
+        "MEE", _D, "fixed entry of the mass matrix for deformations",
         (
             form((ELEMENT, MODE, real("value on the diagonal: kg, kg m or kg m^2")), 3),
             form((ELEMENT, MODE, ELEMENT, MODE, real("coupling value: kg, kg m or kg m^2")), 5),
@@ -186,72 +147,36 @@ KEYWORDS = (
         unique=-1,
     ),
     Keyword(
-        "ESTIFF",
-        _D,
-        "stiffness of an element",
-        _coefficients("S", False),
-        unique=1,
+        "ESTIFF", _D, "stiffness of an element", _coefficients("S", False), unique=1,
         notes=("Unspecified values are zero; a zero shear parameter means no shear flexibility.", SURPLUS),
     ),
+    Keyword("EDAMP", _D, "damping of an element (Kelvin-Voigt)", _coefficients("Sd", True), unique=1, notes=(SURPLUS,)),
     Keyword(
-        "EDAMP",
-        _D,
-        "damping of an element (Kelvin-Voigt)",
-        _coefficients("Sd", True),
-        unique=1,
-        notes=(SURPLUS,),
+        "TIMESTEP", _D, "length of the time interval and number of time steps",
+        (form((real("length of the time interval", "s"), integer("number of time steps"))),), unique=0,
     ),
     Keyword(
-        "TIMESTEP",
-        _D,
-        "length of the time interval and number of time steps",
-        (form((real("length of the time interval", "s"), integer("number of time steps"))),),
-        unique=0,
-    ),
-    Keyword(
-        "INPUTX",
-        _D,
-        "time function of a prescribed coordinate",
-        (form(_FROM_X, *span(2, 5)),),
-        unique=2,
+        "INPUTX", _D, "time function of a prescribed coordinate", (form(_FROM_X, *span(2, 5)),), unique=2,
         classes=("prescribed",),
     ),
     Keyword(
-        "INPUTE",
-        _D,
-        "time function of a prescribed deformation",
-        (form((ELEMENT, MODE, *_MOTION)),),
-        unique=2,
-        classes=("prescribed",),
-        notes=(_START_E,),
+        "INPUTE", _D, "time function of a prescribed deformation", (form((ELEMENT, MODE, *_MOTION)),), unique=2,
+        classes=("prescribed",), notes=(_START_E,),
     ),
     Keyword(
-        "STARTDX",
-        _D,
-        "start value of a dynamic coordinate",
-        (form(_FROM_X[:4], *span(2, 4)),),
-        unique=2,
-        classes=("dynamic", "kinematic"),
-        notes=(_START_ZERO,),
+        "STARTDX", _D, "start value of a dynamic coordinate", (form(_FROM_X[:4], *span(2, 4)),), unique=2,
+        classes=("dynamic", "kinematic"), notes=(_START_ZERO,),
     ),
     Keyword(
-        "STARTDE",
-        _D,
-        "start value of a dynamic deformation",
-        (form((ELEMENT, MODE, *_MOTION[:2])),),
-        unique=2,
-        classes=("dynamic", "kinematic"),
-        notes=(_START_E, _START_ZERO),
+        "STARTDE", _D, "start value of a dynamic deformation", (form((ELEMENT, MODE, *_MOTION[:2])),), unique=2,
+        classes=("dynamic", "kinematic"), notes=(_START_E, _START_ZERO),
     ),
     Keyword(
-        "USERINP",
-        _D,
-        "user function with prescribed motion",
-        (form((Parameter("name of the function", "name"),)),),
+        "USERINP", _D, "user function with prescribed motion", (form((Parameter("name of the function", "name"),)),),
         unique=0,
         notes=(
             "t, e, x = name(t, is), in name.py beside the input file; each row of e and x is number, mode or "
             "coordinate number, value, rate, acceleration.",
         ),
     ),
-)
+)  # fmt: skip

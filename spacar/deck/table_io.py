@@ -36,96 +36,66 @@ NO_TRAJECTORY = "mode 2 needs a third block with at least one TRAJECT"
 TRAJECTORIES = (
     Keyword("TRAJECT", _T, "starts a trajectory; holds until the next TRAJECT", (form((_NUMBER,)),)),
     Keyword(
-        "TROT",
-        _T,
-        "path: rotation of an orientation node",
+        "TROT", _T, "path: rotation of an orientation node",
         (
             form((ORIENTATION, real("total angle", "rad")), 2, space="planar"),
-            form(
-                (ORIENTATION, real("total angle", "rad"), *vector("fixed axis", "h1 h2 h3")),
-                5,
-                space="spatial",
-            ),
+            form((ORIENTATION, real("total angle", "rad"), *vector("fixed axis", "h1 h2 h3")), 5, space="spatial"),
         ),
     ),
     Keyword(
-        "TRANS",
-        _T,
-        "path: straight line of a position node",
+        "TRANS", _T, "path: straight line of a position node",
         (
             form((POSITION, *vector("end position", "x1 x2", "m")), 3, space="planar", components=True),
             form((POSITION, *vector("end position", "x1 x2 x3", "m")), 4, space="spatial"),
         ),
     ),
     Keyword(
-        "TRCIRL",
-        _T,
-        "path: circular arc of a position node",
+        "TRCIRL", _T, "path: circular arc of a position node",
         (
+            form((POSITION, *vector("centre", "c1 c2", "m"), *vector("end point", "x1 x2", "m")), 5, space="planar"),
             form(
-                (POSITION, *vector("centre", "c1 c2", "m"), *vector("end point", "x1 x2", "m")),
-                5,
-                space="planar",
-            ),
-            form(
-                (POSITION, *vector("centre", "c1 c2 c3", "m"), *vector("end point", "x1 x2 x3", "m")),
-                7,
+                (POSITION, *vector("centre", "c1 c2 c3", "m"), *vector("end point", "x1 x2 x3", "m")), 7,
                 space="spatial",
             ),
         ),
         notes=("Only the direction from the centre to the end point counts: the arc ends on that line.",),
     ),
     Keyword(
-        "TRE",
-        _T,
-        "path: first deformation mode of an element",
+        "TRE", _T, "path: first deformation mode of an element",
         (form((ELEMENT, real("total displacement (angle or elongation)"))),),
     ),
     Keyword(
-        "USERTRAJ",
-        _T,
-        "path: user function, called as USERINP",
-        (form((Parameter("name of the function", "name"),)),),
+        "USERTRAJ", _T, "path: user function, called as USERINP", (form((Parameter("name of the function", "name"),)),),
     ),
     Keyword(
-        "TRTIME",
-        _T,
-        "time of the trajectory",
+        "TRTIME", _T, "time of the trajectory",
         (
             form((real("total time of this trajectory", "s"), integer("number of time steps")), 2),
             form(
                 (
-                    real("total time of this trajectory", "s"),
-                    integer("number of steps with an extended analysis"),
+                    real("total time of this trajectory", "s"), integer("number of steps with an extended analysis"),
                     integer("number of intermediate steps within each"),
                 ),
                 3,
             ),
         ),
     ),
-    Keyword(
-        "TREPMAX", _T, "velocity profile of an element", (form((ELEMENT, *_RISE), 2, 3),), notes=(_PROFILE,)
-    ),
+    Keyword("TREPMAX", _T, "velocity profile of an element", (form((ELEMENT, *_RISE), 2, 3),), notes=(_PROFILE,)),
     Keyword("TRVMAX", _T, "velocity profile of a node", (form((NODE, *_RISE), 2, 3),), notes=(_PROFILE,)),
     Keyword(
-        "TRFRONT",
-        _T,
-        "shape of the fronts of the velocity profile",
+        "TRFRONT", _T, "shape of the fronts of the velocity profile",
         (
             form(
                 (
                     integer("node or element number", NODE_OR_ELEMENT),
                     integer("front type: 0 constant acceleration, 1 sine, 2 squared sine", default=0),
                 ),
-                1,
-                2,
+                1, 2,
             ),
         ),
     ),
     Keyword(
-        "TRM",
-        _T,
-        "extra mass of a node during a trajectory",
+        "TRM", _T, "extra mass of a node during a trajectory",
         (
             form((NODE, real("extra mass", "kg")), 2, role="position"),
             form((NODE, real("extra J", "kg m^2")), 2, space="planar", role="orientation"),
@@ -133,15 +103,13 @@ TRAJECTORIES = (
         ),
     ),
     Keyword(
-        "TRF",
-        _T,
-        "extra force on a position node during a trajectory",
+        "TRF", _T, "extra force on a position node during a trajectory",
         (
             form((POSITION, *vector("extra force", "Fx Fy", "N")), 3, space="planar", components=True),
             form((POSITION, *vector("extra force", "Fx Fy Fz", "N")), 4, space="spatial"),
         ),
     ),
-)
+)  # fmt: skip
 
 
 def _port(name: str, block: BlockKind, text: str, *classes: str) -> Keyword:
@@ -164,12 +132,11 @@ _L = BlockKind.LINEARIZATION
 _FREE = ("dynamic", "kinematic", "calculable")
 NOMINAL = (
     _port("NOMS", _T, "nominal input: generalized stress of an actuator element"),
-    _port("NOMF", _T, "nominal input: nodal force"),
-    *_series("REFE", _T, "reference output", "deformation"),
+    _port("NOMF", _T, "nominal input: nodal force"), *_series("REFE", _T, "reference output", "deformation"),
     *_series("REFX", _T, "reference output", "coordinate"),
     _port("REFES", _T, "reference output: deformation, with second order expression"),
     _port("REFXS", _T, "reference output: coordinate, with second order expression"),
-)
+)  # fmt: skip
 LINEARIZATION = (
     _port("INPUTS", _L, "input: stress of a deformation", *_FREE),
     _port("INPUTF", _L, "input: force on a coordinate", *_FREE),

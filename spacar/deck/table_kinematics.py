@@ -3,18 +3,7 @@
 from __future__ import annotations
 
 from spacar.deck.table_elements import ELEMENT_TYPES, types_with
-from spacar.deck.table_types import (
-    ELEMENT,
-    NODE,
-    BlockKind,
-    Keyword,
-    Variant,
-    form,
-    integer,
-    real,
-    span,
-    vector,
-)
+from spacar.deck.table_types import ELEMENT, NODE, BlockKind, Keyword, Variant, form, integer, real, span, vector
 
 _BODIES2, _BODIES3 = types_with("ORPINBOD", planar=True), types_with("ORPINBOD", planar=False)
 _K5 = (
@@ -54,9 +43,7 @@ _X1, _X2, _X3 = (real(f"coordinate {c}", "m", 0.0) for c in ("x1", "x2", "x3"))
 
 KEYWORDS = (
     Keyword(
-        "X",
-        BlockKind.KINEMATICS,
-        "position of a node in the reference configuration",
+        "X", BlockKind.KINEMATICS, "position of a node in the reference configuration",
         (
             form((NODE, _X1, _X2), 2, 3, space="planar", components=True),
             form((NODE, _X1, _X2, _X3), 2, 3, 4, space="spatial"),
@@ -72,68 +59,47 @@ KEYWORDS = (
     _class("DYNE", "deformations that are dynamic degrees of freedom", "element"),
     _class("KINE", "deformations that are kinematic configuration coordinates", "element", _WHEELS),
     Keyword(
-        "LDEFORM",
-        BlockKind.KINEMATICS,
-        "leave out the non-linear terms in the strains of a beam",
+        "LDEFORM", BlockKind.KINEMATICS, "leave out the non-linear terms in the strains of a beam",
         (form((ELEMENT,), types=types_with("LDEFORM")),),
     ),
     Keyword(
-        "ADEFORM",
-        BlockKind.KINEMATICS,
+        "ADEFORM", BlockKind.KINEMATICS,
         "measure the deformations of a beam or tube by angles: elements of fourth order",
-        (form((integer("element number", "element", 0),), types=types_with("ADEFORM")),),
-        unique=1,
+        (form((integer("element number", "element", 0),), types=types_with("ADEFORM")),), unique=1,
         notes=(
             "Without element number: all beams and tubes of the file. --beams angle and --beams sine replace it.",
             "Recommended for new models: results converge with the fourth power of the element length, with the sine "
-            "measure, the default, with the second (theory-beam-order4.md). Digits of the published examples belong to "
-            "the sine measure.",
+            "measure, the default, with the second (theory-beam-order4.md). Digits of the published examples belong to"
+            " the sine measure.",
         ),
     ),
     Keyword(
-        "ORPINBOD",
-        BlockKind.KINEMATICS,
-        "measuring directions of a pinbody or rigid beam",
+        "ORPINBOD", BlockKind.KINEMATICS, "measuring directions of a pinbody or rigid beam",
         (
             form((ELEMENT, *vector("direction of x',", "x y")), 3, types=_BODIES2),
             form((ELEMENT, *vector("direction of", "x'x x'y y'x y'y")), 5, types=_BODIES2),
             form(
-                (
-                    ELEMENT,
-                    *vector("direction of x',", "x y z"),
-                    *vector("vector in the x'y' plane,", "x y z"),
-                ),
-                7,
+                (ELEMENT, *vector("direction of x',", "x y z"), *vector("vector in the x'y' plane,", "x y z")), 7,
                 types=_BODIES3,
             ),
-            form(
-                (ELEMENT, *vector("direction of", "x'x x'y x'z y'x y'y y'z z'x z'y z'z")), 10, types=_BODIES3
-            ),
+            form((ELEMENT, *vector("direction of", "x'x x'y x'z y'x y'y y'z z'x z'y z'z")), 10, types=_BODIES3),
         ),
         unique=1,
         notes=(
-            "Planar, two numbers: x', normalized, y' turned 90 degrees to the left; four: both "
-            "vectors as they are.",
+            "Planar, two numbers: x', normalized, y' turned 90 degrees to the left; four: both vectors as they are.",
             "Spatial, six numbers: made orthonormal and completed; nine: three vectors as they are.",
         ),
     ),
     Keyword(
-        "DRPINBOD",
-        BlockKind.KINEMATICS,
+        "DRPINBOD", BlockKind.KINEMATICS,
         "undeformed projections of xq - xp on the directions of a pinbody or rigid beam",
         (
             form(
-                (ELEMENT, *vector("undeformed projection on direction", "1 2", "m", 0.0)),
-                2,
-                3,
-                types=types_with("DRPINBOD", planar=True),
-                components=True,
+                (ELEMENT, *vector("undeformed projection on direction", "1 2", "m", 0.0)), 2, 3,
+                types=types_with("DRPINBOD", planar=True), components=True,
             ),
             form(
-                (ELEMENT, *vector("undeformed projection on direction", "1 2 3", "m", 0.0)),
-                2,
-                3,
-                4,
+                (ELEMENT, *vector("undeformed projection on direction", "1 2 3", "m", 0.0)), 2, 3, 4,
                 types=types_with("DRPINBOD", planar=False),
             ),
         ),
@@ -145,15 +111,11 @@ KEYWORDS = (
         ),
     ),
     Keyword(
-        "ORTUBE",
-        BlockKind.KINEMATICS,
-        "initial tangents and end direction of a curved spatial tube",
+        "ORTUBE", BlockKind.KINEMATICS, "initial tangents and end direction of a curved spatial tube",
         (
             form(
                 (
-                    ELEMENT,
-                    *vector("tangent at p (local x'),", "x y z"),
-                    *vector("tangent at q,", "x y z"),
+                    ELEMENT, *vector("tangent at p (local x'),", "x y z"), *vector("tangent at q,", "x y z"),
                     *vector("direction of the local y' axis at q,", "x y z"),
                 ),
                 types=types_with("ORTUBE"),
@@ -162,11 +124,9 @@ KEYWORDS = (
         unique=1,
     ),
     Keyword(
-        "OUTLEVEL",
-        BlockKind.KINEMATICS,
+        "OUTLEVEL", BlockKind.KINEMATICS,
         "amount of output in the log and in the .sbd file (sums of flags, -1: everything)",
-        (form((integer("level of the log"), integer("level of the .sbd file", default=0))),),
-        unique=0,
+        (form((integer("level of the log"), integer("level of the .sbd file", default=0))),), unique=0,
         aliases=("LEVELLOG",),
         notes=(
             "Log: 1 first order transfer functions, 2 second order, 4 third order, 8 derivatives of the global "
@@ -174,4 +134,4 @@ KEYWORDS = (
             ".sbd: 1 adds de, dx; 2 adds d2e, d2x; 3 both. Without OUTLEVEL: 0, but 1 in modes 7, 8 and 9.",
         ),
     ),
-)
+)  # fmt: skip

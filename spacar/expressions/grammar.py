@@ -19,11 +19,9 @@ INDICES = {
 }  # fmt: skip
 MEANING = {
     "x": "coordinate", "xd": "velocity", "xdd": "acceleration", "fx": "applied force", "fxgrav": "gravity force",
-    "fxtot": "force", "fxt": "force", "xcompl": "compliance", "xerr": "estimated error",
-    "e": "deformation", "ed": "deformation rate",
-    "edd": "deformation acceleration", "sig": "stress resultant", "eigval": "eigenvalue",
-    "frequency": "natural frequency", "lmult": "load multiplier",
-    "t": "time",
+    "fxtot": "force", "fxt": "force", "xcompl": "compliance", "xerr": "estimated error", "e": "deformation",
+    "ed": "deformation rate", "edd": "deformation acceleration", "sig": "stress resultant", "eigval": "eigenvalue",
+    "frequency": "natural frequency", "lmult": "load multiplier", "t": "time",
 }  # fmt: skip
 More = Mapping[str, tuple[int, ...]]
 NOTHING_MORE: More = {}

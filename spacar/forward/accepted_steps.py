@@ -15,14 +15,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.dynamics.evaluator import Evaluator
 from spacar.dynamics.limits import Limits
-from spacar.dynamics.loaded_mechanism import (
-    ALWAYS,
-    AT_DETERMINANTS,
-    AT_VELOCITIES,
-    NEVER,
-    Accepted,
-    Moving,
-)
+from spacar.dynamics.loaded_mechanism import ALWAYS, AT_DETERMINANTS, AT_VELOCITIES, NEVER, Accepted, Moving
 from spacar.errors import AnalysisError, Report
 from spacar.forward.charts import ChartWatch
 from spacar.forward.continuity import FAR_APART, HALF, INSIDE, WIDE, Continuity

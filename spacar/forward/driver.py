@@ -19,9 +19,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.dynamics.evaluator import Evaluator, Integrable
 from spacar.dynamics.limits import Limits
-from spacar.dynamics.loaded_mechanism import (
-    LoadedMechanism,
-)
+from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.errors import AnalysisError, Report
 from spacar.forward.accepted_steps import FAR, SingularityMonitor, StepHistory, at_time, fail_at
 from spacar.forward.displaced import displaced

@@ -87,9 +87,7 @@ class NominalInputs:
     with a warning in the report. `elastic`: prescribed deformations carry their elastic stress (stationary solutions).
     """
 
-    def __init__(
-        self, ports: Ports, mechanism: Mechanism, report: Report, rigid: Index, elastic: bool = False
-    ) -> None:
+    def __init__(self, ports: Ports, mechanism: Mechanism, report: Report, rigid: Index, elastic: bool = False) -> None:
         n = mechanism.numbering
         self.ports, self.report = ports, report
         self.residual = (0.0, 0.0)  # largest one, and when

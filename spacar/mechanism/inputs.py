@@ -15,14 +15,11 @@ from spacar.mechanism.numbering import Numbering
 
 STARTS = "STARTDX", "STARTDE"
 SETTINGS = {
-    "TIMESTEP": ("duration", "n_steps"),
-    "INTEGRAT": ("integrator", "step"),
-    "ERROR": ("atol", "rtol"),
+    "TIMESTEP": ("duration", "n_steps"), "INTEGRAT": ("integrator", "step"), "ERROR": ("atol", "rtol"),
     "ITERSTEP": (
         "max_iterations", "load_steps", "tolerance", "store_every", "stationary_type", "initial_steps", "follow_path",
     ),
-    "OUTLEVEL": ("log_level", "sbd_level"),
-    "MODES": ("modes",),
+    "OUTLEVEL": ("log_level", "sbd_level"), "MODES": ("modes",),
 }  # fmt: skip
 
 

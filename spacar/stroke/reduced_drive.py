@@ -50,8 +50,7 @@ class Frequencies(NamedTuple):
 
     @classmethod
     def of(cls, values: NDArray[np.complex128], motions: NDArray[np.complex128]) -> Frequencies:
-        """Of the eigenvalues of undamped motion: of a pair the one with the positive imaginary, or positive real part.
-        """
+        """Of eigenvalues of undamped motion: of a pair the one with the positive imaginary, or positive real part."""
         chosen = np.flatnonzero((values.imag > 0.0) | ((values.imag == 0.0) & (values.real > 0.0)))
         hertz = np.abs(values[chosen]) / (2.0 * np.pi)
         hertz = np.where(values[chosen].imag > 0.0, hertz, -hertz)

@@ -14,27 +14,7 @@ from spacar.symbolic.unit_vectors import TIME
 from spacar.symbolic.vectors import Dyad, Vector, cross, dot, outer
 
 __all__ = [
-    "TIME",
-    "Dyad",
-    "MultibodySystem",
-    "ReferenceFrame",
-    "Vector",
-    "ZTable",
-    "beam_shapes",
-    "cross",
-    "dot",
-    "dvdt",
-    "from_sympy",
-    "gather_dots",
-    "gather_scalars",
-    "gather_vectors",
-    "latex",
-    "omega",
-    "outer",
-    "partial_velocity",
-    "set_omega",
-    "text",
-    "to_sympy",
-    "transform",
-    "unicode",
-]
+    "TIME", "Dyad", "MultibodySystem", "ReferenceFrame", "Vector", "ZTable", "beam_shapes", "cross", "dot", "dvdt",
+    "from_sympy", "gather_dots", "gather_scalars", "gather_vectors", "latex", "omega", "outer", "partial_velocity",
+    "set_omega", "text", "to_sympy", "transform", "unicode",
+]  # fmt: skip

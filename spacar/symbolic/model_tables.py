@@ -16,22 +16,17 @@ class Key:
 
 
 KINDS: dict[str, tuple[str, Any]] = {
-    "text": ("a text", str),
-    "name": ("a name", str),
-    "number": ("a number", (int, float)),
-    "integer": ("an integer", int),
-    "flag": ("true or false", bool),
-    "expression": ("an expression (text or number)", (str, int, float)),
-    "vector": ("a list of 3 expressions", list),
+    "text": ("a text", str), "name": ("a name", str), "number": ("a number", (int, float)),
+    "integer": ("an integer", int), "flag": ("true or false", bool),
+    "expression": ("an expression (text or number)", (str, int, float)), "vector": ("a list of 3 expressions", list),
     "expressions": ("a list of expressions", list),
     "shapes": ('a number of default shapes, a family ("pinned 3") or a list of expressions in x', (int, str, list)),
     "axes": ("2, 3 or [2, 3]", (int, list)),
     "stiffness": ("an expression, or one for each bending direction", (str, int, float, list)),
     "turn": ('1, 2, 3 or a sequence such as "321"', (int, str)),
-    "angles": ("an expression, or a list of them for a sequence", (str, int, float, list)),
-    "list": ("a list", list),
+    "angles": ("an expression, or a list of them for a sequence", (str, int, float, list)), "list": ("a list", list),
     "table": ("a table", dict),
-}
+}  # fmt: skip
 
 
 def _key(kind: str, help: str, required: bool = True) -> Key:
@@ -48,10 +43,8 @@ _IN = _may("name", "frame of the measure numbers (N)")
 TABLES: dict[str, dict[str, Key]] = {
     "system": {"title": _may("text", "title"), "gravity": _may("vector", "gravity in N [m/s²]")},
     "simulate": {
-        "time": _may("number", "end of the simulation [s]"),
-        "steps": _may("integer", "number of output steps"),
-        "integrator": _may("text", "lsoda, radau or dop853"),
-        "rtol": _may("number", "relative tolerance"),
+        "time": _may("number", "end of the simulation [s]"), "steps": _may("integer", "number of output steps"),
+        "integrator": _may("text", "lsoda, radau or dop853"), "rtol": _may("number", "relative tolerance"),
         "atol": _may("number", "absolute tolerance of all states"),
     },
     "coordinate": {
@@ -63,15 +56,13 @@ TABLES: dict[str, dict[str, Key]] = {
     "speed": {"name": _NAME, "start": _may("number", "value at t = 0")},
     "kinematic": {"coordinate": _key("name", "coordinate"), "rate": _key("expression", "its derivative")},
     "frame": {
-        "name": _NAME,
-        "parent": _key("name", "frame or section"),
+        "name": _NAME, "parent": _key("name", "frame or section"),
         "axis": _key("turn", "axis of the parent, 1 to 3, or a sequence of moving axes"),
         "angle": _key("angles", "angle [rad], a list for a sequence"),
         "symbol": _may("text", "letter of its unit vectors"),
     },
     "attitude": {
-        "name": _NAME,
-        "parent": _key("name", "frame or section"),
+        "name": _NAME, "parent": _key("name", "frame or section"),
         "quaternion": _key("name", "letter of four coordinates: e makes e0, e1, e2, e3"),
         "speed": _key("name", "letter of three speeds: w makes w1, w2, w3, the angular velocity in the frame [rad/s]"),
         "start": _may("list", "quaternion at t = 0, scaled to length one (1, 0, 0, 0)"),
@@ -79,78 +70,54 @@ TABLES: dict[str, dict[str, Key]] = {
         "symbol": _may("text", "letter of its unit vectors"),
     },
     "point": {
-        "name": _NAME,
-        "base": _key("name", "point"),
-        "offset": _key("vector", "vector from the base [m]"),
-        "in": _IN,
+        "name": _NAME, "base": _key("name", "point"), "offset": _key("vector", "vector from the base [m]"), "in": _IN,
     },
     "beam": {
-        "name": _NAME,
-        "frame": _key("name", "frame, axis 1 along the beam"),
-        "root": _key("name", "point"),
+        "name": _NAME, "frame": _key("name", "frame, axis 1 along the beam"), "root": _key("name", "point"),
         "length": _key("expression", "length [m]"),
         "mass": _key("expression", "mass per length [kg/m], may depend on x"),
         "EI": _may("stiffness", "bending stiffness [N m²], may depend on x"),
-        "bends": _may("axes", "unit vectors of deflection"),
-        "field": _may("shapes", "assumed field"),
+        "bends": _may("axes", "unit vectors of deflection"), "field": _may("shapes", "assumed field"),
         "damping": _may("expression", "γ [N s]"),
         "damping_boundary": _may("flag", "natural boundary condition of the damping"),
-        "foreshortening": _may("flag", "shortening by bending"),
-        "twist": _may("shapes", "torsion field"),
+        "foreshortening": _may("flag", "shortening by bending"), "twist": _may("shapes", "torsion field"),
         "GJ": _may("expression", "torsion stiffness [N m²]"),
         "polar": _may("expression", "polar moment of inertia per length [kg m]"),
-        "stretch": _may("shapes", "axial field"),
-        "EA": _may("expression", "axial stiffness [N]"),
-        "start": _may("list", "amplitudes of all shapes at t = 0"),
-        "speed_start": _may("list", "their rates at t = 0"),
+        "stretch": _may("shapes", "axial field"), "EA": _may("expression", "axial stiffness [N]"),
+        "start": _may("list", "amplitudes of all shapes at t = 0"), "speed_start": _may("list", "their rates at t = 0"),
     },
     "body": {
-        "name": _NAME,
-        "at": _key("name", "point of the mass centre"),
-        "mass": _key("expression", "mass [kg]"),
+        "name": _NAME, "at": _key("name", "point of the mass centre"), "mass": _key("expression", "mass [kg]"),
         "frame": _may("name", "frame in which it is fixed (none: particle)"),
         "inertia": _may("expressions", "I11, I22, I33[, I12, I23, I31] [kg m²]"),
     },
     "force": {
-        "name": _may("name", "input"),
-        "at": _key("name", "point"),
-        "vector": _key("vector", "force [N]"),
-        "in": _IN,
+        "name": _may("name", "input"), "at": _key("name", "point"), "vector": _key("vector", "force [N]"), "in": _IN,
     },
     "distributed": {
-        "beam": _key("name", "beam"),
-        "vector": _key("vector", "force per length [N/m], may depend on x"),
-        "in": _IN,
+        "beam": _key("name", "beam"), "vector": _key("vector", "force per length [N/m], may depend on x"), "in": _IN,
     },
     "torque": {
-        "name": _may("name", "input"),
-        "frame": _key("name", "frame or section"),
-        "reaction": _may("name", "frame or section of the reaction"),
-        "vector": _key("vector", "torque [N m]"),
+        "name": _may("name", "input"), "frame": _key("name", "frame or section"),
+        "reaction": _may("name", "frame or section of the reaction"), "vector": _key("vector", "torque [N m]"),
         "in": _IN,
     },
     "spring": {
-        "from": _key("name", "point"),
-        "to": _key("name", "point"),
-        "stiffness": _key("expression", "stiffness [N/m]"),
-        "length": _may("expression", "length without force [m]"),
-        "damping": _may("expression", "damping [N s/m]"),
+        "from": _key("name", "point"), "to": _key("name", "point"), "stiffness": _key("expression", "stiffness [N/m]"),
+        "length": _may("expression", "length without force [m]"), "damping": _may("expression", "damping [N s/m]"),
     },
     "constraint": {
         "expression": _may("expression", "what is zero: linear in the speeds, or a position"),
         "point": _may("name", "point that does not move along `direction`"),
-        "direction": _may("vector", "direction of no velocity"),
-        "in": _IN,
+        "direction": _may("vector", "direction of no velocity"), "in": _IN,
         "name": _may("name", "constraint; NAME_force is its force"),
     },
     "close": {
-        "from": _key("name", "point"),
-        "to": _key("name", "point that coincides with it"),
-        "directions": _may("list", "axes of the frame along which they coincide (1, 2, 3)"),
-        "in": _IN,
+        "from": _key("name", "point"), "to": _key("name", "point that coincides with it"),
+        "directions": _may("list", "axes of the frame along which they coincide (1, 2, 3)"), "in": _IN,
         "name": _may("name", "loop; NAME_force or NAME_1_force … are its forces"),
     },
-}
+}  # fmt: skip
 """Arrays of tables `[[name]]`, except `[system]`, `[simulate]` and the rows of `[coordinates]` (`coordinate`)."""
 
 SINGLE = ("system", "simulate", "parameters", "coordinates", "outputs")

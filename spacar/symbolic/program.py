@@ -34,10 +34,7 @@ class EquationProgram(OrderedProgram):
         return jacobian_of(self)
 
     def function(
-        self,
-        values: dict[str, float],
-        jacobian: bool = False,
-        feeds: Mapping[str, Callable[..., float]] | None = None,
+        self, values: dict[str, float], jacobian: bool = False, feeds: Mapping[str, Callable[..., float]] | None = None
     ) -> Any:
         """f(t, y) -> ẏ and f.jac(t, y) in Python for parameter values; see `simulated_motion.py`."""
         return make_function(self, values, jacobian, feeds)

@@ -21,14 +21,13 @@ SIZES = {(True, "position"): 2, (True, "orientation"): 1, (False, "position"): 3
 SIZES[False, "warping"] = 1
 # Who else may name an element than its family and its symbolic model, and why
 NAMED = {
-    "spacar/deck/planar_types.py": "its row",
-    "spacar/deck/spatial_types.py": "its row",
+    "spacar/deck/planar_types.py": "its row", "spacar/deck/spatial_types.py": "its row",
     "spacar/compiled/element_parameters.py": "its parameters in C",
     "spacar/deck/checks_geometry.py": "checks of its own numbers",
     "cli/spacar_drawing/machine_parts.py": "pictures of its own",
     "spacar/deck/cross_section.py": "TUBE is a shape there",
     "cli/spacar_cli/deck_parts.py": "what it is in a symbolic model; others are refused by name",
-}
+}  # fmt: skip
 
 every_type = pytest.mark.parametrize("kind", TYPES, ids=lambda t: t.keyword)
 

@@ -21,55 +21,13 @@ VALID = [p.read_text() for p in sorted(DATA.glob("*.dat"))]
 MODES = (None, 0, 1, 2, 3, 4, 7, 8, 9, 10, "simulation")
 NAMES = sorted({name for name, _ in KEYWORDS})
 NUMBERS = [
-    "0",
-    "1",
-    "2",
-    "3",
-    "4",
-    "5",
-    "7",
-    "9",
-    "-1",
-    "0.",
-    "1.",
-    ".5",
-    "-2.5",
-    "1d3",
-    "1e-300",
-    "1e300",
-    "-1e308",
-    "1e308",
-    "1e999",
-    "99999999999",
-    "nan",
-    "inf",
-    "1,2",
-    "0x1",
-    "1..2",
-    "-",
-]
+    "0", "1", "2", "3", "4", "5", "7", "9", "-1", "0.", "1.", ".5", "-2.5", "1d3", "1e-300", "1e300", "-1e308", "1e308",
+    "1e999", "99999999999", "nan", "inf", "1,2", "0x1", "1..2", "-",
+]  # fmt: skip
 ODD = [
-    "END",
-    "HALT",
-    "END HALT",
-    "END END",
-    "\n",
-    "\r",
-    "\t",
-    "%",
-    "#",
-    ";",
-    "VISUALIZATION",
-    "\x00",
-    "\ufeff",
-    "é",
-    "ß",
-    "\udce9",
-    "O.5",
-    "name",
-    "_",
-    "x" * 300,
-]
+    "END", "HALT", "END HALT", "END END", "\n", "\r", "\t", "%", "#", ";", "VISUALIZATION", "\x00", "\ufeff", "é", "ß",
+    "\udce9", "O.5", "name", "_", "x" * 300,
+]  # fmt: skip
 WORDS = NAMES + NUMBERS * 4 + ODD
 
 settings.register_profile(
@@ -159,9 +117,7 @@ def _word(kind: str, rng: random.Random) -> str:
     if kind == "name":
         return "f"
     return (
-        str(rng.randrange(1, 6))
-        if kind == "integer"
-        else rng.choice(["0.", "1.", "-1.", "1e300", f"{rng.random()}"])
+        str(rng.randrange(1, 6)) if kind == "integer" else rng.choice(["0.", "1.", "-1.", "1e300", f"{rng.random()}"])
     )
 
 

@@ -17,15 +17,7 @@ def rows(text: str) -> list[tuple]:
 
 @pytest.mark.parametrize(
     ("text", "value"),
-    [
-        ("1", 1.0),
-        ("+1.", 1.0),
-        ("-.5", -0.5),
-        ("1.5d3", 1500.0),
-        ("1D-2", 0.01),
-        ("2e+3", 2000.0),
-        ("3E0", 3.0),
-    ],
+    [("1", 1.0), ("+1.", 1.0), ("-.5", -0.5), ("1.5d3", 1500.0), ("1D-2", 0.01), ("2e+3", 2000.0), ("3E0", 3.0)],
 )
 def test_numbers(text: str, value: float) -> None:
     assert number_of(text) == value
@@ -59,15 +51,7 @@ def test_not_numbers(text: str) -> None:
 
 
 def test_integers() -> None:
-    assert [integer_of(t) for t in ("3", "3.", "3.0e0", "1e2", "3.5", "x", "1e999")] == [
-        3,
-        3,
-        3,
-        100,
-        None,
-        None,
-        None,
-    ]
+    assert [integer_of(t) for t in ("3", "3.", "3.0e0", "1e2", "3.5", "x", "1e999")] == [3, 3, 3, 100, None, None, None]
 
 
 @pytest.mark.parametrize("newline", ["\n", "\r\n", "\r"])
@@ -96,9 +80,7 @@ def test_places_of_words() -> None:
 
 
 def test_alias_and_case_of_names() -> None:
-    deck = parse_deck(
-        TEXT.replace("FIX 2\n", "FIX 2\nlevellog 1 1\n").replace("XM 3 2.", "usersig myForce xm 3 2.")
-    )
+    deck = parse_deck(TEXT.replace("FIX 2\n", "FIX 2\nlevellog 1 1\n").replace("XM 3 2.", "usersig myForce xm 3 2."))
     assert deck.first("OUTLEVEL") is not None
     assert deck.of("USERSIG")[0].values == ("myForce",)
 

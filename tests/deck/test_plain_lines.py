@@ -12,15 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spacar.deck import (
-    checks_dynamics,
-    checks_geometry,
-    deck_reader,
-    lexer,
-    outline,
-    parse_deck,
-    splitter,
-)
+from spacar.deck import checks_dynamics, checks_geometry, deck_reader, lexer, outline, parse_deck, splitter
 from spacar.errors import InputError
 
 DATA = Path(__file__).parents[2] / "data"

@@ -15,12 +15,9 @@ PAGE = Path(__file__).parents[2] / "docs" / "keywords.md"
 LANGUAGE = (Path(__file__).parents[2] / "docs" / "reference" / "input-language.md").read_text(encoding="utf-8")
 # block -> sections of the reference that say which keywords it has
 SECTIONS = {
-    BlockKind.KINEMATICS: ("3", "4.1", "4.2"),
-    BlockKind.DYNAMICS: ("5.1", "5.2", "5.3", "5.4", "5.5", "5.6"),
-    BlockKind.TRAJECTORY: ("6", "7"),
-    BlockKind.LINEARIZATION: ("8",),
-    BlockKind.SIMULATION: ("9",),
-}
+    BlockKind.KINEMATICS: ("3", "4.1", "4.2"), BlockKind.DYNAMICS: ("5.1", "5.2", "5.3", "5.4", "5.5", "5.6"),
+    BlockKind.TRAJECTORY: ("6", "7"), BlockKind.LINEARIZATION: ("8",), BlockKind.SIMULATION: ("9",),
+}  # fmt: skip
 
 
 def documented(section: str) -> set[str]:
@@ -34,9 +31,7 @@ def documented(section: str) -> set[str]:
 
 
 def test_page_is_up_to_date() -> None:
-    assert PAGE.read_text(encoding="utf-8") == markdown(), (
-        "run: python -m spacar.deck.reference > docs/keywords.md"
-    )
+    assert PAGE.read_text(encoding="utf-8") == markdown(), "run: python -m spacar.deck.reference > docs/keywords.md"
 
 
 @pytest.mark.parametrize("block", list(BlockKind), ids=lambda b: b.name)

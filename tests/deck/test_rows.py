@@ -76,6 +76,5 @@ def test_forms_of_the_reference() -> None:
     assert [str(m) for m in error.value.messages] == [
         "warning: crank.dat:9: FIX 1: coordinate 1 was already fixed at line 8",
         "error: crank.dat:12: DYNE: element 7 is not defined; elements 1-3 exist",
-        "error: crank.dat:14: ESTIFF 2: third argument 'O.5' is not a number; "
-        "expected EI (N m^2) of a planar beam",
+        "error: crank.dat:14: ESTIFF 2: third argument 'O.5' is not a number; expected EI (N m^2) of a planar beam",
     ]

@@ -63,12 +63,6 @@ def ltv(path: Path, feedthrough: int = 1, **header: object) -> Path:
     sizes = {"T": (1, 1), "A": (2, 2), "B": (2, 1), "C": (1, 2)} | ({"D": (1, 1)} if feedthrough else {})
     with SbfWriter(path, "ltv", {"DFT": feedthrough} | header, sizes) as out:
         for k in range(2):
-            values = {
-                "T": 0.5 * k,
-                "A": [[0, 1], [-4 - k, -0.1]],
-                "B": [[0], [1]],
-                "C": [[1, 0]],
-                "D": [[3.0]],
-            }
+            values = {"T": 0.5 * k, "A": [[0, 1], [-4 - k, -0.1]], "B": [[0], [1]], "C": [[1, 0]], "D": [[3.0]]}
             out.append({ident: values[ident] for ident in sizes})
     return path

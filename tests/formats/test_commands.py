@@ -41,9 +41,7 @@ def test_getfrsbf_json_is_the_array(tmp_path):
     found = json.loads(call("getfrsbf", path, "fxtot", "--json").stdout)
     assert (found["id"], found["shape"]) == ("FXT", [3, 3])
     assert json.loads(call("getfrsbf", path, "etype", "--json").stdout)["data"] == ["PLBEAM", "PLTRUSS"]
-    np.testing.assert_array_equal(
-        array(call("getfrsbf", sbm(tmp_path / "a.sbm"), "lmult", "--json")), [[np.inf], [-2]]
-    )
+    np.testing.assert_array_equal(array(call("getfrsbf", sbm(tmp_path / "a.sbm"), "lmult", "--json")), [[np.inf], [-2]])
 
 
 def test_getfrsbf_prints_rows_with_all_digits(tmp_path):
@@ -95,13 +93,7 @@ def test_repinsbf_takes_json_and_negative_numbers(tmp_path):
     assert call("repinsbf", path, "x", "[7, 8, -9]", "--at", "1").exit_code == 0
     assert call("getfrsbf", path, "t").stdout.split() == ["0.0", "-2.5", "0.2"]
     assert call("getfrsbf", path, "x", "1").stdout.split() == ["7.0", "8.0", "-9.0"]
-    for words in (
-        ("x", "[1"),
-        ("x", "[1,2]"),
-        ("x", "{}", "--at", "1"),
-        ("x", "null", "--at", "1"),
-        ("y", "1"),
-    ):
+    for words in (("x", "[1"), ("x", "[1,2]"), ("x", "{}", "--at", "1"), ("x", "null", "--at", "1"), ("y", "1")):
         assert isinstance(call("repinsbf", path, *words).exception, UsageError)
 
 

@@ -22,9 +22,7 @@ from spacar.errors import UsageError
 
 from .samples import VECTOR, sbd, vector_file
 
-COVERED = [
-    k for k in range(512) if k != 13 and not 0x118 <= k < 0x120
-]  # state and number of steps have no checksum
+COVERED = [k for k in range(512) if k != 13 and not 0x118 <= k < 0x120]  # state and number of steps have no checksum
 
 
 def read_everything(path):
@@ -205,9 +203,7 @@ out.close(complete=False)
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a limit on the size of files")
 def test_a_full_disk_stops_with_a_reason_and_keeps_the_steps_before(tmp_path):
     path = tmp_path / "full.sbd.part"
-    done = subprocess.run(
-        [sys.executable, "-c", FULL_DISK, str(path)], capture_output=True, text=True, check=True
-    )
+    done = subprocess.run([sys.executable, "-c", FULL_DISK, str(path)], capture_output=True, text=True, check=True)
     steps, text = done.stdout.split(" ", 1)
     assert f"step {int(steps) + 1}" in text
     with SbfFile(path) as file:

@@ -51,8 +51,7 @@ def test_values_of_the_slider_crank() -> None:
 
 
 @pytest.mark.parametrize(
-    ("extra", "expected"),
-    [("", [0.3, 0.4]), ("DRPINBOD 1 0.25 0.5\n", [0.25, 0.5]), ("ORPINBOD 1 0 1\n", [0.4, -0.3])],
+    ("extra", "expected"), [("", [0.3, 0.4]), ("DRPINBOD 1 0.25 0.5\n", [0.25, 0.5]), ("ORPINBOD 1 0 1\n", [0.4, -0.3])]
 )
 def test_dr0_of_a_planar_pinbody(extra: str, expected: list[float]) -> None:
     """Projections of p-q on the directions of the body at the start, as those of PINBODY."""

@@ -20,9 +20,7 @@ IDS = st.text(string.ascii_uppercase + string.digits + "_", min_size=1, max_size
     lambda s: s not in ("TDEF", "TDAT")
 )
 MATRICES = array_shapes(min_dims=2, max_dims=2, min_side=0, max_side=4)
-LINES = st.lists(
-    st.text(max_size=8).map(lambda s: s.encode("utf-8", "replace").decode().rstrip(" ")), max_size=3
-)
+LINES = st.lists(st.text(max_size=8).map(lambda s: s.encode("utf-8", "replace").decode().rstrip(" ")), max_size=3)
 VALUES = arrays(np.int64, MATRICES) | arrays(np.float64, MATRICES) | LINES
 
 
@@ -88,15 +86,7 @@ def test_one_step_has_its_native_shape_and_several_steps_are_rows_in_column_orde
 
 @pytest.mark.parametrize(
     ("name", "ident"),
-    [
-        ("t", "T"),
-        ("Time", "T"),
-        ("TIME", "T"),
-        ("fxtot", "FXT"),
-        ("fxt", "FXT"),
-        ("estiff", "STIF"),
-        ("stif", "STIF"),
-    ],
+    [("t", "T"), ("Time", "T"), ("TIME", "T"), ("fxtot", "FXT"), ("fxt", "FXT"), ("estiff", "STIF"), ("stif", "STIF")],
 )
 def test_both_names_are_accepted_in_any_case(tmp_path, name, ident):
     with SbfFile(sbd(tmp_path / "a.sbd")) as file:

@@ -57,9 +57,7 @@ def part(text: str, first: str, last: str) -> list[str]:
 def test_the_log_shows_the_numbers_of_the_file(folder, first, last):
     """Solutions are equal to the tolerance of the iteration; what is zero in both is rounding in both."""
     ours, theirs = (part((folder / f"{n}.log").read_text(), first, last) for n in ("mm", "plain"))
-    values = [
-        [float(word) for word in words if NUMBER.match(word)] for words in (ours, theirs)
-    ]
+    values = [[float(word) for word in words if NUMBER.match(word)] for words in (ours, theirs)]
     assert len(values[0]) == len(values[1]) > 3
     assert np.count_nonzero(values[0]) > 1
     size = max(map(abs, values[1]))

@@ -43,9 +43,7 @@ def test_step_numbers_as_in_matlab(text, numbers):
     assert step_numbers(text, 9) == numbers
 
 
-@pytest.mark.parametrize(
-    "text", ["", "x", "1:", "0:3", "3:2", "1:0:5", "2:10", "1;2", "-10", "1:10000000000000"]
-)
+@pytest.mark.parametrize("text", ["", "x", "1:", "0:3", "3:2", "1:0:5", "2:10", "1;2", "-10", "1:10000000000000"])
 def test_wrong_step_numbers_are_usage_errors(text):
     with pytest.raises(UsageError):
         step_numbers(text, 9)
@@ -131,10 +129,7 @@ def test_csv_is_written_a_few_steps_at_a_time(tmp_path, monkeypatch, at_once):
 def test_csv_of_one_step_and_export_of_chosen_variables(tmp_path):
     sbm(tmp_path / "a.sbm")
     written, _ = export_file(tmp_path / "a", "sbm", ["m0", "time"], output=tmp_path / "a.csv")
-    assert written[0].read_text().splitlines() == [
-        "step,time,m0_1_1,m0_2_1,m0_1_2,m0_2_2",
-        "1,0.0,1.0,3.0,2.0,4.0",
-    ]
+    assert written[0].read_text().splitlines() == ["step,time,m0_1_1,m0_2_1,m0_1_2,m0_2_2", "1,0.0,1.0,3.0,2.0,4.0"]
     for wrong in (
         {"output": tmp_path / "a.xls"},
         {"output": tmp_path / "a.mat", "formats": ["mat"]},
@@ -345,10 +340,7 @@ def test_replacing_keeps_the_target_when_writing_fails(tmp_path):
     with pytest.raises(RuntimeError):
         fail_half_way()
     assert target.read_text() == "old"
-    with (
-        pytest.raises(UsageError, match="cannot write"),
-        safety.replacing(tmp_path / "absent" / "a.txt") as side,
-    ):
+    with pytest.raises(UsageError, match="cannot write"), safety.replacing(tmp_path / "absent" / "a.txt") as side:
         side.write_text("new")
     assert [p.name for p in tmp_path.iterdir()] == ["a.txt"]
 
@@ -356,7 +348,5 @@ def test_replacing_keeps_the_target_when_writing_fails(tmp_path):
 def test_importing_the_container_costs_numpy_and_the_standard_library_only():
     program = "import sys, spacar_formats.sbf; print([m for m in sys.modules if m.split('.')[0] in %r])"
     heavy = ("scipy", "click", "rich", "matplotlib", "sympy", "difflib")
-    out = subprocess.run(
-        [sys.executable, "-c", program % (heavy,)], capture_output=True, text=True, check=True
-    ).stdout
+    out = subprocess.run([sys.executable, "-c", program % (heavy,)], capture_output=True, text=True, check=True).stdout
     assert out.strip() == "[]"

@@ -11,13 +11,9 @@ from spacar.inverse.profile import IllegalProfile, make_profile
 
 # rise, speed as in TRVMAX; expected rise, decline, speed for length 1.2 in 2 s
 RULES = [
-    ((0.3, 0.8), (0.3, 2 * (2 - 1.5) - 0.3, 0.8)),
-    ((0.0, 0.8), (0.5, 0.5, 0.8)),
-    ((-1.0, 0.8), (0.5, 0.5, 0.8)),
-    ((0.3, None), (0.3, 1.7, 1.2)),
-    ((None, None), (1.0, 1.0, 1.2)),
-    ((0.0, None), (1.0, 1.0, 1.2)),
-]
+    ((0.3, 0.8), (0.3, 2 * (2 - 1.5) - 0.3, 0.8)), ((0.0, 0.8), (0.5, 0.5, 0.8)), ((-1.0, 0.8), (0.5, 0.5, 0.8)),
+    ((0.3, None), (0.3, 1.7, 1.2)), ((None, None), (1.0, 1.0, 1.2)), ((0.0, None), (1.0, 1.0, 1.2)),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("given", "expected"), RULES)

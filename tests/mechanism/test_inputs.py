@@ -112,9 +112,7 @@ def test_forces_on_one_node_of_a_spatial_body_fall_with_g() -> None:
                 ("GRAVITY", 1.0, 2.0, 3.0))  # fmt: skip
     r = initial(rows, dynamics)
     for node in (1, 3):
-        np.testing.assert_allclose(
-            [r.node(node, k, "xdd")[0] for k in (1, 2, 3)], [1.0, 2.0, 3.0], rtol=1e-13
-        )
+        np.testing.assert_allclose([r.node(node, k, "xdd")[0] for k in (1, 2, 3)], [1.0, 2.0, 3.0], rtol=1e-13)
 
 
 def test_preload_of_a_spring() -> None:
@@ -239,9 +237,7 @@ def carrier(dynamics: tuple, rate: np.ndarray, rotor: bool = False) -> np.ndarra
 
 
 AXIS = np.array([2.0, -1.0, 2.0]) / 3.0
-J = np.array(
-    [[5.0, 0.2, -0.1], [0.2, 6.0, 0.3], [-0.1, 0.3, 7.0]]
-)  # carrier, with the rotor's transverse inertia
+J = np.array([[5.0, 0.2, -0.1], [0.2, 6.0, 0.3], [-0.1, 0.3, 7.0]])  # carrier, with the rotor's transverse inertia
 AXIAL = 0.8
 SIX = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)]
 RATE = np.array([0.4, -0.7, 0.3])

@@ -67,8 +67,7 @@ def test_every_answer_is_checked_also_behind_good_ones(row, sentence, tmp_path):
     """The first answers are plain, so that all places are known; the last one is like the first or is refused."""
     (tmp_path / "beam.dat").write_text(MODEL)
     (tmp_path / "push.py").write_text(
-        "def push(t, ne, le, e, ep, nx, lnp, x, xp):\n"
-        f"    return t, [], [[3, 2, 1.0]] if t < 0.05 else [{row}]\n"
+        f"def push(t, ne, le, e, ep, nx, lnp, x, xp):\n    return t, [], [[3, 2, 1.0]] if t < 0.05 else [{row}]\n"
     )
     if sentence is None:
         force = spacar.run(1, tmp_path / "beam.dat").node(3, 2, "fx")

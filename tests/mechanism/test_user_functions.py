@@ -181,12 +181,7 @@ SIGNATURE = {"USERSIG": "t, ne, le, e, ep, nx, lnp, x, xp", "USERINP": "t, step"
         ("USERSIG", "(t, None, [[[2, 1, 2.0]]])", "shape", ("f", "3 or 5")),
         ("USERSIG", "(t, [['a', 1, 2.0]], None)", "shape", ("sig", "numbers")),
         ("USERSIG", "(t, [[3, 1, 2.0], [3, 1]], None)", "shape", ("sig",)),
-        (
-            "USERSIG",
-            "(t, [[3, 1, 2.0], [3, 1, float('nan')]], None)",
-            "not-finite",
-            ("row 2 of sig", "t = 0"),
-        ),
+        ("USERSIG", "(t, [[3, 1, 2.0], [3, 1, float('nan')]], None)", "not-finite", ("row 2 of sig", "t = 0")),
         ("USERSIG", "(t, None, [[2, 1, float('inf')]])", "not-finite", ("row 1 of f", "t = 0")),
         ("USERSIG", "(t, [[3, 1, 10**400]], None)", "shape", ("sig", "t = 0", "too large")),
         ("USERSIG", "(t, [[3, 1, 10**400, 0.0, 0.0]], None)", "shape", ("sig", "t = 0", "too large")),
@@ -203,9 +198,7 @@ SIGNATURE = {"USERSIG": "t, ne, le, e, ep, nx, lnp, x, xp", "USERINP": "t, step"
         ("USERINP", "(t, [[77, 1, 0.0, 0.0, 0.0]], None)", "index", ("77 1",)),
     ],
 )
-def test_wrong_results(
-    tmp_path: Path, keyword: str, result: str, code: str, expected: tuple[str, ...]
-) -> None:
+def test_wrong_results(tmp_path: Path, keyword: str, result: str, code: str, expected: tuple[str, ...]) -> None:
     path = model(tmp_path, f"{keyword} myfun", f"def myfun({SIGNATURE[keyword]}):\n    return {result}\n")
     with pytest.raises(AnalysisError) as caught:
         spacar.run(1, path)

@@ -21,13 +21,10 @@ from spacar.stream import Run
 
 DATA = Path(__file__).parents[2] / "data"
 CASES = (
-    (1, "crank", {"n_steps": 5, "duration": 0.02}),
-    (2, "robotinv", {}),
-    (4, "crankfl", {"n_steps": 2, "duration": 0.001}),
-    (7, "column2", {}),
-    (8, "plbeam5buck", {}),
+    (1, "crank", {"n_steps": 5, "duration": 0.02}), (2, "robotinv", {}),
+    (4, "crankfl", {"n_steps": 2, "duration": 0.001}), (7, "column2", {}), (8, "plbeam5buck", {}),
     (1, "trike3i", {"n_steps": 3, "duration": 0.01}),
-)
+)  # fmt: skip
 COPIES = {"pickled": lambda m: pickle.loads(pickle.dumps(m)), "deep copy": copy.deepcopy, "copy": copy.copy}
 
 

@@ -54,13 +54,10 @@ def test_a_tension_cannot_buckle_it():
 
 
 def test_a_guide_under_stroke():
-    """Two leaves with a payload P: drive free 2 pi^2 EI/L^2 - P, held 8 pi^2 EI/L^2 - P, hardly less at 2 % of stroke.
-    """
+    """Two leaves with a payload P: drive free 2 pi^2 EI/L^2 - P, held 8 pi^2 EI/L^2 - P, less at 2 % of stroke."""
     P = 0.5 * EULER
     deck = parse_deck(models.two_leaves(models.GUIDE, 8))
-    study = spacar.flexure(
-        deck, move="9x=0.002", steps=2, loads=[f"9y={-P!r}"], extra=["9y=-4"], beams="angle"
-    )
+    study = spacar.flexure(deck, move="9x=0.002", steps=2, loads=[f"9y={-P!r}"], extra=["9y=-4"], beams="angle")
     assert 4.0 * study.of("extra_free") == pytest.approx(2.0 * EULER - P, rel=0.01)
     assert 4.0 * study.of("extra")[0] == pytest.approx(8.0 * EULER - P, rel=0.01)
 

@@ -45,8 +45,7 @@ def test_the_pivot_shift(hinge):
 
 
 def test_the_pole_is_where_the_body_stands_still(hinge):
-    """Velocity of node 5 by differences: the point of the body at the pole has none, to the second order of the step.
-    """
+    """Velocity of node 5 by differences: the point of the body at the pole has none, to second order of the step."""
     e, k = hinge.errors, len(hinge) - 2
     step = hinge.stroke[k + 1] - hinge.stroke[k - 1]
     node = e.displacement + np.array(models.CROSS[1] + (0.0,))

@@ -17,15 +17,7 @@ DOT, OTHER = N[1] & B[1], N[2] & C[3]
 EXPRESSION = (a + b * s) * DOT + (c * s - a / L) * OTHER / L**2 + DOT * (s * t + b) ** 2
 
 
-@pytest.mark.parametrize(
-    "rewrite",
-    [
-        gather_dots,
-        gather_vectors,
-        gather_scalars,
-        lambda e: gather_scalars(e, [s]),
-    ],
-)
+@pytest.mark.parametrize("rewrite", [gather_dots, gather_vectors, gather_scalars, lambda e: gather_scalars(e, [s])])
 def test_every_rewrite_is_exact(rewrite):
     assert sp.expand(rewrite(EXPRESSION) - EXPRESSION) == 0
     v = EXPRESSION * N[1] + a * (b + c) * (N[1] ^ B[2])

@@ -27,11 +27,10 @@ def spatial_beam(**options):
 
 
 CASES = {
-    "out of plane": {"bends": 3, "field": 1},
-    "two directions": {"bends": (2, 3), "field": 1, "foreshortening": False},
+    "out of plane": {"bends": 3, "field": 1}, "two directions": {"bends": (2, 3), "field": 1, "foreshortening": False},
     "with torsion": {"bends": (2, 3), "field": (1, 1), "twist": 1, "foreshortening": False},
     "stretch": {"bends": 2, "field": 1, "stretch": 1, "foreshortening": False},
-}
+}  # fmt: skip
 
 
 def largest(matrix):

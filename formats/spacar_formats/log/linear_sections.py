@@ -15,16 +15,10 @@ from spacar_formats.log.text_layout import COLUMNS_IN_BLOCK, matrix, real, table
 from spacar_formats.signal_names import dynamic_names, state_names
 
 MATRICES = {
-    "m0": "reduced mass matrix M0",
-    "c0": "velocity sensitivity matrix C0",
-    "d0": "damping matrix D0",
-    "k0": "structural stiffness matrix K0",
-    "n0": "dynamic stiffening matrix N0",
-    "g0": "geometric stiffness matrix G0",
-    "b0": "input matrix B0",
-    "ak0": "kinematic matrix AK0",
-    "bk0": "kinematic matrix BK0",
-}
+    "m0": "reduced mass matrix M0", "c0": "velocity sensitivity matrix C0", "d0": "damping matrix D0",
+    "k0": "structural stiffness matrix K0", "n0": "dynamic stiffening matrix N0", "g0": "geometric stiffness matrix G0",
+    "b0": "input matrix B0", "ak0": "kinematic matrix AK0", "bk0": "kinematic matrix BK0",
+}  # fmt: skip
 KINEMATIC = ("ak0", "bk0")
 STATE_SPACE = ("A", "B", "C", "D")
 LARGEST = 40  # larger matrices are in the result file only
@@ -77,12 +71,7 @@ def buckling(n: Numbering, frame: Frame) -> list[str]:
     if np.all(np.isnan(values)) and len(values):
         return ["Load multipliers: none, see the warnings at the end", ""]
     rows = [[k, real(float(v)) if np.isfinite(v) else "infinite"] for k, v in enumerate(values, 1)]
-    lines = [
-        "Load multipliers (negative: the load reversed)",
-        "",
-        *table(["number", "load multiplier"], rows),
-        "",
-    ]
+    lines = ["Load multipliers (negative: the load reversed)", "", *table(["number", "load multiplier"], rows), ""]
     modes = m.get("bmode")
     if modes is None or not np.size(modes):
         return lines

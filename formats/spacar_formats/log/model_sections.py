@@ -16,16 +16,12 @@ from spacar_formats.log.text_layout import real, table
 
 LETTER = {"fixed": "O", "calculable": "C", "input": "M", "dynamic": "M", "kinematic": "K"}
 WORDS = {
-    "fixed": "fixed",
-    "calculable": "calculable",
-    "input": "prescribed (degrees of freedom, MM)",
-    "dynamic": "dynamic (degrees of freedom)",
-    "kinematic": "kinematic (non-holonomic systems)",
-}
+    "fixed": "fixed", "calculable": "calculable", "input": "prescribed (degrees of freedom, MM)",
+    "dynamic": "dynamic (degrees of freedom)", "kinematic": "kinematic (non-holonomic systems)",
+}  # fmt: skip
 DYNAMICS = (
-    "XM", "EM", "XGYRO", "MEE", "ESTIFF", "EDAMP", "ESIG", "XF", "GRAVITY", "USERSIG",
-    "INPUTX", "INPUTE", "STARTDX", "STARTDE", "USERINP",
-    "DELXF", "DELGRAV", "DELOMF", "DELESIG", "DELINPX", "DELINPE",
+    "XM", "EM", "XGYRO", "MEE", "ESTIFF", "EDAMP", "ESIG", "XF", "GRAVITY", "USERSIG", "INPUTX", "INPUTE", "STARTDX",
+    "STARTDE", "USERINP", "DELXF", "DELGRAV", "DELOMF", "DELESIG", "DELINPX", "DELINPE",
 )  # fmt: skip
 MEASURED = tuple(t.keyword for t in ELEMENT_TYPES.values() if t.angle_family)
 
@@ -76,11 +72,7 @@ def nodes(n: Numbering) -> list[str]:
     """Coordinates of every node with their numbers in x (array lnp) and classes."""
     letters, _ = class_letters(n)
     rows = [
-        [
-            node.number,
-            node.kind,
-            *(f"{i} {letters[i - 1]}" if i else "" for i in n.lnp[node.number - 1].tolist()),
-        ]
+        [node.number, node.kind, *(f"{i} {letters[i - 1]}" if i else "" for i in n.lnp[node.number - 1].tolist())]
         for node in n.nodes
     ]
     used = max(node.size for node in n.nodes)
@@ -158,10 +150,7 @@ def total_mass(mechanism: Mechanism) -> tuple[float, list[str]]:
 
 def condition(value: float) -> list[str]:
     """The measure of how well the degrees of freedom were chosen."""
-    return [
-        f"Condition number of the part of the difference matrix that is inverted: {real(float(value))}",
-        "",
-    ]
+    return [f"Condition number of the part of the difference matrix that is inverted: {real(float(value))}", ""]
 
 
 def variant_of(n: Numbering, keyword: Keyword, s: Statement) -> int:

@@ -17,17 +17,11 @@ from spacar_formats.log.shown_units import ShownUnits, shown_values
 from spacar_formats.log.text_layout import cell, matrix, real, table
 
 # Words for the counters of a frame; another name is printed as it is.
-COUNTERS = {
-    "steps": "internal steps",
-    "rhs": "evaluations",
-    "jacobians": "Jacobians",
-    "rejected": "rejected",
-}
+COUNTERS = {"steps": "internal steps", "rhs": "evaluations", "jacobians": "Jacobians", "rejected": "rejected"}
 FIRST_ORDER, SECOND_ORDER, THIRD_ORDER, GLOBAL_DEFORMATION = 1, 2, 4, 8  # flags of OUTLEVEL position 1
 PORTS = (
-    "NOMS", "NOMF", "REFE", "REFEP", "REFEDP", "REFX", "REFXP", "REFXDP", "REFES", "REFXS",
-    "INPUTS", "INPUTF", "INE", "INEP", "INEDP", "INX", "INXP", "INXDP",
-    "OUTS", "OUTE", "OUTEP", "OUTEDP", "OUTF", "OUTX", "OUTXP", "OUTXDP",
+    "NOMS", "NOMF", "REFE", "REFEP", "REFEDP", "REFX", "REFXP", "REFXDP", "REFES", "REFXS", "INPUTS", "INPUTF", "INE",
+    "INEP", "INEDP", "INX", "INXP", "INXDP", "OUTS", "OUTE", "OUTEP", "OUTEDP", "OUTF", "OUTX", "OUTXP", "OUTXDP",
 )  # fmt: skip
 
 
@@ -44,13 +38,8 @@ def state(n: Numbering, frame: Frame, motion: bool = True, metre: float = 1.0) -
     e_columns = [(head, shown.deformations(v)) for head, v in e_columns]
     e_columns.append(("stress resultant", shown.stresses(frame.sig)))
     title = "Coordinates" + f" in {shown.unit('m')}" * (metre != 1.0)
-    title += ("; total force: applied force, gravity and force of supports and drives" if motion else "")
-    lines = [
-        title,
-        "",
-        *_columns("node", "coordinate", x_names, x_class, x_columns[: None if motion else 1]),
-        "",
-    ]
+    title += "; total force: applied force, gravity and force of supports and drives" if motion else ""
+    lines = [title, "", *_columns("node", "coordinate", x_names, x_class, x_columns[: None if motion else 1]), ""]
     if n.ne:
         lines += ["Deformations (a normalization is listed with the number of its node)", ""]
         lines += _columns("element", "deformation", e_names, e_class, e_columns[: None if motion else 1])

@@ -40,10 +40,7 @@ def heading(title: str) -> list[str]:
 
 
 def matrix(
-    values: NDArray[np.float64],
-    names: Sequence[str] = (),
-    columns: Sequence[str] = (),
-    width: int = COLUMNS_IN_BLOCK,
+    values: NDArray[np.float64], names: Sequence[str] = (), columns: Sequence[str] = (), width: int = COLUMNS_IN_BLOCK
 ) -> list[str]:
     """A matrix in blocks of a few columns; rows and columns carry their numbers and, when given, names."""
     rows, count = values.shape
@@ -56,8 +53,7 @@ def matrix(
         lines.append(" " * room + "".join(f"  {h:>17}" for h in heads))
         form = f"%-{room}s" + "  % 17.9e" * len(block)
         lines += [
-            form % (label, *row)
-            for label, row in zip(labels, values[:, first : first + width].tolist(), strict=True)
+            form % (label, *row) for label, row in zip(labels, values[:, first : first + width].tolist(), strict=True)
         ]
         lines.append("")
     return lines

@@ -178,22 +178,15 @@ def build(kind: str, header: Mapping[str, Value], step_variables: Mapping[str, t
     stride = offset + TRAILER.size
     parts.append(Record("TDAT", INTEGER, TDAT, 0, 0, stride).pack())
     body = b"".join(parts)
-    return (
-        preamble(kind, WRITING, tdef_offset, PREAMBLE.size + len(body), stride, len(step_variables), body)
-        + body
-    )
+    return preamble(kind, WRITING, tdef_offset, PREAMBLE.size + len(body), stride, len(step_variables), body) + body
 
 
-def preamble(
-    kind: str, state: int, tdef_offset: int, data_offset: int, stride: int, count: int, body: bytes
-) -> bytes:
+def preamble(kind: str, state: int, tdef_offset: int, data_offset: int, stride: int, count: int, body: bytes) -> bytes:
     """The first 64 bytes; `body` are the bytes from 64 up to the data offset, for their checksum."""
     fields = (MAGIC, *VERSION, KINDS[kind], 0, 0, PREAMBLE.size, tdef_offset, data_offset, stride, count)
     first = PREAMBLE.pack(*fields, directory_crc(body, tdef_offset), 0)[:60]
     ready = bytearray(first + struct.pack("<I", zlib.crc32(first)))
-    ready[STATE_AT] = (
-        state  # counted as zero in the checksum, so that finishing a file is the change of one byte
-    )
+    ready[STATE_AT] = state  # counted as zero in the checksum, so that finishing a file is the change of one byte
     return bytes(ready)
 
 
@@ -250,18 +243,12 @@ def parse(head: bytes, file_size: int, file: str) -> Directory:
 def data_offset_of(head: bytes, file_size: int, file: str) -> int:
     """Data offset from the first 64 bytes, after the checks that need no more than these. Raises SbfError."""
     if len(head) < PREAMBLE.size:
-        raise _damaged(
-            file, f"it has {file_size} bytes, the preamble of an SBF file alone has {PREAMBLE.size}"
-        )
+        raise _damaged(file, f"it has {file_size} bytes, the preamble of an SBF file alone has {PREAMBLE.size}")
     if head[:8] != MAGIC:
-        raise SbfError(
-            f"{file} is not a SPACAR binary file: its first bytes are {head[:8].hex(' ')}", "files.not-sbf"
-        )
+        raise SbfError(f"{file} is not a SPACAR binary file: its first bytes are {head[:8].hex(' ')}", "files.not-sbf")
     major = int.from_bytes(head[8:10], "little")
     if major != VERSION[0]:
-        raise SbfError(
-            f"{file} has version {major} of the format; this program reads version 1", "files.version"
-        )
+        raise SbfError(f"{file} has version {major} of the format; this program reads version 1", "files.version")
     covered = bytearray(head[:60])
     covered[STATE_AT] = 0
     if zlib.crc32(covered) != int.from_bytes(head[60:64], "little"):
@@ -280,9 +267,7 @@ def _record(head: bytes, at: int, role: int, file: str) -> Record:
     if len(ident) > 15 or not _ID.fullmatch(ident):
         raise _damaged(file, f"the record at byte {at} has no valid identifier")
     if kind not in TYPE_NAMES or found != role:
-        raise _damaged(
-            file, f"the record {ident.decode()} has type {kind} and role {found}, expected role {role}"
-        )
+        raise _damaged(file, f"the record {ident.decode()} has type {kind} and role {found}, expected role {role}")
     named = {TDEF: b"TDEF", TDAT: b"TDAT"}.get(role)
     if named is not None and ident != named:
         raise _damaged(file, f"the record at byte {at} must be {named.decode()}, it is {ident.decode()}")

@@ -145,9 +145,7 @@ class SbfFile:
         record = self.variable(name)
         if not record.is_step:
             if steps is not None:
-                raise UsageError(
-                    f"{record.id} in {self.path} has one value, not one for each step", "files.step"
-                )
+                raise UsageError(f"{record.id} in {self.path} has one value, not one for each step", "files.step")
             return self.header_value(record.id)
         chosen = self.step_indices(steps)
         if self.verify:
@@ -175,9 +173,7 @@ class SbfFile:
             wanted = [self.steps + 1 + int(steps)]
         chosen = np.array(wanted, dtype=object)
         if any(not isinstance(k, (int, np.integer)) or not 1 <= k <= self.steps for k in chosen):
-            wrong = next(
-                k for k in chosen if not isinstance(k, (int, np.integer)) or not 1 <= k <= self.steps
-            )
+            wrong = next(k for k in chosen if not isinstance(k, (int, np.integer)) or not 1 <= k <= self.steps)
             there = f"steps 1 to {self.steps}" if self.steps else "no steps"
             raise UsageError(f"step {wrong} does not exist: {self.path} has {there}", "files.step")
         return chosen.astype(np.intp) - 1
@@ -205,9 +201,7 @@ class SbfFile:
         bad = self.damaged_steps(chosen)
         if bad.size:
             few = ", ".join(map(str, bad[:5])) + (", ..." if bad.size > 5 else "")
-            raise SbfError(
-                f"{self.path} is damaged: wrong checksum of step {few} ({bad.size} of {self.steps} steps)"
-            )
+            raise SbfError(f"{self.path} is damaged: wrong checksum of step {few} ({bad.size} of {self.steps} steps)")
 
     def block(self, k: int) -> bytes:
         """A copy of the bytes of step block k (1, 2, ...)."""

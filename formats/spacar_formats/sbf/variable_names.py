@@ -44,9 +44,7 @@ def not_found(name: str, ids: Iterable[str], file: str) -> UsageError:
     text = f"ID not found: {name} in {file}"
     near = get_close_matches(name.strip().lower(), known, 1, 0.5)
     if name.strip().upper() in _TRANSFER:
-        text += (
-            "; transfer functions are stored on request: OUTLEVEL 0 1 (dx, de), 0 2 (d2x, d2e) or 0 3 (all)"
-        )
+        text += "; transfer functions are stored on request: OUTLEVEL 0 1 (dx, de), 0 2 (d2x, d2e) or 0 3 (all)"
     elif near:
         text += f"; nearest: {near[0]}"
     return UsageError(text, "files.id-not-found")

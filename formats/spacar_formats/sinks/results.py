@@ -30,11 +30,7 @@ class ResultSink:
     """
 
     def __init__(
-        self,
-        path: Path,
-        header: Header,
-        values: Callable[[Frame], dict[str, Any]],
-        wait: bool = False,
+        self, path: Path, header: Header, values: Callable[[Frame], dict[str, Any]], wait: bool = False
     ) -> None:
         self.path = path
         self.claim = Claim(path, wait)
@@ -126,10 +122,8 @@ def ltv_values(frame: Frame) -> dict[str, Any]:
 
 
 KINDS: dict[str, tuple[Header, Callable[[Frame], dict[str, Any]]]] = {
-    "sbd": (sbd_header, sbd_values),
-    "sbm": (sbm_header, sbm_values),
-    "ltv": (ltv_header, ltv_values),
-}
+    "sbd": (sbd_header, sbd_values), "sbm": (sbm_header, sbm_values), "ltv": (ltv_header, ltv_values),
+}  # fmt: skip
 
 
 def _shape(value: Any) -> tuple[int, int]:

@@ -23,10 +23,7 @@ def source(program: OrderedProgram, jacobian: bool, head: list[str]) -> str:
     w = Writer(PYTHON, [*program.parameters, *program.state, *program.inputs])
     once = jacobian_of(program).once if jacobian else program.once
     lines = ['"""', *head, '"""', ""] if head else []
-    lines += [
-        "from math import acos, asin, atan, atan2, cos, cosh, exp, log, sin, sinh, sqrt, tan, tanh",
-        "",
-    ]
+    lines += ["from math import acos, asin, atan, atan2, cos, cosh, exp, log, sin, sinh, sqrt, tan, tanh", ""]
     if jacobian or program.m or program.n > UNROLLED:
         lines += ["import numpy as np", ""]
     for name, symbols in (
