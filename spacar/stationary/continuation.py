@@ -81,10 +81,15 @@ class Continuation:
         settings = evaluator.mechanism.settings
         self.limit, self.tolerance = settings.max_iterations, settings.tolerance
         self.follow = bool(settings.follow_path)
-        if known:
-            self._count(stored=evaluator.plain)
+        self._count(stored=evaluator.plain)
         # A start that is held, or has no stiffness as long as no load acts, is not on the path and predicts nothing.
-        self._arbitrary = not known or (self.stable is not None and self.stable.zero > 0)
+        # If it is not stable either, the first level may be reached from it in any way: there is no branch to be lost.
+        begun = self.stable
+        loose = begun is not None and begun.zero > 0
+        self._arbitrary = loose or not known
+        self._guess = loose or not (known or (begun and not begun.negative))
+        if self._guess and not known:
+            self.stable = None
 
     def advance(self, target: LoadLevel) -> None:
         """To a level. Raises AnalysisError 'statics.no-convergence', 'statics.limit-point', 'statics.no-solution'."""
@@ -160,7 +165,7 @@ class Continuation:
         self.level = level
         if self._arbitrary or (level.additional == 0.0 and level.initial >= 1.0):
             self.path = self.path[-1:]  # from here on the path of the additional loading
-        self._arbitrary = False
+        self._arbitrary = self._guess = False
         if self.evaluator.fading_force is not None:
             self.evaluator.set_fading_force(None)
 
@@ -193,9 +198,8 @@ class Continuation:
         e, last = self.evaluator, self.path[-1]
         point, n = found.point, e.mechanism.numbering
         moved = largest((point.x - last.x) / e.scale)
-        # There is no path to be lost from a start that is not on it, with wheels, which turn as far as they roll, and
-        # where everything is prescribed.
-        free = self._arbitrary or not n.holonomic or not n.nddof
+        # With wheels, which turn as far as they roll, and where everything is prescribed there is no path to be lost.
+        free = self._guess or not n.holonomic or not n.nddof
         if free or moved < WIDE or self._steady(level, moved):
             return False
         branch = e.branch.copy()

@@ -130,7 +130,7 @@ class StationarySolver:
             return
         if not self.mechanism.numbering.nddof and not target.store:
             return  # `Kinematics` itself divides the way to the prescribed values
-        if idle and walk.is_exact:
+        if idle and walk.is_exact and self._evaluator.fading_force is None:
             walk.stay(target)
         else:
             try:
