@@ -27,6 +27,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.calls import frames
 from spacar.deck import Deck
+from spacar.deck.length_unit import shown_in
 from spacar.errors import AnalysisError, Report, UsageError
 from spacar.linear.linear_modes import stationary
 from spacar.mechanism import build
@@ -90,11 +91,25 @@ def flexure(
     beside = [load_row(text, mechanism, deck.metre, "--extra") for text in extra]
     ends = [end for end in (whole.low, whole.high) if end]
     farthest = max(map(abs, ends))
+    doubt = beyond(whole, mechanism.length, deck.metre)
     sides = []
-    for end in ends:
-        count = max(1, int(np.ceil(steps * abs(end) / farthest - 1e-9)))
-        sides.append(_side(deck, mechanism, whole, end, count, acting, beside, node, orientation, modes, options))
-    return replace(_joined(deck, whole, sides, centre), extra=tuple(extra))
+    try:
+        for end in ends:
+            count = max(1, int(np.ceil(steps * abs(end) / farthest - 1e-9)))
+            sides.append(_side(deck, mechanism, whole, end, count, acting, beside, node, orientation, modes, options))
+    except AnalysisError as error:
+        raise AnalysisError("; ".join(filter(None, (str(error), doubt))), error.code, **error.data) from error
+    return replace(_joined(deck, whole, sides, centre, doubt), extra=tuple(extra))
+
+
+def beyond(move: StrokeMove, length: float, metre: float) -> str:
+    """What to doubt in a range that is longer than the model, `length` [m]: usually its unit; "" for another one."""
+    farthest = max(-move.low, move.high)
+    if move.pushed or move.unit != "m" or farthest <= length:
+        return ""
+    unit = shown_in("m", metre)[1]
+    sizes = f"the range of {move.text}, {farthest / metre:.4g} {unit}, exceeds the size of the model, "
+    return f"{sizes}{length / metre:.4g} {unit}; lengths are in {unit}, the unit of the input file (UNITS)"
 
 
 def _asked(deck: Deck, mechanism: Mechanism, move: str | None, force: str | None) -> StrokeMove:
@@ -182,8 +197,8 @@ def _observed(mechanism: Mechanism, move: StrokeMove, node: int | None, orientat
     return ObservedNode.of(n, move.number if node is None else node, orientation)
 
 
-def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Array | None) -> Flexure:
-    """Both sides as one stroke with increasing values, which contains the undeflected state once."""
+def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Array | None, doubt: str) -> Flexure:
+    """Both sides as one stroke with increasing values, which contains the undeflected state once; `doubt` is told."""
     first = sides[0]
     order = [(side, k) for side in sides for k in range(len(side.stations))]
     if len(sides) == 2:
@@ -199,7 +214,8 @@ def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Array |
     if not np.all(np.diff(stroke) > 0.0) and not move.pushed:
         raise AnalysisError("the stroke does not grow from state to state", "flexure.stroke")
     shots = tuple(replace(s.frame, t=float(i)) for i, s in enumerate(stations))
-    lines = list(dict.fromkeys(line for side in sides for line in side.report.lines))
+    told = [f"warning: {doubt}"] if doubt else []
+    lines = list(dict.fromkeys(told + [line for side in sides for line in side.report.lines]))
     result = Result(first.mechanism, 10, shots, tuple(lines), {})
     node = first.node
     x, loads = np.array([s.frame.x for s in stations]), first.mechanism.loads

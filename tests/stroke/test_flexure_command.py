@@ -133,8 +133,20 @@ def test_a_stroke_that_is_too_long_fails_without_files(call, tmp_path):
     status, _, err = call("planar", "--move", "9x=1", "--steps", "1", "--csv", "a.csv", "-o", "a.html")
     assert status == 1
     assert err.startswith("error: ")
+    assert "; the range of 9x, 1 m, exceeds the size of the model" in err
     assert not (tmp_path / "a.csv").exists()
     assert not (tmp_path / "a.html").exists()
+
+
+@pytest.mark.parametrize(("stroke", "told"), [("2x=250", True), ("2x=90", False)])
+def test_a_stroke_beyond_the_model_is_told_in_its_unit(call, tmp_path, stroke, told):
+    """A spring of 100 mm, 8 N/mm: 250 mm is computed, and doubted."""
+    spring = "UNITS mm\nPLTRUSS 1 1 2\nX 2 100. 0.\nFIX 1\nFIX 2 2\nDYNE 1\nEND HALT\nXM 2 1.\nESTIFF 1 800.\nEND END\n"
+    (tmp_path / "spring.dat").write_text(spring)
+    status, out, err = call("spring", "--move", stroke, "--steps", "1")
+    text = "the range of 2x, 250 mm, exceeds the size of the model, 100 mm; lengths are in mm, the unit of the input"
+    assert (status, err) == (0, f"warning: {text} file (UNITS)\n" if told else ""), err
+    assert re.search(rf"^ +{stroke[3:]} +{8 * float(stroke[3:]):g}", out, re.MULTILINE), out
 
 
 def test_a_work_integral_that_misses_energy_is_told(tmp_path):
