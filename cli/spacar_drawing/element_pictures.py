@@ -26,6 +26,9 @@ def element_shapes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
     for e in seen:
         if e.shape not in TOGETHER:
             shapes += PARTS.get(e.shape, plain)(scene, pose, look, e)
+    for e in seen:
+        if machine.slides(scene, e):
+            shapes += machine.slider(scene, pose, look, e)
     if any(e.shape == "belt" for e in scene.elements):
         shapes += machine.wound_arcs(scene, pose, look)
     return shapes

@@ -18,6 +18,7 @@ POINTS = 8.0  # size of the letters
 DIRECTIONS = np.array([(np.cos(a), np.sin(a)) for a in np.pi * np.array([0.25, 0.75, 1.25, 1.75, 0.5, 1.5, 0.0, 1.0])])
 RINGS = np.repeat([1.0, 1.7, 2.6], len(DIRECTIONS))  # distance of the candidate places, nearest first
 AROUND = np.tile(DIRECTIONS, (3, 1))  # and their directions
+OUTSIDE = 1e3  # what a place outside of the axes, among their numbers, counts: more than all that a label can cover
 MOST_LABELS = 60  # of nodes, and of elements, that are shown: more cannot be read
 
 
@@ -30,7 +31,8 @@ def thin(labels: Sequence[Label]) -> tuple[list[Label], int]:
 
 
 def place_labels(axes: Axes, camera: Camera, labels: Sequence[Label], shapes: Sequence[Shape]) -> list[Any]:
-    """Put every label where it covers least of the lines and of the labels before it; many labels are thinned out."""
+    """Put every label inside the axes where it covers least of the lines, of numbers along the axes and notes, and of
+    the labels before it; many labels are thinned out."""
     from matplotlib.patheffects import withStroke
 
     scale = axes.figure.dpi / 72.0
@@ -44,8 +46,9 @@ def place_labels(axes: Axes, camera: Camera, labels: Sequence[Label], shapes: Se
     reach = float(np.max(RINGS)) * 0.8 * POINTS * scale + max([h, *sizes])
     dots = _Dots(to_pixels(covered) if len(covered) else np.zeros((0, 2)), reach)
     x0, y0, x1, y1 = axes.bbox.extents
-    boxes = np.zeros((len(shown), 4))
-    for n, (label, w) in enumerate(zip(shown, sizes, strict=True)):
+    others = np.array([text.get_window_extent().extents for text in axes.texts]).reshape(-1, 4)
+    boxes = np.concatenate((others, np.zeros((len(shown), 4))))
+    for n, (label, w) in enumerate(zip(shown, sizes, strict=True), len(others)):
         at = to_pixels(camera.project(label.at))
         half = np.array([0.5 * w, 0.5 * h])
         centre = at + AROUND * (RINGS[:, None] * 0.8 * POINTS * scale + half)
@@ -55,7 +58,7 @@ def place_labels(axes: Axes, camera: Camera, labels: Sequence[Label], shapes: Se
         before = boxes[:n]
         overlap = np.all((low[:, None] < before[:, 2:]) & (before[:, :2] < high[:, None]), axis=2).sum(1)
         outside = np.any((low < (x0, y0)) | (high > (x1, y1)), axis=1)
-        best = int(np.argmin(inside + 40.0 * overlap + 1.5 * RINGS + 25.0 * outside))
+        best = int(np.argmin(inside + 40.0 * overlap + 1.5 * RINGS + OUTSIDE * outside))
         where, boxes[n] = centre[best], (*low[best], *high[best])
         frame = {"boxstyle": "round,pad=0.18", "fc": "white", "ec": label.colour, "lw": 0.7} if label.boxed else None
         text = axes.annotate(

@@ -6,6 +6,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar_drawing import look as paint
+from spacar_drawing.bodies import beam_lines
 from spacar_drawing.drawn_shapes import (
     Colour,
     Faces,
@@ -83,6 +84,36 @@ def hinge(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     if scene.e_class(e.number, 2) != "fixed":  # no bearing: it only measures the rotation
         return [Line(np.stack((at - 1.5 * length * axis, at + 1.5 * length * axis)), colour, 0.9, 5, (6, 2, 1, 2))]
     return cylinder(a, b, radius, colour, light=look.settings.light, alpha=look.settings.opacity_of(e.number))
+
+
+def slides(scene: Scene, e: Element) -> bool:
+    """A beam whose elongation is free or driven while its other deformations are held: the two parts of a slider. A
+    kinematic check does not know the stiffness of a dynamic elongation: a spring there."""
+    i = e.number - 1
+    springs = ("fixed",) if scene.analysis.forces else ("fixed", "dynamic")
+    loose = scene.e_class(e.number, 1) not in springs and not (scene.stiffness[i, 0] or scene.damping[i, 0])
+    held = any(scene.e_class(e.number, mode) == "fixed" or scene.stiffness[i, mode - 1] for mode in (2, 3))
+    return e.shape == "beam" and bool(e.p and e.q) and loose and held
+
+
+def slider(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
+    """The sleeve in which the one end of a beam slides on the other, half-way along it."""
+    s = look.size
+    points = beam_lines(scene, pose, [e], 5)[0][0]
+    along = points[3] - points[1]
+    length = float(np.linalg.norm(along))
+    if not length:
+        return []
+    colour = look.colour(e.number, paint.DRIVE if scene.e_class(e.number, 1) == "input" else paint.HINGE)
+    half = min(1.6 * s, length) * along / length
+    ends = np.stack((points[2] - half, points[2] + half))
+    if not scene.planar:
+        a, b = ends
+        return cylinder(a, b, 0.9 * s, colour, 4, look.settings.opacity_of(e.number), look.settings.light)
+    side = 0.65 * s * np.cross(Z, along) / length
+    box = np.concatenate((ends + side, (ends - side)[::-1]))
+    edge = np.concatenate((box, box[:1]))
+    return [Faces(box[None], "#ffffff", None, 1.0, 4, False), Line(edge, colour, 1.6, 4)]
 
 
 def span(scene: Scene, pose: Pose, e: Element) -> tuple[Array, Array, Array, Array]:

@@ -133,8 +133,8 @@ def draw_steps(
     for i, x in enumerate(xs[:-1]):
         shapes += ghost_shapes(scene, x, look, 0.18 + 0.30 * (i + 1) / n)
     shapes += mechanism_shapes(scene, xs[-1], look, extras)
-    paint(axes, camera, [*shapes, *more])
     corner_note(axes, note)
+    paint(axes, camera, [*shapes, *more])
     return figure
 
 

@@ -20,7 +20,7 @@ from spacar_drawing.bodies import Alike, bar_groups, beam_lines, body_groups, op
 from spacar_drawing.drawn_shapes import Faces, Line, Mark, Shape, convex_pieces, disc_outline
 from spacar_drawing.element_pictures import PARTS, free_truss, plain, straight_and_free
 from spacar_drawing.look import Look
-from spacar_drawing.machine_parts import wound_arcs
+from spacar_drawing.machine_parts import slider, slides, wound_arcs
 from spacar_drawing.paint import rgba
 from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.sections import outline
@@ -154,10 +154,10 @@ def mesh_of(scene: Scene, xs: Array, look: Look, more: Sequence[Draw] = ()) -> T
     others = [e for e in seen if e.shape not in ("beam", "body", "truss")]
 
     def one(e: Element) -> Draw:
-        draw = free_truss if e.shape == "truss" else PARTS.get(e.shape, plain)
+        draw = {"truss": free_truss, "beam": slider}.get(e.shape) or PARTS.get(e.shape, plain)
         return lambda pose: draw(scene, pose, look, e)
 
-    for e in [*springs, *others]:
+    for e in [*springs, *others, *(e for e in seen if slides(scene, e))]:
         _shapes(mesh, poses, one(e), e.number)
     if any(e.shape == "belt" for e in seen):
         _shapes(mesh, poses, lambda pose: wound_arcs(scene, pose, look), 0)

@@ -8,12 +8,16 @@ from scipy.spatial.transform import Rotation
 from spacar_drawing import draw
 from spacar_drawing.bodies import beam_lines, rows_of
 from spacar_drawing.drawn_shapes import Line, Mark
+from spacar_drawing.element_pictures import element_shapes
 from spacar_drawing.look import look_of
 from spacar_drawing.machine_parts import span
 from spacar_drawing.magnified import magnified, start_of
+from spacar_drawing.mechanism_picture import Extras, draw_steps
+from spacar_drawing.picture_source import source_of_result
 from spacar_drawing.scene import Pose, positions, rotations
 from spacar_drawing.supports import number_labels
 from spacar_drawing.symbols import ARROW, AXES, KINDS, LOAD, MASS, REACTION, Symbols, forces, moments
+from spacar_drawing.viewer_mesh import mesh_of
 
 import spacar
 from spacar.errors import UsageError
@@ -86,8 +90,6 @@ def test_masses_are_balls_of_their_volume():
         [("PLBEAM", 1, 1, 2, 3, 4), ("X", 3, 1.0, 0.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1)],
         [("EM", 1, 1.0), ("ESTIFF", 1, 1e4, 1e4), ("XM", 1, 1.0), ("XM", 3, 8.0), ("GRAVITY", 0.0, -9.81)],
     )
-    from spacar_drawing.picture_source import source_of_result
-
     source = source_of_result(spacar.run(7, deck))
     look = look_of(source.scene, source.x(), source.settings)
     symbols = Symbols.of(source, ["masses", "gravity"], [1])
@@ -192,3 +194,58 @@ def test_numbers_stand_at_what_is_drawn_of_their_element():
         e = source.scene.elements[int(label.text) - 1]
         line = beam_lines(source.scene, pose, [e], 101)[0][0]
         np.testing.assert_allclose(label.at, line[50], atol=1e-12)
+
+
+SLIDING = """PLBEAM 1 1 2 3 4
+PLBEAM 2 3 4 5 6
+X 3 1. 0.
+X 5 1.5 0.5
+FIX 1
+FIX 2
+FIX 5 {held}
+{drive} 1 1
+RLSE 2 {released}
+END HALT
+{stiffness}
+END END
+"""
+
+
+@pytest.mark.parametrize(
+    ("drive", "released", "held", "stiffness", "shown"),
+    [
+        ("INPUTE", "1", "2", "EM 2 1.", {1: "#c0272d", 2: "#c2703d"}),  # driven, free
+        ("DYNE", "1", "2", "ESTIFF 1 8.\nXM 3 1.", {2: "#c2703d"}),  # a spring, though rigid in bending
+        ("DYNE", "1 2 3", "1 2\nFIX 6", "ESTIFF 1 8.\nXM 3 1.", {}),  # holds nothing at all
+    ],
+)
+@pytest.mark.parametrize("mode", [0, 7])
+def test_a_released_elongation_is_drawn_as_a_slider(mode, drive, released, held, stiffness, shown):
+    """A sleeve half-way along the beam, parallel to it; in the plane and, with its corners, in the page that turns."""
+    text = SLIDING.format(drive=drive, released=released, held=held, stiffness=stiffness)
+    deck = spacar.parse_deck(text, mode=mode)
+    source = source_of_result(spacar.run(mode, deck))
+    scene, x = source.scene, source.x(1)
+    look, pose = look_of(scene, x[None], source.settings), Pose.of(scene, x)
+    found = [s for s in element_shapes(scene, pose, look) if isinstance(s, Line) and s.layer == 4]
+    assert [s.colour for s in found] == list(shown.values())
+    for number, s in zip(shown, found, strict=True):
+        e = scene.elements[number - 1]
+        ends = pose.place[[e.p - 1, e.q - 1]]
+        np.testing.assert_allclose(s.points[:4].mean(0), ends.mean(0), atol=1e-12)
+        assert np.linalg.norm(np.cross(s.points[1] - s.points[0], ends[1] - ends[0])) < 1e-12
+    sleeves = np.concatenate([np.zeros(0, int), *mesh_of(scene, x[None], look).element[1:]])
+    assert set(shown) <= set(sleeves.tolist())
+
+
+def test_numbers_keep_clear_of_the_numbers_along_the_axes():
+    """A spatial picture has its ticks inside the axes: no label lies on one, nor outside of the axes."""
+    source = result_source("leafguide", 7)
+    figure = draw_steps(source.scene, source.x(), source.settings, Extras(node_numbers=True, element_numbers=True))
+    axes = figure.axes[0]
+    boxes = [(t.get_zorder(), t.get_window_extent()) for t in axes.texts]
+    labels, ticks = [b for z, b in boxes if z == 30], [b for z, b in boxes if z < 30]
+    assert len(labels) > 10
+    assert ticks
+    assert not any(a.overlaps(b) for a in labels for b in ticks)
+    assert all(axes.bbox.contains(*b.min) and axes.bbox.contains(*b.max) for b in labels)
