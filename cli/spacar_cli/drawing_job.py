@@ -57,7 +57,7 @@ def draw(
         shown = series(changed, extras, chosen_steps(changed, at, None, True), nodes, initial)
         for path in films:
             pictures, count = shown.thinned(frames)
-            with frame_progress(environment.error_is_terminal, count, path.name) as tick:
+            with frame_progress(environment.shows_progress, count, path.name) as tick:
                 moving = shown.moving()
                 if table is not None:
                     line = beside(moving.figure, table, np.ravel(source.get("t")), table.panels)

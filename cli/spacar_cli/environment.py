@@ -17,9 +17,10 @@ RED, YELLOW = "31", "33"
 
 @dataclass(frozen=True)
 class Environment:
-    """The three streams and the environment variables of one call, and how much is told (-q, -v).
+    """The three streams and the environment variables of one call, and how much is told.
 
-    `debug` lets unexpected errors through; `told` has the messages so far: each is told once.
+    `debug` lets unexpected errors through; `asked` has "quiet" (-q) and "verbose" (-v) once the command line is read;
+    `told` has the messages so far: each is told once.
     """
 
     stdin: TextIO = field(default_factory=lambda: sys.stdin)
@@ -27,9 +28,16 @@ class Environment:
     stderr: TextIO = field(default_factory=lambda: sys.stderr)
     variables: Mapping[str, str] = field(default_factory=lambda: os.environ)
     debug: bool = False
-    quiet: bool = False
-    verbose: bool = False
+    asked: set[str] = field(default_factory=set)
     told: set[str] = field(default_factory=set)
+
+    @property
+    def quiet(self) -> bool:
+        return "quiet" in self.asked
+
+    @property
+    def verbose(self) -> bool:
+        return "verbose" in self.asked
 
     @property
     def output_is_terminal(self) -> bool:
@@ -38,6 +46,11 @@ class Environment:
     @property
     def error_is_terminal(self) -> bool:
         return self.stderr.isatty()
+
+    @property
+    def shows_progress(self) -> bool:
+        """Bars and counters: on terminals, unless quiet."""
+        return self.error_is_terminal and not self.quiet
 
     def paint(self, text: str, colour: str) -> str:
         """`text` in a colour when standard error is a terminal and NO_COLOR (no-color.org) does not refuse."""

@@ -1,4 +1,4 @@
-"""A bar for long animations: frames, speed, expected end. On terminals only."""
+"""A bar for long animations: frames, speed, expected end. On terminals only, unless quiet."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ SHORT = 20  # fewer frames need no bar
 
 
 @contextmanager
-def frame_progress(terminal: bool, count: int, label: str) -> Iterator[Tick | None]:
+def frame_progress(shown: bool, count: int, label: str) -> Iterator[Tick | None]:
     """A function to be told the number of finished frames, or None where no bar is wanted."""
-    if not terminal or count < SHORT:
+    if not shown or count < SHORT:
         yield None
         return
     from rich.console import Console

@@ -20,7 +20,7 @@ class Bar:
         self._environment = environment
         self._bar: Any = None
         self._begun = time.perf_counter()
-        self._due = self._begun + PATIENCE if environment.error_is_terminal else float("inf")
+        self._due = self._begun + PATIENCE if environment.shows_progress else float("inf")
 
     @property
     def due(self) -> bool:

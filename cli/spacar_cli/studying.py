@@ -32,7 +32,7 @@ def common(command: Command) -> Command:
 
 def counted(environment: Environment, items: Iterable[Item], total: int, what: str) -> Iterator[Item]:
     """Pass items through; on a terminal one line says how many have come."""
-    shown = environment.error_is_terminal and not environment.quiet
+    shown = environment.shows_progress
     for number, item in enumerate(items, 1):
         if shown:
             print(f"\r{number}/{total} {what} ", end="", file=environment.stderr, flush=True)

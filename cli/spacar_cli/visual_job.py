@@ -161,7 +161,7 @@ def _mode(
         pictures, bounds = mode_pictures(source.scene, x, settings, extras, mode, factor, rest)
         camera = camera_of(source.scene, choices.view)
         for path in (p for p in outputs if p.suffix.lower() in FILM):
-            with frame_progress(environment.error_is_terminal, PHASES, path.name) as tick:
+            with frame_progress(environment.shows_progress, PHASES, path.name) as tick:
                 moving = MovingFigure.create(bounds, camera)
                 film(moving, pictures, PHASES, path, choices.fps, min(choices.dpi, FILM_DPI), tick)
         if choices.show:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -211,9 +210,9 @@ def _added(function: Callable[..., Any], make: Callable[[], click.Option]) -> Ca
 
 
 def _kept(ctx: click.Context, param: click.Parameter, value: bool) -> None:
-    """The environment of this command is quiet or verbose."""
+    """The environment is quiet or verbose, for errors and warnings of the input too."""
     if value:
-        ctx.obj = replace(ctx.obj, **{str(param.name): True})
+        ctx.obj.asked.add(param.name)
 
 
 class Command(click.Command):

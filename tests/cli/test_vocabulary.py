@@ -123,3 +123,26 @@ def test_quiet_and_verbose(tmp_path):
     assert call("plot", tmp_path / "crank", "x[6,1]", "-o", tmp_path / "a.png", "-q") == (0, "", "")
     status, out, _ = call("getfrsbf", tmp_path / "crank", "t", "--at", "-1", "-q")
     assert (status, len(out.split())) == (0, 1)
+
+
+WARNED = "OUTLEVEL 9 9\nPLTRUSS 1 1 2\nX 2 1. 0.\nFIX 1\nFIX 2 2\nDYNE 1\nEND HALT\nXM 2 1.\nESTIFF 1 8.\nEND END\n"
+
+
+@pytest.mark.parametrize("words", [["7"], ["check"], ["check", "--expand"], ["flexure", "--move", "2x=0.1"]])
+@pytest.mark.parametrize("broken", [False, True])
+def test_warnings_are_told_once_on_standard_error_unless_quiet(words, broken, tmp_path, monkeypatch):
+    """Also those beside an error of the input, of which quiet leaves the error."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "m.dat").write_text(WARNED.replace("ESTIFF", "ESTUFF") if broken else WARNED)
+    status, out, err = call(words[0], "m", *words[1:])
+    assert (status, err.count("warning: m.dat:1: OUTLEVEL"), err.count("error: "), "warning:" in out) == (
+        2 * broken, 1, broken, False
+    )  # fmt: skip
+    _, out, err = call(words[0], "m", *words[1:], "-q")
+    assert (err.count("warning"), err.count("error: ")) == (0, broken)
+    assert ("% plain statements of m.dat, numbers in m, kg, s, N, rad\n" in out) == ("--expand" in words and not broken)
+
+
+def test_expanded_input_tells_that_its_unit_changed():
+    first = call("check", DATA / "leafguide.dat", "--expand")[1].partition("\n")[0]
+    assert first == "% plain statements of leafguide.dat, numbers in m, kg, s, N, rad; UNITS of the file is converted"

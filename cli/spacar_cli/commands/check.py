@@ -55,6 +55,8 @@ def command(environment: Environment, file: Path, mode: int | None, expand: bool
         tell_messages(environment, found.drawing, ("warning",))
     severities = [m.severity for m in messages]
     if expand and deck is not None and status is ExitStatus.DONE:
+        converted = "" if deck.metre == 1.0 else "; UNITS of the file is converted"
+        environment.say(f"% plain statements of {source.name}, numbers in m, kg, s, N, rad{converted}")
         environment.say(deck.to_text().rstrip("\n"))
     elif as_json:
         environment.say(json.dumps({"input": str(source), "messages": [dataclasses.asdict(m) for m in messages]}))

@@ -15,7 +15,7 @@ from spacar.calls import frames
 from spacar.errors import InputError, SpacarError, UsageError
 from spacar.modes import Mode, find_mode
 from spacar.options import BEAMS, check_modes, integrator
-from spacar.stream import Outcome, Run, Sink
+from spacar.stream import Outcome, Run
 from spacar_cli import accuracy_options
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
@@ -146,12 +146,11 @@ def run_mode(
         begin(results)  # not before: an earlier result may be the one to linearize along
         severities = ("warning", "information")[: 1 + environment.verbose]
         tell_messages(environment, run.mechanism.deck.messages, severities)
-        watching: list[Sink] = [] if environment.quiet else [Progress(environment)]
         if show:
             from spacar_drawing.window import LivePlot
 
             window = LivePlot()
-        outcome = run.consume(*watching, *results, log, window=window)
+        outcome = run.consume(Progress(environment), *results, log, window=window)
     except (Exception, KeyboardInterrupt) as error:  # before the first step
         log.finish(error)
         outcome.error = error

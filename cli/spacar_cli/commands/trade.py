@@ -140,14 +140,14 @@ def _within_budget(
     from spacar.studies.policies.trade import recommend
 
     def tick(what: str, left: float) -> None:
-        if environment.error_is_terminal and not environment.quiet:
+        if environment.shows_progress:
             print(f"\r\x1b[K{what}, at most {left:.0f} s to go ", end="", file=environment.stderr, flush=True)
 
     try:
         found = search(trade, target, budget, tick)
         prices = unneeded(found, target, tick)
     finally:
-        if environment.error_is_terminal and not environment.quiet:
+        if environment.shows_progress:
             print("\r\x1b[K", end="", file=environment.stderr, flush=True)
     ref = found.reference
     assert ref is not None  # search has said why otherwise
