@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
-import sys
-import time
+import os
+import signal
 from pathlib import Path
+from threading import Timer
 
 import pytest
 from spacar_cli.editor.task_process import TaskProcess
@@ -13,42 +14,47 @@ from spacar_cli.editor.task_process import TaskProcess
 from spacar.errors import UsageError
 
 DATA = Path(__file__).parents[2] / "data"
-# Answers with its process number; hangs, dies or floods when it is told to.
-STUB = """
-import json, os, sys, time
-for line in sys.stdin:
-    task = json.loads(line)["task"]
-    if task == "hang":
-        time.sleep(60)
-    if task == "die":
-        os._exit(3)
-    print(json.dumps({"result": [task, os.getpid(), "x" * 300000]}), flush=True)
-"""
 
 
 @pytest.fixture
 def process():
-    made = TaskProcess([sys.executable, "-c", STUB])
+    made = TaskProcess()
     yield made
     made.close()
 
 
-def test_one_that_hangs_is_replaced(process):
-    first = json.loads(process.ask("one", {}, 20))["result"][1]
-    begun = time.monotonic()
-    with pytest.raises(UsageError, match=r"no answer within 0\.3 s"):
-        process.ask("hang", {}, 0.3)
-    assert time.monotonic() - begun < 5
-    task, second, _ = json.loads(process.ask("two", {}, 20))["result"]
-    assert task == "two"
-    assert second != first
+def asked(process: TaskProcess, seconds: float = 60) -> int:
+    """The number of the process that answered."""
+    assert json.loads(process.ask("progress", {"file": "none.dat"}, seconds))["result"]["steps"] == 0
+    return process._process.pid
 
 
-def test_one_that_dies_is_replaced(process):
-    first = json.loads(process.ask("one", {}, 20))["result"][1]
+@pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no process can be stopped")
+@pytest.mark.parametrize(("dies", "seconds", "told"), [
+    (False, 0.3, r"no answer within 0\.3 s"), (True, 60, "ended without an answer"),
+])  # fmt: skip
+def test_one_that_hangs_or_dies_is_replaced(process, dies, seconds, told):
+    first = asked(process)
+    os.kill(first, signal.SIGSTOP)
+    if dies:
+        Timer(0.2, os.kill, (first, signal.SIGKILL)).start()
+    with pytest.raises(UsageError, match=told):
+        asked(process, seconds)
+    assert asked(process) != first
+
+
+def test_one_that_died_between_two_questions_is_replaced(process):
+    first = asked(process)
+    process._process.kill()
+    process._process.join()
+    assert asked(process) != first
+
+
+def test_the_time_to_begin_is_not_that_of_an_answer(process, monkeypatch):
+    """On a busy machine no process would live to give one."""
+    monkeypatch.setattr("spacar_cli.editor.task_process.TO_BEGIN", 0.0)
     with pytest.raises(UsageError, match="ended without an answer"):
-        process.ask("die", {}, 20)
-    assert json.loads(process.ask("two", {}, 20))["result"][1] != first
+        asked(process)
 
 
 def test_the_worker_answers_and_survives_what_is_no_model(tmp_path):

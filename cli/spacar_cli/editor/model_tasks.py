@@ -1,11 +1,12 @@
 """What the page asks about the text in its editor and about results: a function for each question, JSON in and out.
 
-They run in a process of their own (`task_worker`), as a text may take long or more memory than there is. Nothing of
-the user's Python files is imported here: functions are listed; runs (`mode_job`) execute them.
+They run in a process of their own (`task_process`). Nothing of the user's Python files is imported here: functions are
+listed; runs (`mode_job`) execute them.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -23,7 +24,7 @@ from spacar.calls import run
 from spacar.deck import Deck
 from spacar.deck.deck import parse
 from spacar.deck.lexer import visualization_of
-from spacar.errors import UsageError
+from spacar.errors import InputError, SpacarError, UsageError
 from spacar.kinematics.advice import HINGE, KEEPS, REDUNDANT
 from spacar.kinematics.release import release
 from spacar.mechanism.user_files import without_functions
@@ -185,3 +186,16 @@ def progress(file: str) -> Answer:
 TASKS: dict[str, Callable[..., Answer]] = {
     f.__name__: f for f in (check, picture, freedom, released, motion, result, shape, curve, progress)
 }
+
+
+def answered(task: str, arguments: Answer) -> str:
+    """{"result": ...} or {"error": text} as JSON."""
+    try:
+        return json.dumps({"result": TASKS[task](**arguments)}, allow_nan=False)
+    except InputError as error:
+        return json.dumps({"error": str(error.messages[0]) if error.messages else str(error)})
+    except SpacarError as error:
+        return json.dumps({"error": str(error)})
+    except Exception as error:
+        text = " ".join(str(error).split())
+        return json.dumps({"error": f"internal error: {type(error).__name__}: {text} (please report it)"})

@@ -1,72 +1,84 @@
-"""The other side of `task_worker`: asks a process, and replaces it when it does not answer in time or dies."""
+"""A process that answers the questions of the page; another one takes its place when it does not answer or dies.
+
+What it is asked may take long, or more memory than there is. A pipe carries the questions and the answers.
+"""
 
 from __future__ import annotations
 
-import contextlib
-import json
 import os
-import subprocess
-import sys
-from collections.abc import Sequence
-from queue import Empty, Queue
-from threading import Lock, Thread
+import signal
+import warnings
+from collections.abc import Callable
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from threading import Lock
 from typing import Any
 
 from spacar.errors import UsageError
 
-COMMAND = (sys.executable, "-m", "spacar_cli.editor.task_worker")
-ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONIOENCODING": "utf-8"}
+ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+TO_BEGIN = 120.0  # seconds in which a new process is ready, on a busy machine as well
+SPAWN = get_context("spawn")
+
+
+def answer_until_the_end(pipe: Connection) -> None:
+    """What the process does: says that it is ready, then a JSON text for each (task, arguments)."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server
+    warnings.simplefilter("ignore")
+    os.environ.update(ONE_THREAD)  # read when NumPy is imported
+    from spacar_cli.editor.model_tasks import answered
+
+    pipe.send("ready")
+    while True:
+        try:
+            task, arguments = pipe.recv()
+        except EOFError:  # the server has ended
+            return
+        pipe.send(answered(task, arguments))
 
 
 class TaskProcess:
     """One process, started when it is first asked; questions wait for each other."""
 
-    def __init__(self, command: Sequence[str] = COMMAND) -> None:
-        self._command = command
+    def __init__(self, work: Callable[[Connection], None] = answer_until_the_end) -> None:
+        self._work = work
         self._lock = Lock()
-        self._process: subprocess.Popen[str] | None = None
-        self._lines: Queue[str | None] = Queue()
+        self._process: Any = None
 
     def ask(self, task: str, arguments: dict[str, Any], seconds: float) -> str:
-        """The answer as the worker wrote it, JSON. Raises UsageError with the reason why there is none; the process is
-        another one after a death and after `seconds` without an answer."""
+        """The answer, JSON. Raises UsageError with the reason why there is none; the process is another one after a
+        death and after `seconds` without an answer, in which the time to begin does not count."""
         with self._lock:
-            process = self._running()
-            assert process.stdin is not None
             try:
-                process.stdin.write(json.dumps({"task": task, "arguments": arguments}) + "\n")
-                process.stdin.flush()
-                line = self._lines.get(timeout=seconds)
-            except Empty:
+                if self._process is None or not self._process.is_alive():
+                    self._begin()
+                self._pipe.send((task, arguments))
+                if self._pipe.poll(seconds):
+                    return str(self._pipe.recv())
+            except (EOFError, OSError):
                 self._end()
-                text = f"{task}: no answer within {seconds:g} s; the process was stopped and another one is started"
-                raise UsageError(text, "edit.hung") from None
-            except OSError:
-                line = None
-            if line is None:
-                self._end()
-                raise UsageError(f"{task}: the process ended without an answer; another one is started", "edit.died")
-        return line
-
-    def _running(self) -> subprocess.Popen[str]:
-        if self._process is None or self._process.poll() is not None:
+                raise UsageError(f"{task}: the process ended without an answer; another one is started",
+                                 "edit.died") from None  # fmt: skip
             self._end()
-            self._lines = Queue()
-            self._process = subprocess.Popen(
-                self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, encoding="utf-8",
-                errors="backslashreplace", env={**os.environ, **ONE_THREAD},
-            )  # fmt: skip
-            Thread(target=_read, args=(self._process, self._lines), daemon=True).start()
-        return self._process
+            text = f"{task}: no answer within {seconds:g} s; the process was stopped and another one is started"
+            raise UsageError(text, "edit.hung")
+
+    def _begin(self) -> None:
+        """Raises OSError when it is not ready in time, EOFError when it dies."""
+        self._end()
+        self._pipe, theirs = SPAWN.Pipe()
+        self._process = SPAWN.Process(target=self._work, args=(theirs,), daemon=True)
+        self._process.start()
+        theirs.close()  # so that its death is the end of the pipe
+        if not self._pipe.poll(TO_BEGIN):
+            raise OSError
+        self._pipe.recv()
 
     def _end(self) -> None:
         if self._process is not None:
             self._process.kill()
-            self._process.wait()
-            for stream in (self._process.stdin, self._process.stdout):
-                with contextlib.suppress(OSError):
-                    if stream is not None:
-                        stream.close()
+            self._process.join()
+            self._pipe.close()
             self._process = None
 
     def close(self) -> None:
@@ -76,11 +88,3 @@ class TaskProcess:
             process.kill()
         with self._lock:
             self._end()
-
-
-def _read(process: subprocess.Popen[str], lines: Queue[str | None]) -> None:
-    assert process.stdout is not None
-    with contextlib.suppress(ValueError, OSError):
-        for line in process.stdout:
-            lines.put(line)
-    lines.put(None)
