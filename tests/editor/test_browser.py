@@ -241,6 +241,32 @@ def test_a_file_changed_by_another_program_is_noticed(chromium, crank, shot):
         page.wait("() => spacarPage.text().startsWith('% theirs again')")
 
 
+LATE_SAVE = """() => {
+  const { fetch } = window;
+  let states = 0;
+  window.fetch = async (name, given) => {
+    const answer = await fetch(name, given);
+    if (name === "call/state") states++;
+    if (name === "call/save") for (const now = states; states < now + 2;) await new Promise((go) => setTimeout(go, 20));
+    return answer;
+  };
+}"""
+
+
+def test_a_save_of_our_own_is_no_change_by_another_program(chromium, crank):
+    """Also where questions about the file are answered before the save is."""
+    with served(crank) as address:
+        page = EditorPage(chromium, address)
+        page.checked()
+        page.page.evaluate(LATE_SAVE)
+        page.line(1)
+        page.page.keyboard.type("% mine ")
+        page.page.click("#save")
+        page.wait("() => document.querySelector('#saved').textContent === 'saved'")
+        assert page.page.is_hidden("#warning")
+        assert crank.read_text().startswith("% mine")
+
+
 def many_beams(n: int) -> str:
     """A chain of n flexible spatial beams."""
     places = [f"X {2 * i + 1} {0.01 * i:.4f} 0 {0.2 * math.sin(0.02 * i):.6f}" for i in range(n + 1)]

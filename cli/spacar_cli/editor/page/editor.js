@@ -6,7 +6,7 @@
   const told = (text, kind = "") => { $("told").textContent = text; $("told").className = kind; };
   const table = await (await fetch("keywords.json")).json();
   const language = inputLanguage(table, CM);
-  let file = await call("open"), savedText = file.text, edits = 0, picking = false, asking = false;
+  let file = await call("open"), savedText = file.text, edits = 0, saving = 0, picking = false, asking = false;
 
   const view = new CM.EditorView({
     parent: $("editor"),
@@ -171,6 +171,7 @@
   async function save() {
     if (watch) return false;
     const now = text();
+    saving++;
     try {
       file.digest = await call("save", { text: now, digest: file.digest, newline: file.newline, marked: file.marked });
       savedText = now;
@@ -180,6 +181,8 @@
       if (error.code === "edit.changed") changedElsewhere((await call("state")).digest);
       else told(error.message, "error");
       return false;
+    } finally {
+      saving--;
     }
   }
   $("save").addEventListener("click", save);
@@ -229,8 +232,10 @@
   async function poll() {
     let wait = 700;
     try {
-      const state = await call("state", { progress: current !== null });
-      if (state.digest !== file.digest && !asking && state.digest) {
+      const before = file.digest, state = await call("state", { progress: current !== null });
+      // an answer from before or during a save of our own says nothing about other programs
+      const foreign = state.digest && state.digest !== file.digest && before === file.digest && !saving;
+      if (foreign && !asking) {
         if (watch) await reload();
         else changedElsewhere(state.digest);
       }
