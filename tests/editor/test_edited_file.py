@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from spacar_cli.editor.edited_file import ChangedElsewhere, EditedFile
+from spacar_cli.editor.edited_file import EditedFile
 
 from spacar.deck import parse_deck
+from spacar.errors import UsageError
 
 
 @pytest.mark.parametrize("data", [
@@ -16,8 +17,8 @@ def test_what_was_read_is_written_again(tmp_path, data):
     path.write_bytes(data)
     file = EditedFile(path)
     read = file.read()
-    assert "\r" not in read.text
-    assert file.save(read.text, read.digest, read.newline, read.marked) == read.digest
+    assert "\r" not in read["text"]
+    assert file.save(**read) == read["digest"]
     assert path.read_bytes() == data
 
 
@@ -25,13 +26,13 @@ def test_a_file_that_came_or_went_is_a_change(tmp_path):
     path = tmp_path / "a.dat"
     file = EditedFile(path)
     read = file.read()
-    assert parse_deck(read.text).messages == ()
+    assert parse_deck(read["text"]).messages == ()
     path.write_text("somebody was first\n")
-    with pytest.raises(ChangedElsewhere, match=r"a\.dat was changed by another program"):
-        file.save(read.text, read.digest, read.newline, read.marked)
+    with pytest.raises(UsageError, match=r"a\.dat was changed by another program"):
+        file.save(**read)
     assert path.read_text() == "somebody was first\n"
-    digest = file.read().digest
+    read = file.read()
     path.unlink()
-    with pytest.raises(ChangedElsewhere):
-        file.save(read.text, digest, "\n", False)
+    with pytest.raises(UsageError, match="was changed by another program"):
+        file.save(**read)
     assert not path.exists()

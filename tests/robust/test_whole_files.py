@@ -59,7 +59,6 @@ def test_there_is_one_door():
     assert set(found) <= {
         "cli/spacar_drawing/page_parts.py", "cli/spacar_drawing/drawing_calls.py", "formats/spacar_formats/fmu.py",
         "spacar/deck/model_methods.py", "spacar/compiled/element_texts.py", "cli/spacar_drawing/shown_figure.py",
-        "cli/spacar_cli/editor/page_calls.py",  # calls EditedFile.save
     }, found  # fmt: skip
 
 

@@ -22,7 +22,7 @@ def command(environment: Environment, file: Path, no_browser: bool) -> None:
     computer only, to whoever has its address; Ctrl-C, or End on the page, ends it. User functions (USERSIG, USERINP,
     USERTRAJ) are executed by runs only.
     """
-    from spacar_cli.editor.serving import serve
+    from spacar_cli.editor.page_server import serve
 
     path = edited_path(file)
     if path.is_dir() or not path.parent.is_dir():

@@ -43,7 +43,7 @@ def command(
     With --watch nothing is written: the page shows FILE.dat while it is changed in any editor, with its errors.
     """
     if watch:
-        from spacar_cli.editor.serving import serve
+        from spacar_cli.editor.page_server import serve
         from spacar_cli.input_files import input_file
 
         serve(environment, input_file(Path(file)), True, not no_browser)

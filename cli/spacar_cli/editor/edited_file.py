@@ -5,9 +5,9 @@ The page has lines that end with \\n; the file keeps its line ends, its byte ord
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 from spacar_formats.safety import replacing
 
@@ -37,49 +37,37 @@ def result_file(path: Path, kind: str) -> Path:
     return stem.with_name(f"{stem.name}.{kind}")
 
 
-@dataclass(frozen=True)
-class FileState:
-    """Text with \\n, its digest (of the bytes; empty: there is no file), and how its lines end."""
-
-    text: str
-    digest: str
-    newline: str = "\n"
-    marked: bool = False
-
-
-class ChangedElsewhere(UsageError):
-    """The file is not the one that was read."""
-
-
 class EditedFile:
-    """One file; `read` and `save` exchange digests with the page."""
+    """One file; `read` and `save` exchange digests (of the bytes; empty: there is no file) with the page."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
 
     def digest(self) -> str:
-        """That of the file now; empty when there is none."""
+        """That of the file now."""
         data = self._bytes()
         return "" if data is None else sha256(data).hexdigest()
 
-    def read(self) -> FileState:
-        """The file, or a short example where there is none. Raises UsageError."""
+    def read(self) -> dict[str, Any]:
+        """text with \\n, or a short example where there is no file; digest; newline: how lines end; marked: whether a
+        byte order mark begins it. Raises UsageError."""
         data = self._bytes()
         if data is None:
-            return FileState(EXAMPLE, "")
+            return {"text": EXAMPLE, "digest": "", "newline": "\n", "marked": False}
         text = data.decode("utf-8", "surrogateescape")
         newline = next((end for end in ("\r\n", "\n", "\r") if end in text), "\n")
         lines = text.removeprefix(MARK).replace("\r\n", "\n").replace("\r", "\n")
-        return FileState(lines, sha256(data).hexdigest(), newline, text.startswith(MARK))
+        digest = sha256(data).hexdigest()
+        return {"text": lines, "digest": digest, "newline": newline, "marked": text.startswith(MARK)}
 
     def save(self, text: str, digest: str, newline: str, marked: bool, force: bool = False) -> str:
         """Replace the file as a whole; returns its new digest.
 
-        Raises ChangedElsewhere when it is not the one with this digest (unless `force`), UsageError when it cannot be
+        Raises UsageError when it is not the one with this digest (edit.changed, unless `force`), and when it cannot be
         written.
         """
         if not force and self.digest() != digest:
-            raise ChangedElsewhere(f"{self.path.name} was changed by another program", "edit.changed")
+            raise UsageError(f"{self.path.name} was changed by another program", "edit.changed")
         end = newline if newline in ("\n", "\r\n", "\r") else "\n"
         data = (MARK * marked + text.replace("\n", end)).encode("utf-8", "surrogateescape")
         with replacing(self.path) as side:

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from threading import Lock, Thread
+from threading import Lock, Thread, Timer
 from typing import Any
 
 from spacar.errors import UsageError
@@ -17,8 +17,10 @@ from spacar.modes import find_mode
 PATIENCE = 5.0  # seconds after which a run that was asked to end is killed
 # Ctrl-C at the server does not reach a run before the server has ended it
 OWN_GROUP: Any = {"start_new_session": True}
+STOP = signal.SIGINT
 if sys.platform == "win32":
     OWN_GROUP = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
+    STOP = signal.CTRL_BREAK_EVENT
 MOST_TOLD = 4000  # letters of what a run says
 
 
@@ -29,6 +31,7 @@ class ModeJob:
         self._path = path
         self._lock = Lock()
         self._process: subprocess.Popen[str] | None = None
+        self._begun = 0.0
         self._state: dict[str, Any] = {"running": False, "mode": None}
 
     def start(self, mode: int) -> None:
@@ -38,12 +41,13 @@ class ModeJob:
             if self._state["running"]:
                 raise UsageError("a run goes on; abort it, or wait", "edit.running")
             words = [sys.executable, "-m", "spacar_cli.main", str(number), self._path.name, "--json"]
+            self._begun = time.monotonic()
             self._process = subprocess.Popen(
                 words, cwd=self._path.parent, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                 text=True, encoding="utf-8", errors="backslashreplace", **OWN_GROUP,
             )  # fmt: skip
-            self._state = {"running": True, "mode": number, "begun": time.monotonic()}
-        Thread(target=self._wait, args=(self._process,), daemon=True).start()
+            self._state = {"running": True, "mode": number}
+            Thread(target=self._wait, args=(self._process,), daemon=True).start()
 
     def _wait(self, process: subprocess.Popen[str]) -> None:
         out, told = process.communicate()
@@ -51,45 +55,26 @@ class ModeJob:
             summary = json.loads(out.splitlines()[-1])
         except (ValueError, IndexError):
             summary = {}
+        ended = {"running": False, "status": process.returncode, "told": told[-MOST_TOLD:],
+                 "seconds": time.monotonic() - self._begun}  # fmt: skip
         with self._lock:
-            self._state |= {
-                "running": False, "status": process.returncode, "told": told[-MOST_TOLD:],
-                "steps": summary.get("steps"), "seconds": time.monotonic() - self._state["begun"],
-                "error": summary.get("error"), "code": summary.get("code"),
-            }  # fmt: skip
+            self._state |= ended | {name: summary.get(name) for name in ("steps", "error", "code")}
 
     def state(self) -> dict[str, Any]:
         """running, mode, and when it has ended status, told, steps, seconds, error, code."""
         with self._lock:
-            found = dict(self._state)
-        begun = found.pop("begun", None)
-        if found["running"] and begun is not None:
-            found["seconds"] = time.monotonic() - begun
-        return found
+            return dict(self._state)
 
     def abort(self) -> None:
         """As Ctrl-C: what is stored so far is kept."""
-        process = self._process
-        if process is None or process.poll() is not None:
-            return
-        if sys.platform == "win32":
-            process.send_signal(signal.CTRL_BREAK_EVENT)
-        else:
-            process.send_signal(signal.SIGINT)
-
-        def make_sure() -> None:
-            try:
-                process.wait(PATIENCE)
-            except subprocess.TimeoutExpired:
-                process.kill()
-
-        Thread(target=make_sure, daemon=True).start()
+        if self._process is not None and self._process.poll() is None:
+            self._process.send_signal(STOP)
+            kill = Timer(PATIENCE, self._process.kill)
+            kill.daemon = True
+            kill.start()
 
     def close(self) -> None:
         """End a run that goes on."""
         self.abort()
         if self._process is not None:
-            try:
-                self._process.wait(PATIENCE)
-            except subprocess.TimeoutExpired:
-                self._process.kill()
+            self._process.wait()

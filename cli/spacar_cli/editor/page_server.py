@@ -15,6 +15,7 @@ from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.resources import files
 from pathlib import Path
+from threading import Thread
 from typing import Any, ClassVar
 from urllib.parse import urlsplit
 
@@ -22,6 +23,7 @@ from spacar_drawing.viewer_page import STYLE, script_text, stage_html
 
 from spacar.errors import SpacarError
 from spacar_cli.editor.page_calls import PageCalls
+from spacar_cli.environment import Environment
 from spacar_cli.keyword_json import keywords_json
 
 HOST = "127.0.0.1"
@@ -149,3 +151,25 @@ class PageHandler(BaseHTTPRequestHandler):
 
     def log_message(self, format: str, *args: Any) -> None:
         """Nothing is told about requests."""
+
+
+def serve(environment: Environment, path: Path, watch: bool, browser: bool) -> None:
+    """Print the address, open it in the browser when that is asked for, and answer until Ctrl-C or the page ends it."""
+    calls = PageCalls(path.resolve(), watch)
+    server = PageServer(calls)
+    Thread(target=server.serve_forever, kwargs={"poll_interval": 0.1}, daemon=True).start()
+    try:
+        environment.say(f"{path.name}: {server.address}")
+        environment.wrote("Ctrl-C ends it")
+        if browser:
+            import webbrowser
+
+            webbrowser.open(server.address)
+        while not calls.ended.wait(0.5):  # a wait without end would not see Ctrl-C on every system
+            pass
+    except KeyboardInterrupt:
+        pass
+    finally:
+        server.shutdown()
+        server.server_close()
+        calls.close()
