@@ -26,8 +26,8 @@ define environment
 endef
 
 # The C text of the engine and what it is generated from: an installation with another one builds it again.
-ENGINE := hatch_build.py $(wildcard spacar/compiled/*.[ch]) $(wildcard spacar/compiled/*definitions.py) \
-          $(addprefix spacar/compiled/,element_parameters.py generate.py derivative_kernels.py element_texts.py)
+ENGINE := hatch_build.py $(wildcard spacar/compiled/*.[ch]) $(wildcard spacar/compiled/generator/*.py) \
+          $(wildcard spacar/elements/*_symbolic.py spacar/elements/*/*_symbolic.py)
 
 $(VENV)/.installed: pyproject.toml $(ENGINE)
 	$(environment)

@@ -26,6 +26,7 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -44,28 +45,32 @@ OF_X86_64 = {
     "v3_4": ("-march=x86-64-v3", "-DELEMENTS=v3_elements"), "v3_1": ("-march=x86-64-v3",),
     "v4_8": ("-march=x86-64-v4",),
 }  # fmt: skip
-GENERATED_FROM = (  # the texts of elements
-    "definitions.py", "planar_definitions.py", "spatial_definitions.py", "element_parameters.py", "generate.py",
-    "derivative_kernels.py", "element_texts.py",
-)  # fmt: skip
+# the texts of elements
+GENERATED_FROM = "compiled/generator/*.py", "elements/**/*_symbolic.py"
 LIBRARY = {"win32": "engine.dll", "darwin": "engine.dylib"}.get(sys.platform, "engine.so")
 
 
 def source_digest(folder: Path = HOME) -> str:
     """Of the C text and what it is generated from, in the order of the names: `spacar.compiled.library` compares it."""
-    text = hashlib.sha256()
-    entering = (folder / name for name in GENERATED_FROM)
-    for path in sorted((*folder.glob("*.[ch]"), *filter(Path.is_file, entering))):
+    return digest((*sorted(folder.glob("*.[ch]")), *generating(folder)))
+
+
+def generating(folder: Path = HOME) -> list[Path]:
+    """What the texts of elements are derived from."""
+    return [path for pattern in GENERATED_FROM for path in sorted(folder.parent.glob(pattern))]
+
+
+def digest(paths: Iterable[Path], start: str = "") -> str:
+    text = hashlib.sha256(start.encode())
+    for path in paths:
         text.update(path.read_bytes().replace(b"\r\n", b"\n"))
     return text.hexdigest()[:16]
 
 
 def head() -> str:
     """First line of the texts of elements: what they are derived from."""
-    text = hashlib.sha256(SYMPY.encode())
-    for name in GENERATED_FROM:
-        text.update((HOME / name).read_bytes().replace(b"\r\n", b"\n"))
-    return f"/* derived by spacar.compiled.element_texts from {text.hexdigest()[:16]}; do not edit */\n"
+    made_of = digest(generating(), SYMPY)
+    return f"/* derived by spacar.compiled.generator.element_texts from {made_of}; do not edit */\n"
 
 
 def is_derived() -> bool:
@@ -85,7 +90,7 @@ def derive() -> str | None:
         failure = run([sys.executable, "-c", f"import numpy, sympy; assert sympy.__version__ == '{SYMPY}'"], HOUSE)
         if failure is not None:
             return f"the functions of the elements are derived with SymPy {SYMPY}, which is not here"
-        failure = run([sys.executable, "-m", "spacar.compiled.element_texts", name], HOUSE)
+        failure = run([sys.executable, "-m", "spacar.compiled.generator.element_texts", name], HOUSE)
         if failure is not None:
             return f"the functions of the elements could not be derived: {failure}"
         try:

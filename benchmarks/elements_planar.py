@@ -12,13 +12,13 @@ from collections.abc import Callable
 import numpy as np
 
 from spacar.elements.family import ElementGroup, Family
-from spacar.elements.plbeam import PlanarBeam
-from spacar.elements.plbelt import PlanarBelt
-from spacar.elements.plpinbod import PlanarPinbody
-from spacar.elements.pltor import PlanarHinge
-from spacar.elements.pltruss import PlanarTruss
-from spacar.elements.pltube import PlanarTube
-from spacar.elements.plwheel import PlanarWheel
+from spacar.elements.planar.plbeam import PlanarBeam
+from spacar.elements.planar.plbelt import PlanarBelt
+from spacar.elements.planar.plpinbod import PlanarPinbody
+from spacar.elements.planar.pltor import PlanarHinge
+from spacar.elements.planar.pltruss import PlanarTruss
+from spacar.elements.planar.pltube import PlanarTube
+from spacar.elements.planar.plwheel import PlanarWheel
 
 SIZES = (1, 10, 100, 1000)
 LINE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0)  # x_p, phi_p, x_q, phi_q

@@ -10,14 +10,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from spacar.elements.beam import SpatialBeam
 from spacar.elements.family import ElementGroup, Family
-from spacar.elements.hinge import SpatialHinge
-from spacar.elements.pinbody import SpatialPinbody
-from spacar.elements.screw import Screw
-from spacar.elements.truss import SpatialTruss
-from spacar.elements.tube import SpatialTube
-from spacar.elements.wheel import DiskWheel
+from spacar.elements.spatial.beam import SpatialBeam
+from spacar.elements.spatial.hinge import SpatialHinge
+from spacar.elements.spatial.pinbody import SpatialPinbody
+from spacar.elements.spatial.screw import Screw
+from spacar.elements.spatial.truss import SpatialTruss
+from spacar.elements.spatial.tube import SpatialTube
+from spacar.elements.spatial.wheel import DiskWheel
 
 FAMILIES: dict[str, tuple[Callable[[ElementGroup], Family], str, tuple[float, ...]]] = {
     "BEAM": (SpatialBeam, "xlxl", (0.1, 1.0, 0.2)),

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from spacar.elements.rotation import rotate
+from spacar.elements.rotations.rotation import rotate
 from spacar.errors import UsageError
 from spacar_cli.deck_as_text import DeckText
 from spacar_cli.deck_parts import Part

@@ -6,8 +6,8 @@ evaluation. Here the same equations run in C:
     engine.h   structures and functions that both sides read (`interface`); sizes are compared when the engine is loaded
     lanes.c    the number type: one double, or eight of as many cases that differ in numbers only
     memory.c   memory that is cut piece by piece and given back as a whole
-    generated/kernels.c  the element functions, derived from the definitions of the deformations in `definitions`,
-               which share nothing with the hand-written element families
+    generated/kernels.c  the element functions, which `generator` derives from the definitions in SymPy beside the
+               element families, which share nothing with them
     sparse.c   sparse LU in an order of the pivots that is chosen from numbers and kept as long as it is good
     elements.c what Python gives, the model, and its elements
     motion.c   what is given, Newton's iteration, accelerations from the saddle-point form or, with few degrees of

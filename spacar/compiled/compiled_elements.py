@@ -15,16 +15,15 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.compiled.compiled_model import why_general
-from spacar.compiled.element_parameters import GUARD, SUPPORTED
 from spacar.compiled.interface import structure
 from spacar.compiled.library import address_of, element_functions, engine, level
-from spacar.elements.family import Configuration, Family, Internal, Trouble
+from spacar.elements.family import GUARD, Configuration, Family, Internal, Trouble
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stream import Run
 
 FACTS = (
     "n_coordinates", "n_deformations", "slips", "position_rows", "constant_gradient", "constant_mass", "has_mass",
-    "has_own_branch", "measure", "keyword", "numbers", "length", "data",
+    "has_own_branch", "measure", "definition", "keyword", "numbers", "length", "data",
 )  # fmt: skip
 DOUBLE = ctypes.c_double * 1
 
@@ -61,12 +60,12 @@ def with_compiled_elements(mechanism: Mechanism) -> Mechanism:
 
 def compiled_family(family: Family) -> Family:
     """The family with functions of the engine; itself where the engine has none for it."""
-    if isinstance(family, CompiledElements) or family.form not in SUPPORTED:
+    name = family.definition
+    if isinstance(family, CompiledElements) or name not in element_functions().kinds:
         return family
-    name, parameters_of = SUPPORTED[family.form]
-    kind, count = engine(1).kinds.get(name, (-1, 0))
-    parameters = parameters_of(family)
-    if name not in element_functions().kinds or count != len(parameters) or parameters.dtype != float:
+    kind, count = engine(1).kinds[name]
+    parameters = family.parameters()
+    if count != len(parameters) or parameters.dtype != float:
         return family
     return CompiledElements(family, kind, parameters)
 
@@ -101,6 +100,9 @@ class CompiledElements(Family):
 
     def __reduce__(self) -> Any:
         return compiled_family, (self.general,)
+
+    def parameters(self) -> Array:
+        return self.general.parameters()
 
     # made when result files ask for them
     @property

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar.compiled.element_parameters import GUARD
 from spacar.compiled.interface import structure
 from spacar.compiled.library import WIDTH, address_of, engine, why_off
 from spacar.compiled.numbers import Numbers, without_form
 from spacar.compiled.user_callbacks import UserCallbacks
+from spacar.elements.family import GUARD
 from spacar.kinematics.kinematics import FARTHEST_GUESS, LARGEST_JUMP
 from spacar.mechanism.mechanism import Drive, Mechanism, UserSignal
 from spacar.mechanism.numbering import Numbering

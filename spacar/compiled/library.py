@@ -24,12 +24,9 @@ HERE = Path(__file__).parent
 NAME = {"win32": "engine.dll", "darwin": "engine.dylib"}.get(sys.platform, "engine.so")
 GENERAL = "SPACAR_GENERAL"  # environment variable: anything but empty or 0 switches the engine off
 
-# What kernels.c and derivatives.c are derived from: a row of elements that is not in the library must not be taken for
-# one that is
-GENERATED_FROM = (
-    "definitions.py", "planar_definitions.py", "spatial_definitions.py", "element_parameters.py", "generate.py",
-    "derivative_kernels.py", "element_texts.py",
-)  # fmt: skip
+# What kernels.c and derivatives.c are derived from: an element that is not in the library must not be taken for one
+# that is
+GENERATED_FROM = "compiled/generator/*.py", "elements/**/*_symbolic.py"
 
 
 WIDTH = ctypes.sizeof(ctypes.c_double)  # of a number in memory
@@ -130,8 +127,8 @@ def _loaded() -> ctypes.CDLL | str:
 def source_digest() -> str:
     """Digest of the C text beside this module and of what it is generated from, as hatch_build.py makes it."""
     text = hashlib.sha256()
-    entering = (HERE / name for name in GENERATED_FROM)
-    for path in sorted((*HERE.glob("*.[ch]"), *filter(Path.is_file, entering))):
+    entering = (path for pattern in GENERATED_FROM for path in sorted(HERE.parent.glob(pattern)))
+    for path in (*sorted(HERE.glob("*.[ch]")), *entering):
         text.update(path.read_bytes().replace(b"\r\n", b"\n"))
     return text.hexdigest()[:16]
 

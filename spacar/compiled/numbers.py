@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.compiled.element_parameters import SUPPORTED
 from spacar.compiled.library import engine
 from spacar.dynamics.forces import StressLaw, gravity_field, moment_entries
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
@@ -140,14 +139,9 @@ def _moving(family: Family) -> bool:
 
 def form_of(family: Family) -> tuple[int, Array]:
     """The kind in C and the parameters (n_parameters, n). A kind that the engine does not know as it is is FOREIGN."""
-    known = SUPPORTED.get(family.form)
-    if known is not None:
-        name, of_family = known
-        kind, count = engine(1).kinds.get(name, (FOREIGN, 0))
-        parameters = of_family(family)
-        if count == len(parameters):
-            return kind, parameters
-    return FOREIGN, np.zeros((0, family.n))
+    kind, count = engine(1).kinds.get(family.definition, (FOREIGN, 0))
+    parameters = family.parameters()
+    return (kind, parameters) if count == len(parameters) else (FOREIGN, np.zeros((0, family.n)))
 
 
 def elements_of(batch: Batch, kind: int, parameters: Array) -> Elements:

@@ -233,7 +233,7 @@ def _masses(batch: Batch, cases: int) -> Iterator[Entries]:
 
 def _bodies(body: Batch, made: Sequence[Batch], m: Mechanism, nodes: Index, tensors: Array) -> Family:
     """The rigid bodies of all cases, case after case: tensors (3, 3, nodes, cases) of XM and those of elements."""
-    from spacar.elements.node_inertia import RigidBodyNode
+    from spacar.elements.spatial.node_inertia import RigidBodyNode
 
     own, cases = body.family.numbers, tensors.shape[-1]
     J = np.zeros((cases, len(own), 3, 3))

@@ -22,9 +22,9 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, CompiledModel, State
-from spacar.compiled.element_parameters import GUARD
 from spacar.compiled.interface import INTEGER, NUMBER, POINTER, structure
 from spacar.compiled.library import WIDTH, address_of
+from spacar.elements.family import GUARD
 from spacar.errors import AnalysisError
 from spacar.frame import Frame, FramesInRows
 from spacar.integrators.problem import BlockOfOutputs, Counts, counts

@@ -104,7 +104,7 @@ class AppliedForces:
 
 def moment_gradient(moments: Array) -> Array:
     """df_lambda/dlambda = 2 [0, -M^T; M, M~] of constant global moments (n, 3), (4, 4, n); f is linear in lambda."""
-    from spacar.elements.rotation import global_dual  # spatial only: planar models do not load it
+    from spacar.elements.rotations.rotation import global_dual  # spatial only: planar models do not load it
 
     return 2.0 * global_dual(moments.T)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.dynamics.body_inertia import PAIRS, BodyInertia, NotRigid
-from spacar.elements.rotation import body_matrix, global_matrix, rotate
+from spacar.elements.rotations.rotation import body_matrix, global_matrix, rotate
 from spacar.mechanism.numbering import Numbering
 from spacar.mechanism.rigid_parts import RigidParts
 

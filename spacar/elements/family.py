@@ -33,6 +33,8 @@ from spacar.arrays import Array
 
 Configuration = Any
 
+GUARD = 0.71  # what guards of the compiled form must be above: cosines of angles (45 degrees pass)
+
 
 class ElementGroup(NamedTuple):
     """The input of all elements of one keyword, as a family's constructor gets it.
@@ -104,6 +106,7 @@ class Family:
     constant_mass: bool = False  # M does not depend on x and h = 0
     has_mass: bool = False
     has_own_branch: bool = False  # turns are counted in something else than the deformations: `branch`
+    definition: ClassVar[str] = ""  # name of the type in SymPy and in the engine; empty without one
     measure: ClassVar[str] = ""  # "angle": the deformations of ADEFORM (theory-beam-order4.md)
 
     keyword: str
@@ -129,6 +132,10 @@ class Family:
         for S in found:
             S.setflags(write=False)
         return found
+
+    def parameters(self) -> Array:
+        """Numbers of the elements in the order of the parameters of `definition`, (n_parameters, n)."""
+        return np.zeros((0, self.n))
 
     # -- deformations -------------------------------------------------------------------------------------------
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> Configuration:

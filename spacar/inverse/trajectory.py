@@ -20,7 +20,7 @@ from spacar.arrays import Array, Index
 from spacar.deck import Deck, Statement
 from spacar.deck.table_io import NO_TRAJECTORY, PATHS, TRAJECTORIES
 from spacar.elements.lumped import LumpedMass
-from spacar.elements.node_inertia import RigidBodyNode
+from spacar.elements.spatial.node_inertia import RigidBodyNode
 from spacar.errors import InputError, Message, Report
 from spacar.integrators import EvenTimes
 from spacar.inverse.paths import BadPath, Path, arc, change, straight, turn

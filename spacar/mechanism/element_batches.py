@@ -147,6 +147,6 @@ def node_batches(batches: list[Batch], numbering: Numbering, families: Iterable[
     for family, x in families:
         batches.append(Batch(family, x, np.zeros((0, family.n), np.int64), len(batches)))
     if len(numbering.turning):
-        family = family_of("node_inertia:Normalization")(numbering.turning)  # type: ignore[call-arg]
+        family = family_of("spatial.node_inertia:Normalization")(numbering.turning)  # type: ignore[call-arg]
         rows = np.arange(numbering.normalized.start, numbering.normalized.stop)
         batches.append(Batch(family, numbering.euler, rows[None], len(batches)))

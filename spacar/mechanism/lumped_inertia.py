@@ -44,7 +44,7 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
         result.append((LumpedMass(owners, sizes), np.array([places], np.int64)))
     rotors = [(node, np.array(values)) for node, *values in deck.index.rows("XGYRO", 2)]
     if rotors:
-        from spacar.elements.node_inertia import GyrostatNode, prescribed_rotor_tensor
+        from spacar.elements.spatial.node_inertia import GyrostatNode, prescribed_rotor_tensor
 
         nodes = np.array([node for node, _ in rotors])
         h = np.array([rotor[3] * rotor[:3] for _, rotor in rotors])
@@ -53,7 +53,7 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
                 tensors.append(([node], prescribed_rotor_tensor(rotor[None, :3], rotor[3:4])))
         result.append((GyrostatNode(nodes, h), numbering.x_places.T.take(nodes, 1)))
     if tensors:
-        from spacar.elements.node_inertia import RigidBodyNode
+        from spacar.elements.spatial.node_inertia import RigidBodyNode
 
         nodes, which = np.unique(np.concatenate([of for of, _ in tensors]), return_inverse=True)
         parts = np.concatenate([J for _, J in tensors])

@@ -8,7 +8,7 @@ import pytest
 import spacar
 from spacar import Deck
 from spacar.compiled.numbers import without_form
-from spacar.elements.angle_measure import rotation_factor
+from spacar.elements.spatial.angle_measure import rotation_factor
 from spacar.mechanism import build
 
 

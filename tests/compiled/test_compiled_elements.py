@@ -12,10 +12,9 @@ import numpy as np
 import pytest
 
 from spacar.compiled.compiled_elements import CompiledElements, compiled_family
-from spacar.compiled.element_parameters import SUPPORTED
 from spacar.compiled.library import unavailable
 from spacar.elements.family import Family
-from tests.compiled.test_definitions import family_of
+from tests.compiled.test_definitions import MODELS, family_of
 from tests.elements.derivatives import check_inertia, check_strain, close, written
 
 pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
@@ -33,7 +32,6 @@ def several(family: CompiledElements, n: int) -> CompiledElements:
     """The first element n times, without a NumPy family."""
 
     class Copies:
-        form = family.form
         troubles = Family.troubles
 
     copies = Copies()
@@ -52,7 +50,7 @@ def state(x0: np.ndarray, n: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarra
     return (x0[:, :1] if n else x0) + 0.1 * moved, v, a
 
 
-@pytest.mark.parametrize("form", SUPPORTED)
+@pytest.mark.parametrize("form", MODELS)
 def test_derivatives_in_c_are_those_of_numpy_by_complex_steps(form: str) -> None:
     family, x0 = in_c(form)
     x, v, a = state(x0)
@@ -63,7 +61,7 @@ def test_derivatives_in_c_are_those_of_numpy_by_complex_steps(form: str) -> None
         check_inertia(family, x, v, a, lagrange=False, tolerance=TOLERANCE)
 
 
-@pytest.mark.parametrize("form", SUPPORTED)
+@pytest.mark.parametrize("form", MODELS)
 def test_both_families_give_the_same(form: str) -> None:
     """Every function of the contract, also at large stresses."""
     family, x0 = in_c(form)
@@ -90,7 +88,7 @@ def test_both_families_give_the_same(form: str) -> None:
         close(both[1][name], want, name, TOLERANCE)
 
 
-@pytest.mark.parametrize("form", SUPPORTED)
+@pytest.mark.parametrize("form", MODELS)
 @pytest.mark.parametrize("n", [2, 3, 5, 9])
 def test_elements_side_by_side_do_not_mix(form: str, n: int) -> None:
     """Lanes of a vector, the last one partly filled: each element as if it were alone."""
@@ -121,7 +119,7 @@ def test_elements_side_by_side_do_not_mix(form: str, n: int) -> None:
         np.testing.assert_allclose(got, np.concatenate([a[k] for a in alone], axis=-1), rtol=1e-12, atol=1e-12)
 
 
-@pytest.mark.parametrize("form", SUPPORTED)
+@pytest.mark.parametrize("form", MODELS)
 def test_limits_are_those_of_numpy(form: str) -> None:
     """At the start, and with the end q turned by 1.3 rad, both in the plane."""
     family, x0 = in_c(form)

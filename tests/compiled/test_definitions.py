@@ -12,17 +12,16 @@ import numpy as np
 import pytest
 
 from spacar import Deck
-from spacar.compiled.element_parameters import SUPPORTED, kinds
-from spacar.elements.angle_measure import rotation_factor
+from spacar.elements import definitions
 from spacar.elements.family import arc_tangent
+from spacar.elements.spatial.angle_measure import rotation_factor
 from spacar.mechanism import build
 
 sp = pytest.importorskip("sympy")
 
 from sympy.printing.numpy import NumPyPrinter  # noqa: E402
 
-from spacar.compiled import generate  # noqa: E402
-from spacar.compiled.definitions import DEFINITIONS  # noqa: E402
+from spacar.compiled.generator import generate  # noqa: E402
 
 AT = [("X", 1, 0.1, -0.2), ("X", 3, 1.0, 0.3)]
 IN_SPACE = [("X", 1, 0.1, -0.2, 0.3), ("X", 3, 1.0, 0.3, 0.2)]
@@ -104,8 +103,7 @@ def close(got, want):
 
 
 def test_every_kind_has_a_definition_and_a_model():
-    assert {d.name for d in DEFINITIONS} == set(kinds())
-    assert set(MODELS) == set(SUPPORTED)
+    assert {d.name for d in definitions()} == {family_of(form)[0].definition for form in MODELS}
 
 
 LONG = ("BEAM", "BEAM angle", "TUBE", "TUBE angle", "BEAMW", "BEAMW angle")
@@ -113,17 +111,16 @@ A_SECOND = ("PLBEAM angle", "PLTUBE angle", "PLBELT", "SCREW")
 
 
 @pytest.mark.parametrize("form", [
-    pytest.param(f, marks=[pytest.mark.slow] * (f in LONG + A_SECOND)) for f in SUPPORTED
+    pytest.param(f, marks=[pytest.mark.slow] * (f in LONG + A_SECOND)) for f in MODELS
 ])  # fmt: skip
 def test_family_agrees_with_its_definition(form):
     """Two cases of the same element."""
-    kind, of_family = SUPPORTED[form]
-    (definition,) = [d for d in DEFINITIONS if d.name == kind]
     family, x0 = family_of(form)
+    (definition,) = [d for d in definitions() if d.name == family.definition]
     n, m, rng = definition.n_coordinates, family.n_deformations, np.random.default_rng(7)
     x, v = x0 + 0.1 * rng.standard_normal((n, 2)), rng.standard_normal((n, 2))
     xs, vs, p = symbols = generate.symbols_of(definition)
-    numbers = dict(zip([*xs, *vs, *p.values()], [*x, *v, *of_family(family)], strict=True))
+    numbers = dict(zip([*xs, *vs, *p.values()], [*x, *v, *family.parameters()], strict=True))
     cases = [by_family(family, x[:, k : k + 1], v[:, k : k + 1]) for k in range(2)]
     e, V, h, mass, force = (np.concatenate(parts, axis=-1) for parts in zip(*cases, strict=True))
     if m:

@@ -15,6 +15,7 @@ from spacar_cli.main import main
 
 import spacar
 from spacar.compiled import library, why_general
+from spacar.elements import definitions
 from spacar.errors import UsageError
 
 HOUSE = Path(__file__).parents[2]
@@ -34,12 +35,14 @@ def recipe():
 @pytest.fixture
 def elsewhere(tmp_path, monkeypatch):
     """The package's folder is another one, without a library."""
-    monkeypatch.setattr(library, "HERE", tmp_path)
+    home = tmp_path / "compiled"
+    home.mkdir()
+    monkeypatch.setattr(library, "HERE", home)
     monkeypatch.delenv(library.GENERAL, raising=False)
     caches = library._loaded, library.engine
     for cached in caches:
         cached.cache_clear()
-    yield tmp_path
+    yield home
     for cached in caches:
         cached.cache_clear()
 
@@ -145,10 +148,9 @@ def test_the_sympy_that_is_here_is_found(tmp_path, recipe, monkeypatch):
 def test_the_derived_text_is_that_of_the_definitions():
     """Of one short type; the digest in the first line stands for all."""
     pytest.importorskip("sympy")
-    from spacar.compiled.definitions import DEFINITIONS
-    from spacar.compiled.element_texts import FILES, functions_of
+    from spacar.compiled.generator.element_texts import FILES, functions_of
 
-    [k] = [k for k, definition in enumerate(DEFINITIONS) if definition.name == "pltruss"]
+    [k] = [k for k, definition in enumerate(definitions()) if definition.name == "pltruss"]
     for file in FILES:
         text = (HOUSE / "spacar" / "compiled" / "generated" / file).read_text()
         assert all(function in text for function in functions_of((file, k)))
@@ -189,14 +191,16 @@ def test_a_library_of_another_text_is_not_used(elsewhere):
 @here
 def test_a_library_of_other_element_definitions_is_not_used(elsewhere):
     """A row that was added, and not built: a run says so and takes the general path."""
-    home = HOUSE / "spacar" / "compiled"
-    for path in (*home.glob("*.[ch]"), *(home / name for name in library.GENERATED_FROM), home / library.NAME):
-        shutil.copy(path, elsewhere)
+    home = HOUSE / "spacar"
+    for pattern in ("compiled/*.[ch]", f"compiled/{library.NAME}", *library.GENERATED_FROM):
+        for path in home.glob(pattern):
+            copy = elsewhere.parent / path.relative_to(home)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(path, copy)
     library._loaded.cache_clear()
     assert library.unavailable() is None
     library._loaded.cache_clear()
-    with (elsewhere / "definitions.py").open("a") as file:
-        file.write("DEFINITIONS += (Definition('plcam', 3, (), None),)\n")
+    (elsewhere.parent / "elements" / "planar" / "plcam_symbolic.py").write_text("DEFINITIONS = ()\n")
     run = spacar.frames(1, DATA / "crank.dat")
     assert len(list(run)) == 101
     assert "other element definitions" in run.header["engine"][1]

@@ -10,10 +10,9 @@ import pytest
 from spacar_drawing.element_pictures import PARTS
 from spacar_drawing.scene import ROUND
 
-from spacar.compiled.element_parameters import SUPPORTED
 from spacar.deck import ELEMENT_TYPES, KEYWORDS, BlockKind
 from spacar.deck.table_dynamics import MASS_FORMS
-from spacar.elements import family_of
+from spacar.elements import definitions, family_of
 
 HOUSE = Path(__file__).resolve().parents[2]
 TYPES = [t for t in ELEMENT_TYPES.values() if t.supported]
@@ -22,7 +21,6 @@ SIZES[False, "warping"] = 1
 # Who else may name an element than its family and its symbolic model, and why
 NAMED = {
     "spacar/deck/planar_types.py": "its row", "spacar/deck/spatial_types.py": "its row",
-    "spacar/compiled/element_parameters.py": "its parameters in C",
     "spacar/deck/checks_geometry.py": "checks of its own numbers",
     "cli/spacar_drawing/machine_parts.py": "pictures of its own",
     "spacar/deck/cross_section.py": "TUBE is a shape there",
@@ -127,11 +125,10 @@ def test_shapes():
 def test_compiled_form(kind):
     """Every element has one in each measure, with the coordinates, modes and parameters of the family."""
     pytest.importorskip("sympy")
-    from spacar.compiled.definitions import DEFINITIONS
-    from spacar.compiled.generate import rows_of
+    from spacar.compiled.generator.generate import rows_of
 
-    for form in (kind.keyword, f"{kind.keyword} angle")[: 1 + bool(kind.angle_family)]:
-        (definition,) = [d for d in DEFINITIONS if d.name == SUPPORTED[form][0]]
+    for family in filter(None, (kind.family, kind.angle_family)):
+        (definition,) = [d for d in definitions() if d.name == family_of(family).definition]
         assert definition.n_coordinates == coordinates(kind)
         assert rows_of(definition) == (len(kind.modes) - len(kind.slips), len(kind.slips))
         assert (definition.line is not None) == (kind.shape == "beam")

@@ -21,18 +21,12 @@ FOLDERS = ("spacar", "formats/spacar_formats", "cli/spacar_cli", "cli/spacar_dra
 # text of the guide -> file, line behind which a row is put
 ROWS = {
     "table-row": ("spacar/deck/planar_types.py", "PLANAR = (\n"),
-    "definition-row": ("spacar/compiled/definitions.py", "DEFINITIONS = (\n"),
-    "parameters-row": (
-        "spacar/compiled/element_parameters.py",
-        "SUPPORTED: dict[str, tuple[str, Callable[[Family], Array]]] = {\n",
-    ),
     "parts-row": (
         "cli/spacar_drawing/element_pictures.py",
         "PARTS: dict[str, Callable[[Scene, Pose, Look, Element], list[Shape]]] = {\n",
     ),
 }
 FUNCTIONS = {  # and before which a function is put
-    "definition": ("spacar/compiled/definitions.py", "DEFINITIONS = ("),
     "drawing": ("cli/spacar_drawing/element_pictures.py", "# Shape of an element type"),
 }
 DRIVEN = TEXTS["cam.dat"]
@@ -50,10 +44,14 @@ class House:
         self.home = home
         for folder in FOLDERS:
             shutil.copytree(HOUSE / folder, home / folder, ignore=shutil.ignore_patterns("__pycache__"))
-        (home / "spacar/elements/plcam.py").write_text(TEXTS["plcam.py"])
+        self.add("plcam.py")
         self.edit("table-row")
         (home / "cam.dat").write_text(DRIVEN)
         (home / "free.dat").write_text(FREE)
+
+    def add(self, name: str) -> None:
+        """A new module of the guide."""
+        (self.home / "spacar/elements/planar" / name).write_text(TEXTS[name])
 
     def edit(self, name: str) -> None:
         """Put a text of the guide where the guide says."""
@@ -102,13 +100,14 @@ def drawn_house(tmp_path_factory):
 def full_house(tmp_path_factory):
     """All four steps."""
     house = House(tmp_path_factory.mktemp("full"))
-    for name in ("definition", "definition-row", "parameters-row", "drawing", "parts-row"):
+    house.add("plcam_symbolic.py")
+    for name in ("drawing", "parts-row"):
         house.edit(name)
     return house
 
 
 def test_derivatives():
-    module = ModuleType("spacar.elements.plcam")
+    module = ModuleType("spacar.elements.planar.plcam")
     exec(compile(TEXTS["plcam.py"], "plcam.py", "exec"), module.__dict__)
     rng = np.random.default_rng(5)
     x0, x, v = rng.normal(size=(3, 3, 4))

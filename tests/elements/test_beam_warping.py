@@ -12,8 +12,8 @@ import pytest
 from derivatives import check_gravity, check_inertia, check_stiffness, check_strain, close, evaluate, group, mass_of
 from spatial_truth import G, moved, reference, rotation, turn
 
-from spacar.elements.beam import SpatialBeam
-from spacar.elements.beam_warping import BeamWithWarping
+from spacar.elements.spatial.beam import SpatialBeam
+from spacar.elements.spatial.beam_warping import BeamWithWarping
 
 N = 5
 BEAM = [*range(7), *range(8, 15)]  # coordinates that a BEAM has too

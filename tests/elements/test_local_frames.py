@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from spacar.elements.chord import start_chord
 from spacar.elements.family import GeometryError
-from spacar.elements.local_frames import PARALLEL, rows, supplemented, unit
+from spacar.elements.planar.chord import start_chord
+from spacar.elements.rotations.local_frames import PARALLEL, rows, supplemented, unit
 
 EPS = np.finfo(float).eps
 

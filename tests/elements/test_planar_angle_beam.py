@@ -7,8 +7,8 @@ import pytest
 
 import spacar
 from spacar import Deck
-from spacar.elements.plbeam import PlanarBeam
-from spacar.elements.plbeam_angle import PlanarAngleBeam, PlanarAngleTube
+from spacar.elements.planar.plbeam import PlanarBeam
+from spacar.elements.planar.plbeam_angle import PlanarAngleBeam, PlanarAngleTube
 from tests.elements.derivatives import check_inertia, check_strain, close, evaluate, group
 from tests.elements.rod import cantilever_tip
 

@@ -10,7 +10,7 @@ import scipy.linalg
 import sympy
 
 from spacar.elements.family import GeometryError
-from spacar.elements.plbeam import PlanarBeam
+from spacar.elements.planar.plbeam import PlanarBeam
 from tests.elements.derivatives import (
     check_gravity,
     check_inertia,

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 from spacar.elements.family import GeometryError
-from spacar.elements.plbelt import PlanarBelt
+from spacar.elements.planar.plbelt import PlanarBelt
 from tests.elements.derivatives import (
     check_gravity,
     check_inertia,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spacar.elements.family import GeometryError
-from spacar.elements.plpinbod import PlanarPinbody
+from spacar.elements.planar.plpinbod import PlanarPinbody
 from tests.elements.derivatives import (
     check_gravity,
     check_inertia,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from spacar.elements.family import GeometryError
-from spacar.elements.pltor import PlanarHinge
-from spacar.elements.pltruss import PlanarTruss
+from spacar.elements.planar.pltor import PlanarHinge
+from spacar.elements.planar.pltruss import PlanarTruss
 from tests.elements.derivatives import (
     check_gravity,
     check_inertia,

@@ -9,8 +9,8 @@ import scipy.optimize
 import sympy
 
 from spacar.elements.family import GeometryError
-from spacar.elements.plbeam import PlanarBeam
-from spacar.elements.pltube import PlanarTube
+from spacar.elements.planar.plbeam import PlanarBeam
+from spacar.elements.planar.pltube import PlanarTube
 from tests.elements.derivatives import (
     check_inertia,
     check_stiffness,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spacar.elements.family import GeometryError
-from spacar.elements.plwheel import PlanarWheel
+from spacar.elements.planar.plwheel import PlanarWheel
 from tests.elements.derivatives import check_stiffness, check_strain, close, evaluate, group, written
 
 N = 4

@@ -10,8 +10,8 @@ from scipy.optimize import brentq
 
 import spacar
 from spacar.deck import Deck
-from spacar.elements.plbeam import PlanarBeam
-from spacar.elements.plbeam_angle import PlanarAngleBeam
+from spacar.elements.planar.plbeam import PlanarBeam
+from spacar.elements.planar.plbeam_angle import PlanarAngleBeam
 
 J = 1e-2  # rotary inertia per length; EI = L = m = 1
 

@@ -7,9 +7,9 @@ import pytest
 
 import spacar
 from spacar import Deck
-from spacar.elements.angle_measure import rotation_factor
-from spacar.elements.beam import SpatialBeam
-from spacar.elements.beam_angle import SpatialAngleBeam, SpatialAngleTube
+from spacar.elements.spatial.angle_measure import rotation_factor
+from spacar.elements.spatial.beam import SpatialBeam
+from spacar.elements.spatial.beam_angle import SpatialAngleBeam, SpatialAngleTube
 from tests.elements.derivatives import check_inertia, check_strain, close, evaluate, group
 
 X0 = np.zeros((14, 1))

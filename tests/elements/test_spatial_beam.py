@@ -14,8 +14,8 @@ from spatial_truth import G, chord_frame, moved, rates, reference, rotation, tur
 
 import spacar
 from spacar.deck import parse_deck
-from spacar.elements.beam import SpatialBeam
 from spacar.elements.family import GeometryError
+from spacar.elements.spatial.beam import SpatialBeam
 
 LAYOUT = "xlxl"
 N = 7

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from derivatives import evaluate, group, written
 
-from spacar.elements.beam import SpatialBeam
+from spacar.elements.spatial.beam import SpatialBeam
 
 GIT, EIZ = 2.0, 1.0
 

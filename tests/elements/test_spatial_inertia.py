@@ -6,8 +6,8 @@ import numpy as np
 from derivatives import check_inertia, close, evaluate, gradient, mass_of
 from spatial_truth import rates, reference, rotation, turn
 
-from spacar.elements.node_inertia import GyrostatNode, RigidBodyNode, prescribed_rotor_tensor
-from spacar.elements.rotation import body_matrix, global_dual, global_matrix
+from spacar.elements.rotations.rotation import body_matrix, global_dual, global_matrix
+from spacar.elements.spatial.node_inertia import GyrostatNode, RigidBodyNode, prescribed_rotor_tensor
 
 N = 5
 

@@ -10,10 +10,10 @@ from derivatives import check_gravity, check_inertia, check_strain, close, evalu
 from spatial_truth import G, chord_frame, moved, rates, reference, rotation, turn
 
 from spacar.elements.family import GeometryError
-from spacar.elements.hinge import SpatialHinge
-from spacar.elements.node_inertia import Normalization
-from spacar.elements.pinbody import SpatialPinbody
-from spacar.elements.truss import SpatialTruss
+from spacar.elements.spatial.hinge import SpatialHinge
+from spacar.elements.spatial.node_inertia import Normalization
+from spacar.elements.spatial.pinbody import SpatialPinbody
+from spacar.elements.spatial.truss import SpatialTruss
 
 N = 6
 

@@ -10,10 +10,10 @@ from derivatives import check_gravity, check_inertia, check_strain, close, evalu
 from spatial_truth import G, chord_frame, moved, rates, reference, rotation, turn
 from test_spatial_joints import hinge_frame
 
-from spacar.elements.beam import SpatialBeam
 from spacar.elements.family import GeometryError
-from spacar.elements.screw import Screw
-from spacar.elements.tube import SpatialTube
+from spacar.elements.spatial.beam import SpatialBeam
+from spacar.elements.spatial.screw import Screw
+from spacar.elements.spatial.tube import SpatialTube
 
 N = 5
 LAYOUT = "xlxl"

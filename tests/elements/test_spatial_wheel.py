@@ -10,7 +10,7 @@ from derivatives import check_strain, close, evaluate, gradient, group, written
 from spatial_truth import moved, rotation, turn
 
 from spacar.elements.family import Family, GeometryError
-from spacar.elements.wheel import DiskWheel, TorusWheel
+from spacar.elements.spatial.wheel import DiskWheel, TorusWheel
 
 N = 5
 UP = np.array([0.0, 0.0, 1.0])

@@ -21,7 +21,7 @@ import spacar
 from spacar import Deck
 from spacar.deck import read_deck
 from spacar.deck.directed import nothing_lost
-from spacar.elements.pltruss import PlanarTruss, TrussConfiguration
+from spacar.elements.planar.pltruss import PlanarTruss, TrussConfiguration
 from spacar.errors import SpacarError, UsageError
 from spacar.mechanism.build import along, build
 from spacar.sensitivities.directed_elements import DirectedElements

@@ -8,7 +8,7 @@ import pytest
 from difference_truth import agree
 
 from spacar.deck import parse_deck
-from spacar.elements.angle_measure import rotation_factor
+from spacar.elements.spatial.angle_measure import rotation_factor
 
 
 @pytest.mark.parametrize("c", [0.95, 0.81, 0.79, 0.3, -0.4, 1.02])

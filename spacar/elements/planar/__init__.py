@@ -1,0 +1,1 @@
+"""Planar element types: a NumPy family, its SymPy definition beside it."""

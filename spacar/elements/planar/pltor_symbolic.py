@@ -1,0 +1,12 @@
+"""PLTOR in SymPy."""
+
+from __future__ import annotations
+
+from spacar.elements.definition_symbolic import Definition
+
+
+def pltor_strain(x: list, p: dict) -> list:
+    return [x[1] - x[0]]
+
+
+DEFINITIONS = (Definition("pltor", 2, (), pltor_strain),)

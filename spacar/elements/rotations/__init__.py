@@ -1,0 +1,1 @@
+"""Rotations by Euler parameters, and local frames."""

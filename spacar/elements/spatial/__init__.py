@@ -1,0 +1,1 @@
+"""Spatial element types: a NumPy family, its SymPy definition beside it."""
