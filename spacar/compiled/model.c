@@ -300,15 +300,15 @@ static Model *spacar_begin(const int *whole, real *numbers, const Foreign *const
     if (!status) status = assemble(m);
     const int q = spec->n_x_dynamic + spec->n_e_dynamic;
     real *vector = status ? NULL
-        : cleared(&m->memory, 10 * (nx + ne) + 2 * nx + 2 * (3 * (STATES - 1) * nx + 3 * STATES * q), sizeof(real));
+        : cleared(&m->memory, 11 * (nx + ne) + 2 * nx + 2 * (3 * (STATES - 1) * nx + 3 * STATES * q), sizeof(real));
     if (!vector) { spacar_end(m); return NULL; }
     real **vectors[] = {&m->h, &m->branch, &m->next_e, &m->given_ed, &m->given_edd};
     for (int k = 0; k < 5; k++, vector += ne) *vectors[k] = vector;
     real **coordinates[] =
         {&m->convected, &m->applied, &m->force, &m->next_x, &m->next_xd, &m->next_xdd, &m->factored_x};
     for (int k = 0; k < 7; k++, vector += nx) *coordinates[k] = vector;
-    m->b = vector;
-    m->stage = m->b + nx + ne;
+    m->b = vector; /* of two vectors of the degrees of freedom too, which may be all coordinates */
+    m->stage = m->b + 2 * (nx + ne);
     m->piece = m->stage + 2 * (nx + ne);
     vector = m->piece + 2 * (nx + ne);
     for (int k = 0; k < 2; k++) {

@@ -38,12 +38,27 @@ def both(monkeypatch: pytest.MonkeyPatch, source: object, code: int, **options: 
     return found
 
 
+FREE = """PLTRUSS 1 1 2
+X 2 1 0
+DYNX 1
+DYNX 2
+RLSE 1 1
+END HALT
+XM 1 2
+XM 2 1
+ESTIFF 1 50
+STARTDX 2 2 0 3
+END END"""
+
+
 @pytest.mark.parametrize("code", [553, 595])
-@pytest.mark.parametrize("name", ["crankfl", "fingersim", "trike2", "trike3v"])
+@pytest.mark.parametrize("name", ["crankfl", "fingersim", "trike2", "trike3v", "free"])
 def test_the_same_steps(monkeypatch: pytest.MonkeyPatch, name: str, code: int) -> None:
-    """Flexible; belts; wheels, whose kinematic coordinates leave no positions that are integrals; Euler parameters."""
+    """Flexible; belts; wheels, whose kinematic coordinates leave no positions that are integrals; Euler parameters; no
+    coordinate but degrees of freedom."""
     options = {"duration": 0.01 if name == "crankfl" else 0.1, "n_steps": 4, "atol": 1e-6, "rtol": 1e-6}
-    in_c, in_python = both(monkeypatch, DATA / f"{name}.dat", code, **options)
+    source = spacar.parse_deck(FREE, "free", 1) if name == "free" else DATA / f"{name}.dat"
+    in_c, in_python = both(monkeypatch, source, code, **options)
     for a, b in zip(in_c.frames, in_python.frames, strict=True):
         assert [a.statistics.get(k) for k in COUNTS] == [b.statistics.get(k) for k in COUNTS]
     for what, within in (("x", 1e-9), ("xd", 1e-7), ("e", 1e-9)):
