@@ -1,10 +1,9 @@
-"""What the planar and the spatial export of an input file share: the text of a model file, points, springs, supports,
-masses and forces. Numbers become parameters with the number of their element or node."""
+"""Lines of a model file that is made of an input file: parameters, tables, points, springs. Numbers become parameters
+with the number of their element or node. What is between the points: `deck_as_model`."""
 
 from __future__ import annotations
 
 import json
-from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,7 +15,7 @@ MARK = "# made by spacar symbolic export"
 
 
 @dataclass
-class DeckText(DeckParts, ABC):
+class DeckText(DeckParts):
     """The text of a model file that is made from the first frame of a run of mode 1; `shapes` in a flexible beam."""
 
     shapes: int = 2
@@ -28,66 +27,6 @@ class DeckText(DeckParts, ABC):
     @property
     def axes(self) -> str:
         return "xyz"[: self.dimension]
-
-    # -- what planar and spatial models do in their own way ------------------------------------------------------
-
-    @abstractmethod
-    def add(self, part: Part) -> None:
-        """Write an element as a part of the tree."""
-
-    @abstractmethod
-    def readiness(self, part: Part) -> tuple[int, int]:
-        """The part with the largest value is taken next."""
-
-    @abstractmethod
-    def orientation(self, node: int) -> None:
-        """An orientation node of the ground, if it is one."""
-
-    @abstractmethod
-    def drive_orientation(self, node: int) -> None:
-        """The prescribed motion of an orientation node, if there is one."""
-
-    @abstractmethod
-    def turning_loads(self, node: int) -> None:
-        """Lumped inertia and moment of an orientation node."""
-
-    @abstractmethod
-    def turning_outputs(self) -> list[str]:
-        """Lines of [outputs] about orientations."""
-
-    @abstractmethod
-    def turned_about_z(self) -> list[int]:
-        """Orientation nodes of which an output ANGLEn is the only coordinate."""
-
-    @abstractmethod
-    def turned(self, direction: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """The unit vector of a direction of the reference configuration, (steps, d), turned by the coordinates `rows`
-        (steps, 4) of an orientation node."""
-
-    # -- the file ------------------------------------------------------------------------------------------------
-
-    def text(self) -> str:
-        """The model file. Raises UsageError for an element or statement that cannot be exported."""
-        self._ground()
-        while open_parts := [p for p in self.parts if not p.done]:
-            part = max(open_parts, key=self.readiness)
-            part.done = True
-            self.add(part)
-        self._supports()
-        self._masses_and_forces()
-        gravity = zip("xyz", [float(v) for v in self.mechanism.loads.gravity], strict=False)
-        g = [self.parameter(f"g{axis}", value) for axis, value in gravity]
-        outputs = [f'"{p}.{a}" = "{p}.{a}"' for p in self.points.values() for a in self.axes]
-        settings = self.mechanism.settings
-        if settings.duration is not None:
-            self.tables.append(f"[simulate]\ntime = {settings.duration!r}\nsteps = {max(settings.n_steps, 1)}\n")
-        lines = [
-            f"{MARK} from {json.dumps(self.deck.source)[1:-1]}", "[system]",
-            f"title = {json.dumps(self.deck.source)}", f"gravity = {json.dumps(self.vector(g))}", "", "[parameters]",
-            *(f"{name} = {value!r}" for name, value in self.parameters.items()), "", "[coordinates]",
-            *self.coordinates, "", *self.tables, "[outputs]", *outputs, *self.turning_outputs(), "",
-        ]  # fmt: skip
-        return "\n".join(lines)
 
     def parameter(self, name: str, value: float) -> str:
         """A parameter for a number; 0 stays a number."""
@@ -129,20 +68,6 @@ class DeckText(DeckParts, ABC):
         return " + ".join(n + unit for n, unit in zip(names, units, strict=True) if n != "0") or "0"
 
     # -- points --------------------------------------------------------------------------------------------------
-
-    def _ground(self) -> None:
-        for node in self.numbering.nodes:
-            n = node.number
-            if node.kind == "orientation":
-                self.orientation(n)
-                continue
-            kinds = [self.class_of(n, k) for k in range(self.dimension)]
-            if all(kind in ("fixed", "input") for kind in kinds):
-                where = self.place(n)
-                self.point(n, "O", [
-                    self.parameter(f"{axis}{n}", where[k]) if kind == "fixed" else self.driven(n, k)
-                    for k, (axis, kind) in enumerate(zip(self.axes, kinds, strict=True))
-                ])  # fmt: skip
 
     def point(self, node: int, base: str, offset: list[str], frame: str | None = None) -> None:
         self.points[node] = f"P{node}"
@@ -221,40 +146,3 @@ class DeckText(DeckParts, ABC):
         ]
         terms = [f"{names[0]}*({angle})", f"{names[1]}*({rate})", names[2]]
         return " + ".join(t for t, name in zip(terms, names, strict=True) if name != "0")
-
-    # -- supports, masses, forces --------------------------------------------------------------------------------
-
-    def _supports(self) -> None:
-        """Coordinates that are fixed or prescribed on parts of the tree."""
-        for node in self.numbering.nodes:
-            n = node.number
-            if node.kind == "orientation":
-                self.drive_orientation(n)
-                continue
-            kinds = [self.class_of(n, k) for k in range(self.dimension)]
-            if n not in self.points:
-                self.float_point(n)
-            if all(kind in ("fixed", "input") for kind in kinds):
-                continue
-            for k, (axis, kind) in enumerate(zip(self.axes, kinds, strict=True)):
-                if kind in ("fixed", "input"):
-                    value = self.driven(n, k) if kind == "input" else self.parameter(
-                        f"{axis}{n}_0", float(self.place(n)[k])
-                    )  # fmt: skip
-                    tail = "" if value == "0" else f" - ({value})"
-                    self.table("constraint", name=f"guide{n}_{axis}", expression=f"{self.points[n]}.{axis}{tail}")
-
-    def _masses_and_forces(self) -> None:
-        force = self.mechanism.loads.force
-        for node in self.numbering.nodes:
-            n = node.number
-            if node.kind == "orientation":
-                self.turning_loads(n)
-                continue
-            mass = self.values("XM", n, 1)[0]
-            if mass:
-                self.table("body", name=f"mass{n}", at=self.points[n], mass=self.parameter(f"m{n}", mass))
-            rows = [int(i) - 1 for i in self.numbering.lnp[n - 1, : self.dimension]]
-            if force[rows].any():
-                names = self.named(f"F*{n}", force[rows])
-                self.table("force", name=f"f{n}", at=self.points[n], vector=self.vector(names))

@@ -10,9 +10,10 @@ import numpy as np
 
 import spacar
 from spacar.errors import AnalysisError, SpacarError, UsageError
+from spacar_cli.deck_as_model import DeckModel
 from spacar_cli.deck_as_planar_model import PlanarModel
 from spacar_cli.deck_as_spatial_model import SpatialModel
-from spacar_cli.deck_as_text import MARK, DeckText
+from spacar_cli.deck_as_text import MARK
 
 if TYPE_CHECKING:
     from spacar.result import Result
@@ -83,7 +84,7 @@ def export_deck(
         first = next(iter(spacar.frames(1, deck, **options)))
         mechanism = build(deck, 1)
         kind = PlanarModel if mechanism.numbering.planar else SpatialModel
-        made: DeckText = kind(mechanism, first.x, first.xd, shapes)
+        made: DeckModel = kind(mechanism, first.x, first.xd, shapes)
         text = made.text()
         result = spacar.run(1, deck, **options)
     except AnalysisError as error:
@@ -127,7 +128,7 @@ def _simulated(program: Any, model: SymbolicModel, times: np.ndarray) -> Simulat
     return run
 
 
-def compare(made: DeckText, result: Result, run: SimulatedMotion) -> Compared:
+def compare(made: DeckModel, result: Result, run: SimulatedMotion) -> Compared:
     """Positions of all position nodes and angles of all orientation nodes at the times of both."""
     x, times, lnp = result["x"], np.ravel(result["t"]), made.numbering.lnp
     position, angle, deflection = (0.0, 0, 0.0), (0.0, 0, 0.0), 0.0
@@ -147,7 +148,7 @@ def compare(made: DeckText, result: Result, run: SimulatedMotion) -> Compared:
     return Compared(position, angle, deflection, size, times)
 
 
-def _deflection(made: DeckText, number: int, x: np.ndarray) -> float:
+def _deflection(made: DeckModel, number: int, x: np.ndarray) -> float:
     """Largest distance of the end at q from the tangent at p, over all steps."""
     p, turn, q, _ = made.numbering.ln[number - 1]
     lnp, d = made.numbering.lnp, made.dimension
