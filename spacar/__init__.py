@@ -43,7 +43,7 @@ _ABOVE = {
     **dict.fromkeys(
         ("draw", "animate", "plot", "stress", "inline_picture", "inline_model", "sweep_plot", "trade_plot",
          "response_plot", "sensitivity_plot", "flexure_plot", "flexure_page"), "spacar_drawing"),
-    "StressDerivatives": "spacar_drawing.stress_derivatives", "write_text": "spacar_formats.safety",
+    "StressDerivatives": "spacar_drawing.stress_numbers", "write_text": "spacar_formats.safety",
     "state_space_of": "spacar_formats.getss",
     **dict.fromkeys(("save_run", "save_result"), "spacar_formats.saving"),
     **dict.fromkeys(("to_pandas", "to_xarray", "frame_of_rows", "frame_of_response"), "spacar_formats.tables"),

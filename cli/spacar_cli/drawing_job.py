@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from spacar_drawing.files import FILM, FILM_DPI, check_name, film, save
+from spacar_drawing.files import FILM, FILM_DPI, check_name, evenly, film, save
+from spacar_drawing.history import TimeLine, beside
 from spacar_drawing.mechanism_picture import Extras
-from spacar_drawing.moving_figure import evenly
 from spacar_drawing.picture_source import open_source
-from spacar_drawing.scope_panels import TimeLine, beside
 from spacar_drawing.step_pictures import chosen_steps, picture, series
 
 from spacar_cli.drawing_options import Choices, check_elements

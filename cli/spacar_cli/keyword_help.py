@@ -12,7 +12,7 @@ from spacar.deck.table_types import BlockKind, Keyword, Variant
 from spacar.errors import UsageError
 
 if TYPE_CHECKING:
-    from spacar_drawing.settings_table import Rule
+    from spacar_drawing.settings_check import Rule
 
 WIDTH = 100
 PICTURES = "VISUALIZATION section behind the blocks, or NAME.spv; each setting on a line of its own"
@@ -28,7 +28,7 @@ def overview() -> Iterator[str]:
         yield f"{block.value}:"
         yield from (f"  {k.name:<{width}}  {k.help}" for k in rows)
         yield ""
-    from spacar_drawing.settings_table import RULES
+    from spacar_drawing.settings_check import RULES
 
     width = max(map(len, RULES))
     yield f"{PICTURES}:"
@@ -42,7 +42,7 @@ def overview() -> Iterator[str]:
 
 def explanation(name: str) -> Iterator[str]:
     """All meanings of a keyword or setting, one for each block where it may stand. Raises UsageError."""
-    from spacar_drawing.settings_table import RULES, SPELLINGS
+    from spacar_drawing.settings_check import RULES, SPELLINGS
     from spacar_formats import sim_blocks
 
     if name.lower() in sim_blocks.BY_NAME:
@@ -67,7 +67,7 @@ def explanation(name: str) -> Iterator[str]:
 
 def _setting(name: str) -> Iterator[str]:
     """A setting of the pictures."""
-    from spacar_drawing.settings_table import NEEDS_GROUP, RULES, SPELLINGS
+    from spacar_drawing.settings_check import NEEDS_GROUP, RULES, SPELLINGS
 
     rule = RULES[name]
     yield f"{name}: {rule.help}"

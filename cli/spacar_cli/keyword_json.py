@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from spacar_drawing.settings_table import RULES
+from spacar_drawing.settings_check import RULES
 
 from spacar.deck.keyword_table import ALIASES, ELEMENT_TYPES, KEYWORDS, blocks_of
 from spacar.deck.table_types import Keyword, subject_of

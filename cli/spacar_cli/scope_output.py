@@ -51,7 +51,7 @@ def show_scopes(
     if not (show or pictures):
         return
     from spacar_drawing.files import save
-    from spacar_drawing.scope_panels import scope_figure
+    from spacar_drawing.history import scope_figure
     from spacar_drawing.window import still_window
 
     figure = scope_figure(table, t, panels, title)

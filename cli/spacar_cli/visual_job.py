@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from spacar_drawing.files import FILM, FILM_DPI, check_name, film, save
+from spacar_drawing.files import FILM, FILM_DPI, MovingFigure, check_name, film, save
 from spacar_drawing.look import SYMBOL, look_of
 from spacar_drawing.mechanism_picture import camera_of
 from spacar_drawing.mode_picture import PHASES, constraint_still, mode_pictures, mode_still
@@ -14,12 +14,12 @@ from spacar_drawing.mode_shapes import (
     ModeShape,
     buckling_modes,
     open_matrices,
+    redundancy,
+    stored_gradient,
     suitable_factor,
     vibration_modes,
 )
-from spacar_drawing.moving_figure import MovingFigure
 from spacar_drawing.picture_source import PictureSource, open_source
-from spacar_drawing.redundancy import redundancy, stored_gradient
 
 from spacar.arrays import Array
 from spacar.errors import UsageError

@@ -1,4 +1,7 @@
-"""Elements as shapes: one function per kind of element, and the tables that say which."""
+"""Elements as shapes: one function per kind of element, and the tables that say which.
+
+Machine elements as shapes: springs, dashpots, hinges, belts and pulleys, wheels, screws.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +9,235 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar_drawing import look as paint
-from spacar_drawing import machine_parts as machine
-from spacar_drawing.bodies import bars, bodies
-from spacar_drawing.drawn_shapes import Line, Mark, Shape
+from spacar_drawing.bodies import bars, beam_lines, bodies
+from spacar_drawing.drawn_shapes import (
+    Colour,
+    Faces,
+    Line,
+    Mark,
+    Shape,
+    circle,
+    cylinder,
+    normal_pair,
+    solid,
+    torus,
+)
 from spacar_drawing.look import Look, middle
 from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.sections import outline
+
+X, Y, Z = np.eye(3)
+
+
+def spring(scene: Scene, ends: Array, look: Look, colour: Colour, l0: float) -> list[Shape]:
+    """Zigzag (planar) or coil (spatial) between two points; the number of coils follows from the undeformed length."""
+    s = look.size
+    d = ends[1] - ends[0]
+    l = max(float(np.linalg.norm(d)), 1e-300)
+    coils = int(np.clip(0.45 * l0 / s, 4, 12))
+    lead = min(0.18 * l, 2.0 * s)
+    u = d / l
+    if scene.planar:
+        v = np.cross(Z, u)
+        along = lead + (l - 2 * lead) * np.concatenate(([0.0], (np.arange(2 * coils) + 0.5) / (2 * coils), [1.0]))
+        side = np.concatenate(([0.0], np.where(np.arange(2 * coils) % 2, -0.7, 0.7) * s, [0.0]))
+        points = ends[0] + along[:, None] * u + side[:, None] * v
+    else:
+        v, w = normal_pair(u)
+        angle = np.linspace(0.0, 2 * np.pi * coils, 14 * coils + 1)
+        ramp = 0.6 * s * np.minimum(1.0, np.minimum(angle, angle[::-1]) / 1.5)
+        along = lead + (l - 2 * lead) * angle / angle[-1]
+        points = (
+            ends[0] + along[:, None] * u + ramp[:, None] * (np.cos(angle)[:, None] * v + np.sin(angle)[:, None] * w)
+        )
+    return [Line(np.concatenate((ends[:1], points, ends[1:])), colour, 1.3, 2)]
+
+
+def dashpot(ends: Array, look: Look, colour: Colour) -> list[Shape]:
+    """Cylinder at p, piston at q."""
+    s = look.size
+    d = ends[1] - ends[0]
+    l = max(float(np.linalg.norm(d)), 1e-300)
+    u, half = d / l, min(1.2 * s, 0.2 * l)
+    v = 0.75 * s * np.cross(Z, u)
+    mid = ends[0] + 0.5 * d
+    a, b, piston = mid - half * u, mid + half * u, mid + 0.2 * half * u
+    return [
+        Line(np.stack((ends[0], a)), colour, 1.3, 2),
+        Line(np.stack((b + v, a + v, a - v, b - v)), colour, 1.3, 2),
+        Line(np.stack((piston + 0.8 * v, piston - 0.8 * v)), colour, 1.8, 2),
+        Line(np.stack((piston, ends[1])), colour, 1.3, 2),
+    ]
+
+
+def hinge(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
+    """Planar: a pin circle with a ring. Spatial: a cylinder along the axis. One that only measures is drawn open."""
+    at = middle(pose, look.hinges.get(e.number, ()))
+    driven = scene.e_class(e.number, 1) == "input"
+    colour = look.colour(e.number, paint.DRIVE if driven else paint.HINGE)
+    s = look.size
+    if scene.planar:
+        ring = circle(at, X, Y, 0.62 * s, 28)
+        return [Faces(ring[None], "#ffffff", None, 1.0, 5, False), Line(ring, colour, 1.6, 5)]
+    axis = pose.frame(scene, e)[0]
+    crowd = sum(place == look.hinges[e.number] for place in look.hinges.values())
+    usual = (
+        (0.62 * s, 2.6 * s) if crowd == 1 else (0.42 * s, 4.0 * s)
+    )  # several at one place: slender, to be told apart
+    radius, length = look.settings.hinges.get(e.number, look.settings.hinges.get(0, usual))
+    a, b = at - 0.5 * length * axis, at + 0.5 * length * axis
+    if scene.e_class(e.number, 2) != "fixed":  # no bearing: it only measures the rotation
+        return [Line(np.stack((at - 1.5 * length * axis, at + 1.5 * length * axis)), colour, 0.9, 5, (6, 2, 1, 2))]
+    return cylinder(a, b, radius, colour, light=look.settings.light, alpha=look.settings.opacity_of(e.number))
+
+
+def slides(scene: Scene, e: Element) -> bool:
+    """A beam whose elongation is free or driven while its other deformations are held: the two parts of a slider. A
+    kinematic check does not know the stiffness of a dynamic elongation: a spring there."""
+    i = e.number - 1
+    springs = ("fixed",) if scene.analysis.forces else ("fixed", "dynamic")
+    loose = scene.e_class(e.number, 1) not in springs and not (scene.stiffness[i, 0] or scene.damping[i, 0])
+    held = any(scene.e_class(e.number, mode) == "fixed" or scene.stiffness[i, mode - 1] for mode in (2, 3))
+    return e.shape == "beam" and bool(e.p and e.q) and loose and held
+
+
+def slider(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
+    """The sleeve in which the one end of a beam slides on the other, half-way along it."""
+    s = look.size
+    points = beam_lines(scene, pose, [e], 5)[0][0]
+    along = points[3] - points[1]
+    length = float(np.linalg.norm(along))
+    if not length:
+        return []
+    colour = look.colour(e.number, paint.DRIVE if scene.e_class(e.number, 1) == "input" else paint.HINGE)
+    half = min(1.6 * s, length) * along / length
+    ends = np.stack((points[2] - half, points[2] + half))
+    if not scene.planar:
+        a, b = ends
+        return cylinder(a, b, 0.9 * s, colour, 4, look.settings.opacity_of(e.number), look.settings.light)
+    side = 0.65 * s * np.cross(Z, along) / length
+    box = np.concatenate((ends + side, (ends - side)[::-1]))
+    edge = np.concatenate((box, box[:1]))
+    return [Faces(box[None], "#ffffff", None, 1.0, 4, False), Line(edge, colour, 1.6, 4)]
+
+
+def span(scene: Scene, pose: Pose, e: Element) -> tuple[Array, Array, Array, Array]:
+    """Tangent points of the straight span of a belt at p and q (2, 3), its direction, its left normal, the radii.
+
+    theory-planar.md section 7: sin delta = -(r_p - r_q)/d, u_b = cos delta u + sin delta nu, n_b its left normal.
+    """
+    radii = scene.data[e.number - 1, :2] if scene.data.shape[1] > 1 else np.zeros(2)
+    ends = pose.place[[e.p - 1, e.q - 1]]
+    delta = ends[1] - ends[0]
+    d = max(float(np.linalg.norm(delta)), 1e-300)
+    sine = float(np.clip(-(radii[0] - radii[1]) / d, -1.0, 1.0))
+    cosine = np.sqrt(1.0 - sine**2)
+    u = delta / d
+    nu = np.cross(Z, u)
+    u_b, n_b = cosine * u + sine * nu, cosine * nu - sine * u
+    return ends + radii[:, None] * n_b, u_b, n_b, radii
+
+
+def belt(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
+    """The straight span and the two pulleys with a spoke that shows their rotation."""
+    tangent, _, _, radii = span(scene, pose, e)
+    colour = look.colour(e.number, paint.BELT)
+    shapes: list[Shape] = [Line(tangent, colour, 1.5, 3)]
+    for place, turn, r in ((e.p, e.p_turn, radii[0]), (e.q, e.q_turn, radii[1])):
+        centre = pose.place[place - 1]
+        rim = circle(centre, X, Y, abs(r), 48)
+        spoke = centre + np.outer([0.35, 0.92], abs(r) * pose.turn[turn - 1][:, 0])
+        shapes += [
+            Faces(rim[None], paint.PULLEY, None, 0.55, 0, False),
+            Line(rim, "#7d8a96", 0.9, 1),
+            Line(spoke, "#7d8a96", 1.1, 1),
+        ]
+    return shapes
+
+
+def wound_arcs(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
+    """Belt on a pulley between two spans that share its centre and rotation node.
+
+    The belt leaves along u_b; a pulley on its left (negative radius) is wound counter-clockwise, else clockwise.
+    """
+    belts = [e for e in scene.elements if e.shape == "belt" and e.number not in look.settings.hidden]
+    shapes: list[Shape] = []
+    for first in belts:
+        for second in belts:
+            if (first.q, first.q_turn) != (second.p, second.p_turn) or first is second:
+                continue
+            (_, enter), _, _, r_1 = span(scene, pose, first)
+            (leave, _), _, _, r_2 = span(scene, pose, second)
+            if r_1[1] * r_2[0] <= 0:
+                continue
+            centre = pose.place[first.q - 1]
+            a, b = (float(np.arctan2(*(p - centre)[1::-1])) for p in (enter, leave))
+            turn = (b - a) % (2 * np.pi) if r_1[1] < 0 else -((a - b) % (2 * np.pi))
+            arc = circle(centre, X, Y, abs(float(r_1[1])), 40, (a, a + turn))
+            shapes.append(Line(arc, look.colour(first.number, paint.BELT), 1.5, 3))
+    return shapes
+
+
+def planar_wheel(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
+    """A wheel seen from above: the tyre, and tread lines that run with its spin angle."""
+    r = float(scene.data[e.number - 1, 0]) or 3 * look.size
+    heading, axle = pose.frame(scene, e)[:2]
+    centre, half = pose.place[e.p - 1], 0.16 * r
+    corners = [centre + a * r * heading + b * half * axle for a, b in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
+    colour = look.colour(e.number, paint.WHEEL)
+    edge = np.array([*corners, corners[0]])
+    shapes: list[Shape] = [Faces(np.array(corners)[None], colour, None, 0.45, 3, False), Line(edge, colour, 1.2, 4)]
+    spin = pose.turn[e.q_turn - 1] if e.q_turn else np.eye(3)
+    angle = np.arctan2(spin[1, 0], spin[0, 0]) + np.arange(10) * np.pi / 5
+    for a in angle[np.cos(angle) > 0.05]:  # the upper half of the tread moves forwards
+        at = centre + r * np.sin(a) * heading
+        shapes.append(Line(np.stack((at - half * axle, at + half * axle)), colour, 0.7, 4))
+    return shapes
+
+
+def wheel(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
+    """Rim and spokes of a disk or torus wheel about the spin axis (local z'), reaching to the contact point."""
+    centre = pose.place[e.p - 1]
+    frame = pose.frame(scene, e)
+    axis, spoke = frame[2], frame[0]
+    if not axis.any():
+        axis, spoke = Y, X
+    radius = float(scene.length[e.number - 1]) or float(np.linalg.norm(pose.place[e.q - 1] - centre)) or 3 * look.size
+    tread = float(scene.data[e.number - 1, 1]) if e.keyword == "TWHEEL" and scene.data.shape[1] > 1 else 0.055 * radius
+    colour = look.colour(e.number, paint.WHEEL)
+    shapes = torus(centre, axis, spoke, radius - tread, tread, colour)
+    side = np.cross(axis, spoke)
+    for k in range(6):
+        a = k * np.pi / 3
+        rim = centre + (radius - 2 * tread) * (np.cos(a) * spoke + np.sin(a) * side)
+        shapes.append(Line(np.stack((centre, rim)), colour if k else paint.DRIVE, 1.3 if k else 1.8))
+    shapes += cylinder(centre - 0.12 * radius * axis, centre + 0.12 * radius * axis, 0.09 * radius, colour)
+    return shapes
+
+
+def screw(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
+    """A threaded spindle through p along the axis (local x'), and a nut around q."""
+    s = look.size
+    frame = pose.frame(scene, e)
+    p, q = pose.place[e.p - 1], pose.place[e.q - 1]
+    axis = frame[0]
+    reach = float((q - p) @ axis)
+    a, b = p + min(reach, 0.0) * axis - s * axis, p + max(reach, 0.0) * axis + 3 * s * axis
+    colour = look.colour(e.number, paint.SCREW)
+    shapes = cylinder(a, b, 0.32 * s, colour, light=look.settings.light)
+    turns = max(int(np.linalg.norm(b - a) / (0.55 * s)), 4)
+    angle = np.linspace(0.0, 2 * np.pi * turns, 12 * turns + 1)[:, None]
+    thread = a + angle / angle[-1] * (b - a) + 0.40 * s * (np.cos(angle) * frame[1] + np.sin(angle) * frame[2])
+    shapes.append(Line(thread, "#4a545d", 0.8))
+    nut = 0.75 * s * np.stack((np.cos(np.arange(6) * np.pi / 3), np.sin(np.arange(6) * np.pi / 3)), axis=-1)
+    turned = pose.frame(scene, e, "q")
+    ends = np.stack((q - 0.6 * s * axis, q + 0.6 * s * axis))
+    shapes += solid(
+        nut, ends, np.stack((turned[1],) * 2), np.stack((turned[2],) * 2), paint.HINGE, light=look.settings.light
+    )
+    return shapes
 
 
 def element_shapes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
@@ -27,10 +252,10 @@ def element_shapes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
         if e.shape not in TOGETHER:
             shapes += PARTS.get(e.shape, plain)(scene, pose, look, e)
     for e in seen:
-        if machine.slides(scene, e):
-            shapes += machine.slider(scene, pose, look, e)
+        if slides(scene, e):
+            shapes += slider(scene, pose, look, e)
     if any(e.shape == "belt" for e in scene.elements):
-        shapes += machine.wound_arcs(scene, pose, look)
+        shapes += wound_arcs(scene, pose, look)
     return shapes
 
 
@@ -60,14 +285,10 @@ def free_truss(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     ends = pose.place[[e.p - 1, e.q - 1]]
     i = e.number - 1
     if scene.stiffness[i, 0]:
-        return machine.spring(scene, ends, look, look.colour(e.number, paint.SPRING), float(scene.length[i]))
+        return spring(scene, ends, look, look.colour(e.number, paint.SPRING), float(scene.length[i]))
     if scene.damping[i, 0] and scene.planar:
-        return machine.dashpot(ends, look, look.colour(e.number, paint.SPRING))
+        return dashpot(ends, look, look.colour(e.number, paint.SPRING))
     return [Line(ends, look.colour(e.number, paint.TRUSS), 0.9, 2, dashes=(1.5, 2.5))]
-
-
-def hinge(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
-    return machine.hinge(scene, pose, look, e)
 
 
 def plain(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
@@ -88,8 +309,8 @@ TOGETHER: dict[str, Callable[[Scene, Pose, Look, Sequence[Element]], list[Shape]
 # Shape of an element type -> how one is drawn; a shape that is in neither table is drawn as `plain`.
 PARTS: dict[str, Callable[[Scene, Pose, Look, Element], list[Shape]]] = {
     "hinge": hinge,
-    "belt": machine.belt,
-    "planar wheel": machine.planar_wheel,
-    "wheel": machine.wheel,
-    "screw": machine.screw,
+    "belt": belt,
+    "planar wheel": planar_wheel,
+    "wheel": wheel,
+    "screw": screw,
 }

@@ -21,9 +21,8 @@ from spacar.result import Result
 from spacar_drawing.drawn_shapes import Line, Shape, circle, normal_pair
 from spacar_drawing.look import HINGE, look_of
 from spacar_drawing.mode_picture import PHASES, period
-from spacar_drawing.mode_shapes import ModeShape, suitable_factor
+from spacar_drawing.mode_shapes import ModeShape, redundancy, suitable_factor
 from spacar_drawing.picture_source import PictureSource, source_of_result
-from spacar_drawing.redundancy import redundancy
 from spacar_drawing.scene import Pose, Scene
 from spacar_drawing.symbols import Symbols
 from spacar_drawing.viewer_page import view_model

@@ -11,14 +11,13 @@ import numpy as np
 from spacar.arrays import Array
 from spacar_drawing import look as colours
 from spacar_drawing.bodies import beam_lines, together
-from spacar_drawing.camera import Camera, view_angles
 from spacar_drawing.drawn_shapes import Faces, Line, Shape, merge_bounds
 from spacar_drawing.element_pictures import element_shapes
 from spacar_drawing.look import Look, look_of
 from spacar_drawing.paint import paint
 from spacar_drawing.scene import ROUND, Pose, Scene
 from spacar_drawing.settings import PictureSettings
-from spacar_drawing.stage import new_figure
+from spacar_drawing.stage import Camera, new_figure, view_angles
 from spacar_drawing.supports import node_marks, number_labels, support_shapes, trace_lines
 
 if TYPE_CHECKING:

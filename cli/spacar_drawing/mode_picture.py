@@ -11,6 +11,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar_drawing.defaults import plain
 from spacar_drawing.drawn_shapes import Colour, Line, Shape
+from spacar_drawing.files import Pictures
 from spacar_drawing.look import DRIVE, GHOST, Look, look_of
 from spacar_drawing.mechanism_picture import (
     Extras,
@@ -20,10 +21,8 @@ from spacar_drawing.mechanism_picture import (
     outline_shapes,
     series_bounds,
 )
-from spacar_drawing.mode_shapes import ModeShape, displaced, suitable_factor
-from spacar_drawing.moving_figure import Pictures
+from spacar_drawing.mode_shapes import ModeShape, Redundancy, displaced, suitable_factor
 from spacar_drawing.paint import paint
-from spacar_drawing.redundancy import Redundancy
 from spacar_drawing.scene import Pose, Scene
 from spacar_drawing.settings import PictureSettings
 from spacar_drawing.stage import new_figure

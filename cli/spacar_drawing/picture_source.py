@@ -1,4 +1,7 @@
-"""Where the numbers come from: a `.sbd` file (one step at a time), or a Result in memory."""
+"""Where the numbers come from: a `.sbd` file (one step at a time), or a Result in memory.
+
+The named quantities of a result of `spacar symbolic`, and the empty scene of one without points.
+"""
 
 from __future__ import annotations
 
@@ -16,12 +19,36 @@ from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.modes import find_mode
 from spacar.stream import Run
-from spacar_drawing.named_columns import named_columns, nothing
 from spacar_drawing.scene import Scene
 from spacar_drawing.settings import PictureSettings, parse_settings, read_settings
 
 if TYPE_CHECKING:
+    from spacar_formats.sbf import SbfFile
+
     from spacar.result import Result
+
+GROUPS = {"Q": "QNAME", "S": "SNAME", "U": "UNAME", "Y": "YNAME"}
+
+
+def named_columns(file: SbfFile) -> dict[str, Array]:
+    """(steps,) by name: states, inputs and outputs of a result of `spacar symbolic`; of another result nothing."""
+    named: dict[str, Array] = {}
+    if "symbolic" in file.header.get("KIND", ""):
+        for letter, names in GROUPS.items():
+            if file.has(letter):
+                values = np.asarray(file.get(letter)).reshape(file.steps, -1)
+                named |= dict(zip((str(n) for n in file.header[names]), values.T, strict=True))
+    return named
+
+
+def nothing(title: str) -> Scene:
+    """A moving scene without elements: mode 1 says that the steps are times."""
+    none, whole = np.zeros((0, 0)), np.zeros((0, 0), int)
+    return Scene(
+        planar=True, mode=1, title=title, keywords=(), lnp=whole, le=whole, ln=whole, frame_p=none, frame_q=none,
+        length=none, data=none, stiffness=none, damping=none, quadratic=whole, nxp=whole, nep=whole,
+    )  # fmt: skip
+
 
 LEVELS = {"dx": "0 1", "de": "0 1", "dxc": "0 1", "dec": "0 1", "d2x": "0 2", "d2e": "0 2"}
 ALIASES = {"fxtot": "fxt"}

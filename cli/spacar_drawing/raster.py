@@ -17,9 +17,9 @@ from matplotlib.path import Path
 from matplotlib.transforms import Affine2D, IdentityTransform
 
 from spacar.arrays import Array
-from spacar_drawing.camera import Camera
 from spacar_drawing.drawn_shapes import Faces, Line, Mark, Shape
 from spacar_drawing.paint import FRONT, brightness, rgba
+from spacar_drawing.stage import Camera
 
 DILATED = 1.0  # pixels that the renderer adds to the width of a triangle, so that neighbours leave no gap
 Call = Callable[[Any, Any], None]  # of a renderer and a graphics context

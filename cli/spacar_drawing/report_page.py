@@ -14,14 +14,20 @@ from spacar.deck import ELEMENT_TYPES
 from spacar.errors import UsageError
 from spacar_drawing.curves import Curve, evaluate, in_units
 from spacar_drawing.defaults import plain
+from spacar_drawing.files import evenly
 from spacar_drawing.history import axis_text, history_figure
 from spacar_drawing.look import SYMBOL, look_of
 from spacar_drawing.mechanism_picture import Extras, draw_steps
 from spacar_drawing.mode_picture import constraint_still, mode_still
-from spacar_drawing.mode_shapes import buckling_modes, open_matrices, suitable_factor, vibration_modes
-from spacar_drawing.moving_figure import evenly
+from spacar_drawing.mode_shapes import (
+    buckling_modes,
+    open_matrices,
+    redundancy,
+    stored_gradient,
+    suitable_factor,
+    vibration_modes,
+)
 from spacar_drawing.page_parts import html_figure, html_table, number_text, page
-from spacar_drawing.redundancy import redundancy, stored_gradient
 from spacar_drawing.step_pictures import picture
 
 if TYPE_CHECKING:

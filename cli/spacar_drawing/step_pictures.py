@@ -11,11 +11,10 @@ from spacar_formats.getfrsbf import step_numbers
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
-from spacar_drawing.camera import Camera
 from spacar_drawing.defaults import plain
 from spacar_drawing.drawn_shapes import Line, Shape, merge_bounds
+from spacar_drawing.files import MovingFigure, Pictures, evenly
 from spacar_drawing.look import GHOST, Look, look_of
-from spacar_drawing.magnified import magnified, start_of
 from spacar_drawing.mechanism_picture import (
     Extras,
     camera_of,
@@ -25,10 +24,10 @@ from spacar_drawing.mechanism_picture import (
     outline_shapes,
     series_bounds,
 )
-from spacar_drawing.moving_figure import MovingFigure, Pictures, evenly
 from spacar_drawing.picture_source import PictureSource
+from spacar_drawing.stage import Camera
 from spacar_drawing.supports import trace_lines
-from spacar_drawing.symbols import Symbols
+from spacar_drawing.symbols import Symbols, magnified, start_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

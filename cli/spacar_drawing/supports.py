@@ -10,9 +10,8 @@ from spacar.arrays import Array
 from spacar_drawing import look as paint
 from spacar_drawing.bodies import beam_lines
 from spacar_drawing.drawn_shapes import Faces, Label, Line, Mark, Shape, circle, normal_pair, solid
-from spacar_drawing.look import Look, middle
-from spacar_drawing.machine_parts import span
-from spacar_drawing.placement import attachments
+from spacar_drawing.element_pictures import span
+from spacar_drawing.look import Look, attachments, middle
 from spacar_drawing.scene import ROUND, Element, Pose, Scene
 
 X, Y, Z = np.eye(3)

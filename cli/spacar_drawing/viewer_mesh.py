@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 from spacar.arrays import Array
 from spacar_drawing.bodies import Alike, bar_groups, beam_lines, body_groups, open_ends
 from spacar_drawing.drawn_shapes import Faces, Line, Mark, Shape, convex_pieces, disc_outline
-from spacar_drawing.element_pictures import PARTS, free_truss, plain, straight_and_free
+from spacar_drawing.element_pictures import PARTS, free_truss, plain, slider, slides, straight_and_free, wound_arcs
 from spacar_drawing.look import Look
-from spacar_drawing.machine_parts import slider, slides, wound_arcs
 from spacar_drawing.paint import rgba
 from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.sections import outline

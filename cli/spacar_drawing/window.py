@@ -12,14 +12,13 @@ import numpy as np
 from spacar_formats.sinks.result_header import sbd_header
 
 from spacar.errors import UsageError
-from spacar_drawing.camera import Camera
 from spacar_drawing.drawn_shapes import merge_bounds
+from spacar_drawing.files import MovingFigure, Pictures
 from spacar_drawing.look import look_of
 from spacar_drawing.mechanism_picture import Extras, camera_of, mechanism_shapes
-from spacar_drawing.moving_figure import MovingFigure, Pictures
 from spacar_drawing.scene import Scene, positions
 from spacar_drawing.settings import parse_settings
-from spacar_drawing.stage import furnish
+from spacar_drawing.stage import Camera, furnish
 from spacar_drawing.supports import trace_lines
 
 if TYPE_CHECKING:

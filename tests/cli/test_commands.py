@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from spacar_drawing.settings_table import RULES
+from spacar_drawing.settings_check import RULES
 from spacar_formats.sim_blocks import BLOCKS
 
 from spacar.deck.keyword_table import KEYWORDS

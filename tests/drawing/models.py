@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from spacar_drawing.files import evenly
 from spacar_drawing.mechanism_picture import Extras, draw_steps
-from spacar_drawing.moving_figure import evenly
 from spacar_drawing.picture_source import PictureSource, source_of_result
 
 import spacar

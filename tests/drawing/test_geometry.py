@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
-from spacar_drawing.bodies import beam_lines
-from spacar_drawing.camera import Camera, view_angles
-from spacar_drawing.elastic_line import chord_axes, elastic_line, section_axes
-from spacar_drawing.look import look_of
-from spacar_drawing.machine_parts import span
-from spacar_drawing.placement import pin_joints, places_of_hinges
+from spacar_drawing.bodies import beam_lines, chord_axes, elastic_line, section_axes
+from spacar_drawing.element_pictures import span
+from spacar_drawing.look import look_of, pin_joints, places_of_hinges
 from spacar_drawing.scene import Pose, positions, rotations
+from spacar_drawing.stage import Camera, view_angles
 
 from spacar.errors import UsageError
 

@@ -8,11 +8,11 @@ from spacar_drawing.mode_shapes import (
     buckling_modes,
     displaced,
     dynamic_columns,
+    redundancy,
     suitable_factor,
     vibration_modes,
 )
 from spacar_drawing.picture_source import source_of_result
-from spacar_drawing.redundancy import redundancy
 
 import spacar
 

@@ -9,7 +9,7 @@ from spacar_drawing.look import look_of
 from spacar_drawing.mechanism_picture import Extras, draw_steps
 from spacar_drawing.scene import Pose
 from spacar_drawing.settings import WORDS
-from spacar_drawing.settings_table import RULES, SPELLINGS
+from spacar_drawing.settings_check import RULES, SPELLINGS
 
 from .models import result_source
 

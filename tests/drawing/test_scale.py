@@ -4,11 +4,9 @@ import time
 from itertools import pairwise
 
 import numpy as np
-from spacar_drawing.camera import Camera
 from spacar_drawing.drawn_shapes import Faces, Label, Line
-from spacar_drawing.labels import MOST_LABELS, _Dots, place_labels, thin
-from spacar_drawing.paint import _alike, paint
-from spacar_drawing.stage import new_figure
+from spacar_drawing.paint import MOST_LABELS, _alike, _Dots, paint, place_labels, thin
+from spacar_drawing.stage import Camera, new_figure
 
 
 def test_few_labels_all_stay():

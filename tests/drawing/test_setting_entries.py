@@ -3,7 +3,7 @@
 import pytest
 from spacar_drawing import report_page
 from spacar_drawing.picture_source import open_source
-from spacar_drawing.settings_table import NEEDS_GROUP, RULES, SPELLINGS
+from spacar_drawing.settings_check import NEEDS_GROUP, RULES, SPELLINGS
 
 from .conftest import call
 

@@ -6,8 +6,7 @@ from spacar_drawing.mechanism_picture import Extras
 from spacar_drawing.sections import inside, moments
 from spacar_drawing.settings import SectionShape
 from spacar_drawing.stress_numbers import stress_results
-from spacar_drawing.stress_picture import section_still
-from spacar_drawing.stress_section import section_figure, section_stress
+from spacar_drawing.stress_picture import section_figure, section_still, section_stress
 
 from spacar.errors import UsageError
 

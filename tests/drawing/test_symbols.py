@@ -8,15 +8,25 @@ from scipy.spatial.transform import Rotation
 from spacar_drawing import draw
 from spacar_drawing.bodies import beam_lines, rows_of
 from spacar_drawing.drawn_shapes import Line, Mark
-from spacar_drawing.element_pictures import element_shapes
+from spacar_drawing.element_pictures import element_shapes, span
 from spacar_drawing.look import look_of
-from spacar_drawing.machine_parts import span
-from spacar_drawing.magnified import magnified, start_of
 from spacar_drawing.mechanism_picture import Extras, draw_steps
 from spacar_drawing.picture_source import source_of_result
 from spacar_drawing.scene import Pose, positions, rotations
 from spacar_drawing.supports import number_labels
-from spacar_drawing.symbols import ARROW, AXES, KINDS, LOAD, MASS, REACTION, Symbols, forces, moments
+from spacar_drawing.symbols import (
+    ARROW,
+    AXES,
+    KINDS,
+    LOAD,
+    MASS,
+    REACTION,
+    Symbols,
+    forces,
+    magnified,
+    moments,
+    start_of,
+)
 from spacar_drawing.viewer_mesh import mesh_of
 
 import spacar

@@ -10,8 +10,8 @@ from spacar_drawing.look import look_of
 from spacar_drawing.picture_source import source_of_result
 from spacar_drawing.stress_numbers import stress_results
 from spacar_drawing.stresses import QUANTITIES
-from spacar_drawing.viewer_colours import LAST, NONE, field_colours
 from spacar_drawing.viewer_mesh import mesh_of
+from spacar_drawing.viewer_page import LAST, NONE, field_colours
 
 import spacar
 from spacar.deck import parse_deck

@@ -88,8 +88,8 @@ def test_plot_option_of_a_run(results, no_screen):
 
 
 def test_play_goes_round(no_screen):
-    from spacar_drawing.camera import Camera
     from spacar_drawing.drawn_shapes import Mark
+    from spacar_drawing.stage import Camera
 
     def pictures(k):
         return [Mark(np.zeros(3))], f"picture {k}"
@@ -110,9 +110,9 @@ def test_play_goes_round(no_screen):
 def test_dragging_turns_a_spatial_picture(no_screen):
     """100 pixels to the right turn the mechanism by 40 degrees about z: the camera goes the other way."""
     from matplotlib.backend_bases import MouseEvent
-    from spacar_drawing.camera import Camera
     from spacar_drawing.drawn_shapes import Mark
     from spacar_drawing.raster import Raster
+    from spacar_drawing.stage import Camera
 
     seen = []
     start = Camera.towards(-60, 30)

@@ -143,7 +143,7 @@ def _json(study: Flexure, body: bool) -> str:
 
 
 def _lines(study: Flexure, body: bool) -> list[str]:
-    from spacar_drawing.stroke_tables import stroke_tables
+    from spacar_drawing.stroke_figures import stroke_tables
     from spacar_formats.log.text_layout import table
 
     lines = []

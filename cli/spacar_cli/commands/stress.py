@@ -99,7 +99,7 @@ def _picture(
 ) -> None:
     """The stresses over one section; of the last step unless one is given. Raises UsageError."""
     from spacar_drawing.files import check_name, save
-    from spacar_drawing.stress_section import section_figure, section_stress
+    from spacar_drawing.stress_picture import section_figure, section_stress
 
     check_name(path, film=False)
     if len(elements) != 1:

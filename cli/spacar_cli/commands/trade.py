@@ -264,7 +264,7 @@ def _write_all(
             _write(path, entries, ref, target, best)
         else:
             from spacar_drawing.files import save
-            from spacar_drawing.work_precision import work_precision_figure
+            from spacar_drawing.study_figures import work_precision_figure
 
             title = f"{name}, mode {trade.mode}"
             save(work_precision_figure(entries, ref.error, target, trade.stationary, title), path, dpi=120.0)
