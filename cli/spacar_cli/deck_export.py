@@ -53,14 +53,9 @@ class Compared:
 
 
 def export_deck(
-    path: Path,
-    language: str | None,
-    strategy: str,
-    jacobian: bool,
-    output: Path | None,
-    shapes: int,
+    path: Path, language: str | None, strategy: str, jacobian: bool, output: Path | None, shapes: int,
     time: float | None,
-) -> list[str]:
+) -> list[str]:  # fmt: skip
     """Write NAME.toml, or a program in `language`; the lines that say what was written and how the motions compare.
 
     Raises UsageError for what cannot be exported, AnalysisError when rigid parts move otherwise than in mode 1.

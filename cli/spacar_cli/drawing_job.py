@@ -20,18 +20,9 @@ from spacar_cli.frame_progress import frame_progress
 
 
 def draw(
-    environment: Environment,
-    file: str,
-    choices: Choices,
-    extras: Extras,
-    at: str | None,
-    strobe: int | None,
-    trace: Sequence[int],
-    no_trace: bool,
-    initial: bool,
-    frames: int,
-    scopes: bool = True,
-) -> list[Path]:
+    environment: Environment, file: str, choices: Choices, extras: Extras, at: str | None, strobe: int | None,
+    trace: Sequence[int], no_trace: bool, initial: bool, frames: int, scopes: bool = True,
+) -> list[Path]:  # fmt: skip
     """Write all files and open the window that were asked for; returns the files. Raises UsageError."""
     source = open_source(file, choices.stale_ok)
     scene = source.scene

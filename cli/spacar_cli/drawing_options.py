@@ -70,12 +70,9 @@ class Choices:
 
     def extras(self) -> Extras:
         return Extras(
-            self.numbers or self.node_numbers,
-            self.numbers or self.element_numbers,
-            self.supports,
-            self.view,
+            self.numbers or self.node_numbers, self.numbers or self.element_numbers, self.supports, self.view,
             self.title,
-        )
+        )  # fmt: skip
 
     def overridden(self, settings: PictureSettings) -> PictureSettings:
         """The settings of the file with those of the command line in their place. Raises UsageError."""

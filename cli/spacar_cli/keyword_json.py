@@ -20,9 +20,8 @@ def keywords_json() -> dict[str, Any]:
     return {
         "keywords": {name: _record([KEYWORDS[name, block] for block in blocks_of(name)]) for name in names},
         "aliases": ALIASES,
-        "settings": {name: {"help": rule.help, "text": _text(name)} for name, rule in RULES.items()},
-        "ends": ENDS,
-    }
+        "settings": {name: {"help": rule.help, "text": _text(name)} for name, rule in RULES.items()}, "ends": ENDS,
+    }  # fmt: skip
 
 
 def _record(rows: list[Keyword]) -> dict[str, Any]:

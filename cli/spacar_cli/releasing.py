@@ -51,12 +51,10 @@ class Done:
     def record(self) -> dict[str, Any]:
         """For --json."""
         return {
-            "released": [_part(p) for p in self.release.parts],
-            "lines": list(self.lines),
-            "written": str(self.written) if self.written is not None else None,
-            "left": self.release.left,
+            "released": [_part(p) for p in self.release.parts], "lines": list(self.lines),
+            "written": str(self.written) if self.written is not None else None, "left": self.release.left,
             "constraints": as_record(self.release.diagnosis),
-        }
+        }  # fmt: skip
 
 
 def check_output(output: Path, source: Path) -> None:
@@ -92,15 +90,13 @@ def solved(deck: Deck) -> Done:
 def as_record(diagnosis: Diagnosis) -> dict[str, Any]:
     """The constraint analysis for --json: numbers, what takes part, what to do."""
     return {
-        "over": diagnosis.over,
-        "under": diagnosis.under,
+        "over": diagnosis.over, "under": diagnosis.under,
         "condition": diagnosis.condition if diagnosis.condition < float("inf") else None,
         "deformations": [_part(p) for p in diagnosis.parts],
         "coordinates": [{"name": name, "share": share} for share, name in diagnosis.coordinates],
-        "suggestions": [_part(p) for p in diagnosis.advice],
-        "freedoms": list(diagnosis.freedoms),
+        "suggestions": [_part(p) for p in diagnosis.advice], "freedoms": list(diagnosis.freedoms),
         "lines": list(diagnosis.paste),
-    }
+    }  # fmt: skip
 
 
 def _part(part: OverconstraintPart) -> dict[str, Any]:

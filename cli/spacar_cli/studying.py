@@ -16,11 +16,9 @@ Item = TypeVar("Item")
 
 ROWS = click.Path(path_type=Path, dir_okay=False)
 OPTIONS = (
-    words.option("duration", ", instead of TIMESTEP"),
-    words.option("n_steps", " of the output, instead of TIMESTEP"),
-    words.option("jobs", "; default sweep all cores, trade one."),
-    words.option("as_json", ": a summary"),
-)
+    words.option("duration", ", instead of TIMESTEP"), words.option("n_steps", " of the output, instead of TIMESTEP"),
+    words.option("jobs", "; default sweep all cores, trade one."), words.option("as_json", ": a summary"),
+)  # fmt: skip
 
 
 def common(command: Command) -> Command:

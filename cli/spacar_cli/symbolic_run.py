@@ -22,15 +22,9 @@ DEFAULTS: dict[str, Any] = {"time": 1.0, "steps": 1000, "integrator": "lsoda", "
 
 
 def simulate_model(
-    model: SymbolicModel,
-    strategy: str,
-    changes: dict[str, float],
-    wishes: dict[str, Any],
-    compiled: bool,
-    plot: tuple[str, ...],
-    show: bool,
-    wait: bool = False,
-) -> list[str]:
+    model: SymbolicModel, strategy: str, changes: dict[str, float], wishes: dict[str, Any], compiled: bool,
+    plot: tuple[str, ...], show: bool, wait: bool = False,
+) -> list[str]:  # fmt: skip
     """Derive, integrate, write; the lines of the summary.
 
     `plot` names quantities of figures, or "all"; `show` puts equations into the log. `changes` replace parameter or
@@ -58,17 +52,9 @@ def simulate_model(
 
 
 def _simulate(
-    model: SymbolicModel,
-    strategy: str,
-    values: dict[str, float],
-    start: dict[str, float],
-    wishes: dict[str, Any],
-    compiled: bool,
-    plot: tuple[str, ...],
-    show: bool,
-    log: Path,
-    claim: Claim,
-) -> list[str]:
+    model: SymbolicModel, strategy: str, values: dict[str, float], start: dict[str, float], wishes: dict[str, Any],
+    compiled: bool, plot: tuple[str, ...], show: bool, log: Path, claim: Claim,
+) -> list[str]:  # fmt: skip
     from spacar.symbolic.skeleton import picture
 
     settings = DEFAULTS | model.settings | {key: value for key, value in wishes.items() if value is not None}
@@ -148,10 +134,9 @@ def write_sbd(claim: Claim, model: SymbolicModel, run: SimulatedMotion, seen: Pi
 
     nq = len(model.system.coordinates)
     groups = {
-        "Q": (run.names[:nq], run.state[:, :nq]),
-        "S": (run.names[nq:], run.state[:, nq:]),
+        "Q": (run.names[:nq], run.state[:, :nq]), "S": (run.names[nq:], run.state[:, nq:]),
         "U": (run.input_names, run.inputs),
-    }
+    }  # fmt: skip
     columns = [run.outputs[name] for name in run.outputs]
     header: dict[str, Any] = {"TITLE": model.system.title or model.path.stem, "KIND": "symbolic"}
     header |= {"VERSION": f"spacar {spacar.__version__}", "SOURCE": model.path.name, "SHA256": model.sha256}
@@ -176,29 +161,18 @@ def write_sbd(claim: Claim, model: SymbolicModel, run: SimulatedMotion, seen: Pi
 
 
 def _write_log(
-    path: Path,
-    model: SymbolicModel,
-    eq: SymbolicEquations,
-    values: dict[str, float],
-    start: dict[str, float],
-    summary: list[str],
-    show: bool,
-) -> None:
+    path: Path, model: SymbolicModel, eq: SymbolicEquations, values: dict[str, float], start: dict[str, float],
+    summary: list[str], show: bool,
+) -> None:  # fmt: skip
     from spacar_formats.safety import write_text
 
     lines = [f"spacar {spacar.__version__}, symbolic", "", *description(model), "", "parameters (SI units):"]
     lines += [f"  {name} = {value:.17g}" for name, value in values.items()]
     lines += [
-        "",
-        "start (states that are not listed: 0):",
-        *(f"  {name} = {value:.17g}" for name, value in start.items()),
+        "", "start (states that are not listed: 0):", *(f"  {name} = {value:.17g}" for name, value in start.items())
     ]
     lines += [
-        "",
-        *summary,
-        "",
-        "model file:",
-        *(f"  {line}" for line in model.path.read_text(encoding="utf-8").splitlines()),
+        "", *summary, "", "model file:", *(f"  {line}" for line in model.path.read_text(encoding="utf-8").splitlines())
     ]
     if show:
         held = eq if eq.strategy == "held" else model.system.derive("held")

@@ -17,10 +17,9 @@ def description(model: SymbolicModel) -> list[str]:
     speeds = [str(s.func) for s in system.speeds]
     lines = [
         f"model        {system.title or model.path.stem} ({model.path.name})",
-        f"coordinates  {len(names)}: {', '.join(names)}",
-        f"speeds       {len(speeds)}: {', '.join(speeds)}",
+        f"coordinates  {len(names)}: {', '.join(names)}", f"speeds       {len(speeds)}: {', '.join(speeds)}",
         f"freedom      {len(speeds) - len(system.constraints)} degrees, {len(system.constraints)} constraints",
-    ]
+    ]  # fmt: skip
     for beam in system.beams:
         fields = ", ".join(f"{f.name} ({f.kind}, {len(f.shapes)} shapes)" for f in beam.fields) or "no field"
         shortening = ", foreshortening" if beam.shortening else ""
@@ -51,11 +50,10 @@ def equations_text(model: SymbolicModel, eq: SymbolicEquations, show: str, form:
     write = latex if form == "latex" else text
     if form == "json":
         record = {
-            "strategy": eq.strategy,
-            "operations": eq.count_ops(),
+            "strategy": eq.strategy, "operations": eq.count_ops(),
             "equations": {s: text(e) for s, e in zip(speeds, held, strict=True)},
             "definitions": {str(z): text(e) for z, e in definitions.items()},
-        }
+        }  # fmt: skip
         return json.dumps(record, ensure_ascii=False, indent=2)
     pairs = [*((write(z), write(e)) for z, e in definitions.items())]
     if form == "latex":

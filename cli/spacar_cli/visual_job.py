@@ -39,17 +39,9 @@ class StressWish:
 
 
 def visual(
-    environment: Environment,
-    file: str,
-    mode: int | None,
-    choices: Choices,
-    numbers: str | None,
-    factor: float | None,
-    at: int,
-    rest: bool,
-    wish: StressWish,
-    as_list: bool,
-) -> list[str]:
+    environment: Environment, file: str, mode: int | None, choices: Choices, numbers: str | None, factor: float | None,
+    at: int, rest: bool, wish: StressWish, as_list: bool,
+) -> list[str]:  # fmt: skip
     """Draw what was asked for; returns the lines to print. Raises UsageError."""
     source = open_source(file, choices.stale_ok)
     source = replace(source, settings=choices.overridden(source.settings))
@@ -137,15 +129,9 @@ def extent_of(source: PictureSource, x: Array) -> float:
 
 
 def _mode(
-    environment: Environment,
-    source: PictureSource,
-    choices: Choices,
-    step: int,
-    mode: ModeShape,
-    factor: float | None,
-    rest: bool,
-    several: bool,
-) -> list[Path]:
+    environment: Environment, source: PictureSource, choices: Choices, step: int, mode: ModeShape, factor: float | None,
+    rest: bool, several: bool,
+) -> list[Path]:  # fmt: skip
     x, extras, settings = source.x(step), choices.extras(), source.settings
     if factor is None:
         factor = (

@@ -26,18 +26,6 @@ from spacar_drawing.drawing_calls import (
 from spacar_drawing.study_figures import response_plot, sensitivity_plot, sweep_plot, trade_plot
 
 __all__ = [
-    "animate",
-    "draw",
-    "flexure_page",
-    "flexure_plot",
-    "inline_model",
-    "inline_picture",
-    "plot",
-    "report",
-    "response_plot",
-    "sensitivity_plot",
-    "stress",
-    "sweep_plot",
-    "trade_plot",
-    "view",
-]
+    "animate", "draw", "flexure_page", "flexure_plot", "inline_model", "inline_picture", "plot", "report",
+    "response_plot", "sensitivity_plot", "stress", "sweep_plot", "trade_plot", "view",
+]  # fmt: skip

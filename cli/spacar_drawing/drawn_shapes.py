@@ -139,17 +139,9 @@ def disc_outline(radius: float, n: int = 16) -> Array:
 
 
 def solid(
-    outline: Array,
-    centre: Array,
-    y: Array,
-    z: Array,
-    colour: Colour | Array,
-    alpha: float = 1.0,
-    light: bool = True,
-    hole: Array | None = None,
-    edge: Colour | None = None,
-    ends: NDArray[np.bool_] | None = None,
-) -> list[Shape]:
+    outline: Array, centre: Array, y: Array, z: Array, colour: Colour | Array, alpha: float = 1.0, light: bool = True,
+    hole: Array | None = None, edge: Colour | None = None, ends: NDArray[np.bool_] | None = None,
+) -> list[Shape]:  # fmt: skip
     """Swept solids with closed ends, along centre (..., m, 3); with `hole` (k, 2), tubes.
 
     One colour, or one per piece (..., m - 1, 3); `ends` (..., 2) says which ends are closed, default all.

@@ -12,18 +12,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar_drawing import look as paint
 from spacar_drawing.bodies import bars, beam_lines, bodies
-from spacar_drawing.drawn_shapes import (
-    Colour,
-    Faces,
-    Line,
-    Mark,
-    Shape,
-    circle,
-    cylinder,
-    normal_pair,
-    solid,
-    torus,
-)
+from spacar_drawing.drawn_shapes import Colour, Faces, Line, Mark, Shape, circle, cylinder, normal_pair, solid, torus
 from spacar_drawing.look import Look, middle
 from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.sections import outline
@@ -65,11 +54,10 @@ def dashpot(ends: Array, look: Look, colour: Colour) -> list[Shape]:
     mid = ends[0] + 0.5 * d
     a, b, piston = mid - half * u, mid + half * u, mid + 0.2 * half * u
     return [
-        Line(np.stack((ends[0], a)), colour, 1.3, 2),
-        Line(np.stack((b + v, a + v, a - v, b - v)), colour, 1.3, 2),
+        Line(np.stack((ends[0], a)), colour, 1.3, 2), Line(np.stack((b + v, a + v, a - v, b - v)), colour, 1.3, 2),
         Line(np.stack((piston + 0.8 * v, piston - 0.8 * v)), colour, 1.8, 2),
         Line(np.stack((piston, ends[1])), colour, 1.3, 2),
-    ]
+    ]  # fmt: skip
 
 
 def hinge(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
@@ -150,10 +138,9 @@ def belt(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
         rim = circle(centre, X, Y, abs(r), 48)
         spoke = centre + np.outer([0.35, 0.92], abs(r) * pose.turn[turn - 1][:, 0])
         shapes += [
-            Faces(rim[None], paint.PULLEY, None, 0.55, 0, False),
-            Line(rim, "#7d8a96", 0.9, 1),
+            Faces(rim[None], paint.PULLEY, None, 0.55, 0, False), Line(rim, "#7d8a96", 0.9, 1),
             Line(spoke, "#7d8a96", 1.1, 1),
-        ]
+        ]  # fmt: skip
     return shapes
 
 
@@ -302,9 +289,7 @@ def plain(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
 
 # Shape of an element type -> how all elements of it are drawn at once.
 TOGETHER: dict[str, Callable[[Scene, Pose, Look, Sequence[Element]], list[Shape]]] = {
-    "beam": bodies,
-    "body": bodies,
-    "truss": trusses,
+    "beam": bodies, "body": bodies, "truss": trusses
 }
 # Shape of an element type -> how one is drawn; a shape that is in neither table is drawn as `plain`.
 PARTS: dict[str, Callable[[Scene, Pose, Look, Element], list[Shape]]] = {

@@ -68,13 +68,7 @@ def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", sta
     for axes, group in zip(all_axes, groups, strict=True):
         for k, c in enumerate(group):
             axes.plot(
-                across,
-                c.values,
-                "o-" if few else "-",
-                color=COLOURS[k % len(COLOURS)],
-                lw=1.4,
-                ms=4,
-                label=c.text,
+                across, c.values, "o-" if few else "-", color=COLOURS[k % len(COLOURS)], lw=1.4, ms=4, label=c.text
             )
         axes.set_ylabel(panel_text(group), fontsize=8.5, color=INK, parse_math=False)
         axes.grid(True, color=RULE, lw=0.6)
@@ -103,12 +97,9 @@ def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", sta
         top = 0.62
     top += 0.17 * rows[0]
     figure.subplots_adjust(
-        left=0.12,
-        right=0.965,
-        bottom=0.52 / height,
-        top=1 - top / height,
+        left=0.12, right=0.965, bottom=0.52 / height, top=1 - top / height,
         hspace=(0.32 if any(len(g) > 1 or g[0].group for g in groups) else 0.16) + 0.1 * max(rows),
-    )
+    )  # fmt: skip
     if title:
         figure.text(0.12, 1 - 0.12 / height, escaped(title), fontsize=10, color=INK, va="top", parse_math=False)
     return figure

@@ -58,12 +58,9 @@ def places_of_hinges(scene: Scene, place: Array) -> dict[int, tuple[int, ...]]:
 
 
 def _hinge_place(
-    e: Element,
-    direct: dict[int, tuple[int, ...]],
-    whole: dict[int, tuple[int, ...]],
-    neighbours: dict[int, list[int]],
+    e: Element, direct: dict[int, tuple[int, ...]], whole: dict[int, tuple[int, ...]], neighbours: dict[int, list[int]],
     place: Array,
-) -> tuple[int, ...]:
+) -> tuple[int, ...]:  # fmt: skip
     for table in (direct, whole):
         common = [n for n in table.get(e.p_turn, ()) if n in table.get(e.q_turn, ())]
         if common:
@@ -172,13 +169,9 @@ def look_of(scene: Scene, xs: Array, settings: PictureSettings) -> Look:
         most = MOST_POINTS if scene.planar else MOST_FACES // ROD_SIDES
         points = int(np.clip(most // max(beams, 1), LEAST_POINTS if not scene.planar else 4, DEFAULT_POINTS))
     return Look(
-        settings,
-        SYMBOL * extent,
-        points,
-        places_of_hinges(scene, places[0]),
-        pin_joints(scene) if scene.planar else (),
-        ranges,
-    )
+        settings, SYMBOL * extent, points, places_of_hinges(scene, places[0]),
+        pin_joints(scene) if scene.planar else (), ranges,
+    )  # fmt: skip
 
 
 def middle(pose: Pose, nodes: tuple[int, ...]) -> Array:

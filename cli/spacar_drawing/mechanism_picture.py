@@ -96,18 +96,10 @@ def series_bounds(scene: Scene, xs: Array, look: Look, extras: Extras, most: int
 
 
 def draw_steps(
-    scene: Scene,
-    xs: Array,
-    settings: PictureSettings,
-    extras: Extras = Extras(),
-    *,
-    every_step: Array | None = None,
-    traces: Sequence[int] = (),
-    behind: Array | None = None,
-    look: Look | None = None,
-    more: Sequence[Shape] = (),
+    scene: Scene, xs: Array, settings: PictureSettings, extras: Extras = Extras(), *, every_step: Array | None = None,
+    traces: Sequence[int] = (), behind: Array | None = None, look: Look | None = None, more: Sequence[Shape] = (),
     note: str = "",
-) -> Figure:
+) -> Figure:  # fmt: skip
     """One figure of the configurations xs (steps, nx): the last one in full, the earlier ones pale, oldest palest.
 
     `every_step` (all steps, nx) are the configurations for the traces of the nodes `traces`; `behind` (nx,) is drawn as

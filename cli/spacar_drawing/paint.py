@@ -65,18 +65,9 @@ def place_labels(axes: Axes, camera: Camera, labels: Sequence[Label], shapes: Se
         where, boxes[n] = centre[best], (*low[best], *high[best])
         frame = {"boxstyle": "round,pad=0.18", "fc": "white", "ec": label.colour, "lw": 0.7} if label.boxed else None
         text = axes.annotate(
-            label.text,
-            tuple(camera.project(label.at)),
-            xytext=tuple((where - at) / scale),
-            textcoords="offset points",
-            fontsize=POINTS,
-            color=label.colour,
-            ha="center",
-            va="center",
-            bbox=frame,
-            zorder=30,
-            annotation_clip=False,
-        )
+            label.text, tuple(camera.project(label.at)), xytext=tuple((where - at) / scale), textcoords="offset points",
+            fontsize=POINTS, color=label.colour, ha="center", va="center", bbox=frame, zorder=30, annotation_clip=False,
+        )  # fmt: skip
         if not label.boxed:
             text.set_path_effects([withStroke(linewidth=2.5, foreground="white", alpha=0.85)])
         artists.append(text)
@@ -140,11 +131,7 @@ def paint(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
         x, y = camera.project(np.concatenate([m.at.reshape(-1, 3) for m in alike])).T
         first = alike[0]
         look: dict[str, Any] = {
-            "ms": first.size,
-            "mfc": first.face,
-            "mec": first.edge,
-            "mew": 0.8,
-            "zorder": 10 + first.layer,
+            "ms": first.size, "mfc": first.face, "mec": first.edge, "mew": 0.8, "zorder": 10 + first.layer
         }
         artists += axes.plot(x, y, "o", scalex=False, scaley=False, **look)
     return artists + paint_labels(axes, camera, shapes)
@@ -173,11 +160,9 @@ def _planar(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
             edges.append(rgba(s.edge, 1.0, len(colour)) if s.edge else closed)
             widths.append(np.full(len(colour), s.width if s.edge or (many and s.alpha >= 1) else 0.0))
         face = PolyCollection(
-            list(_alike(polygons)),
-            facecolors=np.concatenate(faces),
-            edgecolors=np.concatenate(edges),
+            list(_alike(polygons)), facecolors=np.concatenate(faces), edgecolors=np.concatenate(edges),
             linewidths=np.concatenate(widths),
-        )
+        )  # fmt: skip
         face.set_zorder(10 + layer)
         artists.append(axes.add_collection(face, autolim=False))
     layers = sorted({(s.layer, s.alpha >= 1) for s in shapes if isinstance(s, Line)})
@@ -228,12 +213,9 @@ def _spatial(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
     if polygons:
         order = np.argsort(np.concatenate(depths), kind="stable")
         collection = PolyCollection(
-            list(_alike(polygons)[order]),
-            facecolors=np.concatenate(faces)[order],
-            edgecolors=np.concatenate(edges)[order],
-            linewidths=np.concatenate(widths)[order],
-            joinstyle="round",
-        )
+            list(_alike(polygons)[order]), facecolors=np.concatenate(faces)[order],
+            edgecolors=np.concatenate(edges)[order], linewidths=np.concatenate(widths)[order], joinstyle="round",
+        )  # fmt: skip
         collection.set_zorder(10)
         artists.append(axes.add_collection(collection, autolim=False))
     if front:

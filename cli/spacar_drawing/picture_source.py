@@ -137,17 +137,10 @@ def open_source(name: str | Path, stale_ok: bool = False, drawn: bool = True) ->
     header = dict(file.header.items())
     settings = PictureSettings() if beside is None else read_settings(beside)
     return PictureSource(
-        nothing(stem) if missing else Scene.of_header(header, stem, settings.metre),
-        settings,
-        file.steps,
-        str(file.path),
-        beside if beside is not None and beside.is_file() else None,
-        read,
-        header,
-        file.complete,
-        named_columns(file),
-        read_table(file),
-    )
+        nothing(stem) if missing else Scene.of_header(header, stem, settings.metre), settings, file.steps,
+        str(file.path), beside if beside is not None and beside.is_file() else None, read, header, file.complete,
+        named_columns(file), read_table(file),
+    )  # fmt: skip
 
 
 def source_of_result(result: Result, settings: PictureSettings | None = None) -> PictureSource:

@@ -43,13 +43,9 @@ _NAMED = (("Coordinates", "QNAME"), ("Speeds", "SNAME"), ("Inputs", "UNAME"), ("
 
 @plain
 def report_page(
-    source: PictureSource,
-    expressions: Sequence[str] = (),
-    log_lines: int = 120,
-    view: str = "iso",
-    viewer: bool = False,
-    symbols: Sequence[str] = (),
-) -> str:
+    source: PictureSource, expressions: Sequence[str] = (), log_lines: int = 120, view: str = "iso",
+    viewer: bool = False, symbols: Sequence[str] = (),
+) -> str:  # fmt: skip
     """The page of a result; `viewer`: with the moving picture of `spacar view` in it; `symbols` of KINDS in symbols.py:
     with a picture of these.
 
@@ -138,10 +134,8 @@ def freedoms(scene: Scene) -> list[tuple[str, str, str]]:
                 mode = ELEMENT_TYPES[e.keyword].modes[m][0]
                 found.append(
                     (
-                        rank[kind] + (2 if kind != "kinematic" else 1),
-                        f"e[{e.number},{m + 1}]",
-                        f"{e.keyword} {e.number}, {mode}",
-                        kind,
+                        rank[kind] + (2 if kind != "kinematic" else 1), f"e[{e.number},{m + 1}]",
+                        f"{e.keyword} {e.number}, {mode}", kind,
                     )
                 )
     return [(text, words, kind) for _, text, words, kind in sorted(found, key=lambda f: f[0])]
@@ -156,12 +150,11 @@ def _summary(source: PictureSource) -> str:
     rows = [
         ("Input", _text(header, "SOURCE")),
         ("Analysis", "spacar symbolic simulate" if source.named else f"mode {mode.number}: {mode.title}"),
-        ("Program", _text(header, "VERSION")),
-        ("Elements", ", ".join(f"{n} {k}" for k, n in words.items())),
+        ("Program", _text(header, "VERSION")), ("Elements", ", ".join(f"{n} {k}" for k, n in words.items())),
         ("Nodes", f"{len(scene.position_nodes)} for positions, {len(scene.orientation_nodes)} for orientations"),
         ("Steps stored", _steps(source)),
         ("Input digest", f"SHA-256 {_text(header, 'SHA256')[:16]}\N{HORIZONTAL ELLIPSIS}"),
-    ]
+    ]  # fmt: skip
     warning = (
         "" if source.complete else '<p class="warn">The run did not come to its end: the result is incomplete.</p>'
     )
@@ -239,10 +232,7 @@ def _results(source: PictureSource, curves: Sequence[Curve], resting: Sequence[C
         low, high = int(np.argmin(v)), int(np.argmax(v))
         rows.append(
             (
-                axis_text(c),
-                number_text(v[0]),
-                number_text(v[-1]),
-                f"{number_text(v[low])} at {times[low]:.4g}{unit}",
+                axis_text(c), number_text(v[0]), number_text(v[-1]), f"{number_text(v[low])} at {times[low]:.4g}{unit}",
                 f"{number_text(v[high])} at {times[high]:.4g}{unit}",
             )
         )
@@ -283,14 +273,9 @@ def _modes(source: PictureSource, extras: Extras) -> str:
         out += f"<h2>{kind.capitalize()} modes</h2>" + html_table(rows, head, "numbers")
         for m in found[:MOST_MODES]:
             still = mode_still(
-                source.scene,
-                x,
-                source.settings,
-                replace(extras, title=m.label),
-                m,
-                suitable_factor(source.scene, m, extent),
-                True,
-            )
+                source.scene, x, source.settings, replace(extras, title=m.label), m,
+                suitable_factor(source.scene, m, extent), True,
+            )  # fmt: skip
             out += html_figure(still, m.label.replace("   ", ": ", 1), "half")
     return out
 

@@ -85,23 +85,13 @@ class Scene:
         n = len(keywords)
         return cls(
             planar=all(ELEMENT_TYPES[w].planar for w in keywords if w in ELEMENT_TYPES),
-            mode=int(np.ravel(header["MODE"])[0]),
-            title=title,
-            keywords=keywords,
-            lnp=table("LNP", int).reshape(-1, 4),
-            le=table("LE", int).reshape(n, -1),
-            ln=table("LN", int).reshape(n, -1),
-            frame_p=table("RXYZ").reshape(n, 3, 3),
-            frame_q=table("RQ").reshape(n, 3, 3),
-            length=np.ravel(table("RL0")),
-            data=table("DR0").reshape(n, -1),
-            stiffness=table("STIF").reshape(n, -1),
-            damping=table("EDAMP").reshape(n, -1),
-            quadratic=np.ravel(table("KDEF", int)),
-            nxp=np.ravel(table("NXP", int)),
-            nep=np.ravel(table("NEP", int)),
-            metre=metre,
-        )
+            mode=int(np.ravel(header["MODE"])[0]), title=title, keywords=keywords, lnp=table("LNP", int).reshape(-1, 4),
+            le=table("LE", int).reshape(n, -1), ln=table("LN", int).reshape(n, -1),
+            frame_p=table("RXYZ").reshape(n, 3, 3), frame_q=table("RQ").reshape(n, 3, 3), length=np.ravel(table("RL0")),
+            data=table("DR0").reshape(n, -1), stiffness=table("STIF").reshape(n, -1),
+            damping=table("EDAMP").reshape(n, -1), quadratic=np.ravel(table("KDEF", int)),
+            nxp=np.ravel(table("NXP", int)), nep=np.ravel(table("NEP", int)), metre=metre,
+        )  # fmt: skip
 
     @cached_property
     def elements(self) -> tuple[Element, ...]:

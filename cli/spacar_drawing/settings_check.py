@@ -163,11 +163,7 @@ def _unknown(word: str) -> str:
 
 
 def _wrong(
-    rule: Rule,
-    values: Sequence[str],
-    shape: str,
-    elements: Collection[int] | None,
-    nodes: Collection[int] | None,
+    rule: Rule, values: Sequence[str], shape: str, elements: Collection[int] | None, nodes: Collection[int] | None
 ) -> str:
     """What is wrong with the values of a setting, "" when nothing is."""
     if rule.kind == "shape":

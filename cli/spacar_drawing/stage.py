@@ -215,17 +215,10 @@ def _space_grid(axes: Axes, camera: Camera, low: Array, high: Array) -> None:
         beside, behind = out[0] < -0.8, out[0] > 0.8  # numbers beside an upright edge end or begin at it
         for place, value in zip(places, lists[k], strict=True):
             axes.annotate(
-                _length(value, camera.metre),
-                tuple(place),
-                xytext=tuple((5 if beside or behind else 9) * out),
-                textcoords="offset points",
-                ha="right" if beside else "left" if behind else "center",
-                va="center",
-                fontsize=7.5,
-                color=INK,
-                zorder=3,
-                annotation_clip=False,
-            )
+                _length(value, camera.metre), tuple(place), xytext=tuple((5 if beside or behind else 9) * out),
+                textcoords="offset points", ha="right" if beside else "left" if behind else "center", va="center",
+                fontsize=7.5, color=INK, zorder=3, annotation_clip=False,
+            )  # fmt: skip
         axes.annotate(
             f"{name} ({shown_in('m', camera.metre)[1]})",
             tuple(0.5 * (a + b)),

@@ -89,17 +89,11 @@ def picture(
     every = np.stack([place(x) for x in source.x()]) if nodes else None
     look = look_of(source.scene, xs if every is None else every, source.settings)
     return draw_steps(
-        source.scene,
-        xs,
-        source.settings,
-        replace(extras, title=place.title(title)),
-        every_step=every,
-        traces=nodes,
-        behind=place(source.x(1)) if initial else None,
-        look=look,
+        source.scene, xs, source.settings, replace(extras, title=place.title(title)), every_step=every, traces=nodes,
+        behind=place(source.x(1)) if initial else None, look=look,
         more=[*place.undeformed(look), *(symbols.shapes(numbers[-1], xs[-1], look) if symbols else [])],
         note=symbols.legend if symbols else "",
-    )
+    )  # fmt: skip
 
 
 class _Placed:

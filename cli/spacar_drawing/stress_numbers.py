@@ -116,11 +116,9 @@ class StressResults:
         """Columns step, t, element, xi and the quantities, a row for every place."""
         k, m, n = (len(a) for a in (self.steps, self.elements, self.xi))
         columns = {
-            "step": np.repeat(self.steps, m * n),
-            "t": np.repeat(self.t, m * n),
-            "element": np.tile(np.repeat(self.elements, n), k),
-            "xi": np.tile(self.xi, k * m),
-        }
+            "step": np.repeat(self.steps, m * n), "t": np.repeat(self.t, m * n),
+            "element": np.tile(np.repeat(self.elements, n), k), "xi": np.tile(self.xi, k * m),
+        }  # fmt: skip
         return columns | {name: value.ravel() for name, value in self.values.items()}
 
     def arrays(self) -> dict[str, Array]:
@@ -130,11 +128,9 @@ class StressResults:
 
 
 def stress_results(
-    source: PictureSource,
-    steps: Sequence[int] | None = None,
-    elements: Iterable[int] | None = None,
+    source: PictureSource, steps: Sequence[int] | None = None, elements: Iterable[int] | None = None,
     points: int = POINTS,
-) -> StressResults:
+) -> StressResults:  # fmt: skip
     """Of the stored `steps` (from 1; default all) and beams and trusses `elements` (default all), at `points` places.
 
     Raises UsageError for steps and elements that there are not, and for fewer than two points.

@@ -37,15 +37,11 @@ def stroke_page(study: Flexure, view: str | None = None, body: bool = False) -> 
     unit = shown_column(study, _stroke(study))[0]
     heads = ("", "undeflected", "first", "last", f"smallest at ({unit})", f"largest at ({unit})")
     parts = [
-        _warnings(study),
-        html_table(five_numbers(study, body), None, "five"),
-        _pictures(study, source, view),
-        _modes(study),
-        folded("Over the stroke", curves),
-        folded("Key results", [html_table(extremes(study, body), heads, "numbers")]),
-        folded("Tables", tables),
+        _warnings(study), html_table(five_numbers(study, body), None, "five"), _pictures(study, source, view),
+        _modes(study), folded("Over the stroke", curves),
+        folded("Key results", [html_table(extremes(study, body), heads, "numbers")]), folded("Tables", tables),
         folded("Model and run", [_facts(study)]),
-    ]
+    ]  # fmt: skip
     return page(f"{source.scene.title}: flexure", parts)
 
 
@@ -101,13 +97,12 @@ def _facts(study: Flexure) -> str:
     beside = f" with orientation node {node.orientation}" if node.orientation else ""
     how = "loaded by a force" if study.move.pushed else "prescribed"
     rows = [
-        ("Input", study.source),
-        ("Drive", f"{study.move.text}, {how}"),
+        ("Input", study.source), ("Drive", f"{study.move.text}, {how}"),
         ("Range", f"{cell_text(values[0])} to {cell_text(values[-1])} {unit}, {len(study)} states"),
         ("Node", f"{node.position}{beside}"),
         ("Ideal motion", "rotation about an axis" if study.errors.turning else "straight line"),
         ("Energy balance", _balance(study)),
-    ]
+    ]  # fmt: skip
     return html_table(rows, None, "facts")
 
 

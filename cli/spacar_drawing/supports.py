@@ -95,17 +95,15 @@ def _pinned(at: Array, s: float) -> list[Shape]:
     corners = np.stack((at, at - 0.95 * s * X - 1.5 * s * Y, at + 0.95 * s * X - 1.5 * s * Y))
     return [
         Faces(corners[None], "#e4e9ed", None, 1.0, 0, False),
-        Line(np.concatenate((corners, corners[:1])), paint.GROUND, 1.1, 1),
-        *_wall(at - 1.5 * s * Y, X, -Y, 1.7 * s, s),
-    ]
+        Line(np.concatenate((corners, corners[:1])), paint.GROUND, 1.1, 1), *_wall(at - 1.5 * s * Y, X, -Y, 1.7 * s, s),
+    ]  # fmt: skip
 
 
 def _arrow(a: Array, b: Array, side: Array, s: float) -> list[Shape]:
     d = (b - a) / max(float(np.linalg.norm(b - a)), 1e-300)
     head = np.stack((b, b - 0.8 * s * d + 0.32 * s * side, b - 0.8 * s * d - 0.32 * s * side))
     return [
-        Line(np.stack((a, b - 0.5 * s * d)), paint.DRIVE, 1.5, 6),
-        Faces(head[None], paint.DRIVE, None, 1.0, 7, False),
+        Line(np.stack((a, b - 0.5 * s * d)), paint.DRIVE, 1.5, 6), Faces(head[None], paint.DRIVE, None, 1.0, 7, False)
     ]
 
 

@@ -208,8 +208,7 @@ def arrow(a: Array, b: Array, size: float, colour: Colour, flat: bool) -> list[S
     blades = np.stack([np.stack((base + 0.36 * head * w, b, base - 0.36 * head * w)) for w in (side, up)])
     if flat:
         return [
-            Line(np.stack((a, base + 0.1 * head * u)), colour, 1.8, 6),
-            Faces(blades[:1], colour, None, 1.0, 7, False),
+            Line(np.stack((a, base + 0.1 * head * u)), colour, 1.8, 6), Faces(blades[:1], colour, None, 1.0, 7, False)
         ]
     return [Line(np.stack((a, b)), colour, 1.8, 6), Line(blades, colour, 1.8, 6)]  # in front of solids
 

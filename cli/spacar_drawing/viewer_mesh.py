@@ -91,16 +91,9 @@ class TriangleMesh:
         normal = place / np.maximum(np.linalg.norm(place, axis=1, keepdims=True), 1e-300) if round_ else None
         p, y, z = (v.reshape(pictures, -1, 3) for v in (points, y, z))
         self.add(
-            p,
-            y,
-            z,
-            np.repeat(np.arange(m * n), k),
-            place,
-            np.tile(colour, (m * n * k, 1)),
-            np.repeat(elements, n * k),
-            np.concatenate([sides, *caps]),
-            normal,
-        )
+            p, y, z, np.repeat(np.arange(m * n), k), place, np.tile(colour, (m * n * k, 1)), np.repeat(elements, n * k),
+            np.concatenate([sides, *caps]), normal,
+        )  # fmt: skip
 
     def part(self, corners: Array, colour: Array, element: int, triangles: Array, extent: float) -> None:
         """Corners (pictures, n, 3) of one part: as a rigid one when they keep their distances, else as they are."""

@@ -190,8 +190,7 @@ def view_model(
     for turn, at in sorted(attachments(scene, False).items()):
         turning.setdefault(at[0], []).append(turn)
     arrays = _arrays(mesh, len(chosen), centre) | {
-        "nodes": _text(places - centre, np.float32),
-        "paths": _text(traces, np.float32),
+        "nodes": _text(places - centre, np.float32), "paths": _text(traces, np.float32)
     }
     if values is not None:
         arrays["values"] = _text(values, np.float32)
@@ -240,15 +239,14 @@ def _arrays(mesh: TriangleMesh, pictures: int, centre: Array) -> dict[str, str]:
     none = np.zeros((0, 3))
     padding = np.zeros((mesh.corners, 1))
     return {
-        "p": _text(p - centre, np.float32),
-        "axes": _text(axes, np.int16),
+        "p": _text(p - centre, np.float32), "axes": _text(axes, np.int16),
         "frame": _text(np.concatenate([np.zeros(0, int), *mesh.frame]), np.uint32),
         "place": _text(np.concatenate([none, *mesh.place]), np.float32),
         "normal": _text(np.hstack((np.rint(127 * np.concatenate([none, *mesh.normal])), padding)), np.int8),
         "colour": _text(np.hstack((np.rint(255 * np.concatenate([none, *mesh.colour])), padding)), np.uint8),
         "element": _text(np.concatenate([np.zeros(0, int), *mesh.element]), np.uint32),
         "triangles": _text(np.concatenate([np.zeros((0, 3), int), *mesh.triangles]), np.uint32),
-    }
+    }  # fmt: skip
 
 
 def _text(values: NDArray[Any], kind: Any) -> str:

@@ -64,15 +64,9 @@ def _on_screen() -> bool:
 
 
 def slider_window(
-    pictures: Pictures,
-    count: int,
-    first: int,
-    bounds: tuple[Array, Array],
-    camera: Camera,
-    title: str,
-    fps: float = 25.0,
-    block: bool = True,
-) -> Any:
+    pictures: Pictures, count: int, first: int, bounds: tuple[Array, Array], camera: Camera, title: str,
+    fps: float = 25.0, block: bool = True,
+) -> Any:  # fmt: skip
     """A window with a time slider and a play button; dragging in a spatial picture turns it. Blocks until it is closed.
 
     `pictures(k)` gives frame k from 0; `first` is the frame shown at the start. Returns the figure.
@@ -83,14 +77,9 @@ def slider_window(
     figure = open_window(title)
     moving = MovingFigure(figure, furnish(figure, bounds, camera, " ", FOOT), camera)
     slider = Slider(
-        figure.add_axes((0.18, 0.03, 0.62, 0.03)),
-        "step ",
-        1,
-        max(count, 2),
-        valinit=first + 1,
-        valstep=1,
+        figure.add_axes((0.18, 0.03, 0.62, 0.03)), "step ", 1, max(count, 2), valinit=first + 1, valstep=1,
         color="#2f74b5",
-    )
+    )  # fmt: skip
     button = Button(figure.add_axes((0.86, 0.02, 0.10, 0.05)), "play")
     state: dict[str, Any] = {"drag": None, "playing": False}
 
@@ -238,8 +227,7 @@ class LivePlot:
             self._bounds = low, high
         else:
             self._bounds = (
-                np.where(low < shown[0], low - room, shown[0]),
-                np.where(high > shown[1], high + room, shown[1]),
+                np.where(low < shown[0], low - room, shown[0]), np.where(high > shown[1], high + room, shown[1])
             )
         axes = furnish(self._figure, self._bounds, self._camera, " ", FOOT)
         if self._moving is not None:

@@ -183,10 +183,7 @@ def test_a_step_is_an_option_everywhere(tmp_path):
 
 @pytest.mark.parametrize(
     ("words", "hint"),
-    [
-        (("plott", "crank"), "did you mean 'plot'?"),
-        (("1", "crank", "--outputdir", "x"), "Did you mean --output-dir?"),
-    ],
+    [(("plott", "crank"), "did you mean 'plot'?"), (("1", "crank", "--outputdir", "x"), "Did you mean --output-dir?")],
 )
 def test_did_you_mean(words, hint):
     status, _, said = call(*words)

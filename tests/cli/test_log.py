@@ -45,30 +45,13 @@ def rows_of(log: str, heading: str) -> list[list[str]]:
 def test_sections_in_the_documented_order(log_of):
     log = log_of(1, "crankfl", None, "--time", "0.001", "--steps", "5")
     assert in_order(
-        log,
-        f"spacar {spacar.__version__}   20",
-        "Apache License",
-        "Mode 1: forward dynamics",
-        "SHA-256 of the input file",
-        "KINEMATICS",
-        "PLBEAM 1 1 2 3 4",
-        "Elements: numbers of the deformations",
-        "Nodes: numbers of the coordinates",
-        "Degrees of freedom: 5, of which 4 dynamic",
-        "Condition number",
-        "DYNAMICS",
-        "TIMESTEP",
-        "Numbers per class",
-        "EM: distributed mass",
-        "ESTIFF: stiffness of an element",
-        "Total mass:",
-        "FORWARD DYNAMICS",
-        "Integrator: INTEGRAT -1, Adams predictor-corrector",
-        "INITIAL STATE",
-        "STEPS",
-        "END",
-        "The analysis is complete.",
-    )
+        log, f"spacar {spacar.__version__}   20", "Apache License", "Mode 1: forward dynamics",
+        "SHA-256 of the input file", "KINEMATICS", "PLBEAM 1 1 2 3 4", "Elements: numbers of the deformations",
+        "Nodes: numbers of the coordinates", "Degrees of freedom: 5, of which 4 dynamic", "Condition number",
+        "DYNAMICS", "TIMESTEP", "Numbers per class", "EM: distributed mass", "ESTIFF: stiffness of an element",
+        "Total mass:", "FORWARD DYNAMICS", "Integrator: INTEGRAT -1, Adams predictor-corrector", "INITIAL STATE",
+        "STEPS", "END", "The analysis is complete.",
+    )  # fmt: skip
 
 
 def test_the_echo_has_no_comments(log_of):

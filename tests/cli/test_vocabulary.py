@@ -73,8 +73,7 @@ def test_a_spelling_has_one_meaning():
 
 
 @pytest.mark.parametrize(
-    ("spelled", "value"),
-    [("-o, --output", "FILE"), ("--csv", "PATH"), ("--steps", "N"), ("-n, --node", "NODE")],
+    ("spelled", "value"), [("-o, --output", "FILE"), ("--csv", "PATH"), ("--steps", "N"), ("-n, --node", "NODE")]
 )
 def test_values_are_called_the_same_everywhere(spelled, value):
     found = {left for options in HELPS.values() for left in options if left.startswith(f"{spelled} ")}

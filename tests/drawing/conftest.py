@@ -13,14 +13,7 @@ from spacar_cli.main import main
 from .models import DATA
 
 RUNS = {
-    "crank": 1,
-    "trike3v": 0,
-    "plbeam5free": 7,
-    "lateral4": 8,
-    "trike2": 0,
-    "plbeam5": 7,
-    "fourbar": 4,
-    "robotinv": 2,
+    "crank": 1, "trike3v": 0, "plbeam5free": 7, "lateral4": 8, "trike2": 0, "plbeam5": 7, "fourbar": 4, "robotinv": 2
 }
 
 

@@ -30,13 +30,10 @@ image.cmap: flag
 no such line
 """
 COMMANDS = (
-    ("draw", "crank", "-o", "draw.png"),
-    ("plot", "crank", "x[6,1]", "-o", "plot.svg"),
-    ("visual", "lateral4", "-o", "visual.png"),
-    ("eigen", "lateral4", "-o", "eigen.png"),
-    ("stress", "lateral4", "-e", "1", "-o", "stress.png"),
-    ("report", "crank", "--plot", "x[6,1]", "-o", "report.html"),
-)
+    ("draw", "crank", "-o", "draw.png"), ("plot", "crank", "x[6,1]", "-o", "plot.svg"),
+    ("visual", "lateral4", "-o", "visual.png"), ("eigen", "lateral4", "-o", "eigen.png"),
+    ("stress", "lateral4", "-e", "1", "-o", "stress.png"), ("report", "crank", "--plot", "x[6,1]", "-o", "report.html"),
+)  # fmt: skip
 RUN = """
 import sys
 from spacar_cli.main import main

@@ -14,12 +14,9 @@ from .conftest import call
 from .models import result_source
 
 SECTIONS = [
-    SectionShape("RECT", (0.1, 0.3)),
-    SectionShape("RECTHOL", (0.1, 0.3, 0.06, 0.2)),
-    SectionShape("CIRC", (0.2,)),
-    SectionShape("CIRCHOL", (0.2, 0.15)),
-    SectionShape("I", (0.1, 0.2, 0.01, 0.02)),
-]
+    SectionShape("RECT", (0.1, 0.3)), SectionShape("RECTHOL", (0.1, 0.3, 0.06, 0.2)), SectionShape("CIRC", (0.2,)),
+    SectionShape("CIRCHOL", (0.2, 0.15)), SectionShape("I", (0.1, 0.2, 0.01, 0.02)),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda s: s.shape)
@@ -78,10 +75,7 @@ def test_surface_colours_hold_the_largest_stress(name, mode):
 def test_wrong_wishes(results):
     source = result_source("crank", 1, 0.01, 1)
     for step, element, place, text in (
-        (9, 1, 0, "step 9"),
-        (1, 8, 0, "element 8"),
-        (1, 1, 2, "place 2"),
-        (1, 1, 0, "no cr"),
+        (9, 1, 0, "step 9"), (1, 8, 0, "element 8"), (1, 1, 2, "place 2"), (1, 1, 0, "no cr")
     ):
         with pytest.raises(UsageError, match=text):
             section_stress(source, step, element, place)

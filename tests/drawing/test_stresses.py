@@ -13,11 +13,9 @@ from spacar.deck import parse_deck
 from .models import result_source
 
 ALL_SECTIONS = [
-    SectionShape("RECT", (0.3, 0.2)),
-    SectionShape("RECTHOL", (0.3, 0.2, 0.26, 0.16)),
-    SectionShape("CIRC", (0.25,)),
+    SectionShape("RECT", (0.3, 0.2)), SectionShape("RECTHOL", (0.3, 0.2, 0.26, 0.16)), SectionShape("CIRC", (0.25,)),
     SectionShape("CIRCHOL", (0.25, 0.2)),
-]
+]  # fmt: skip
 
 
 def only(**values):

@@ -25,9 +25,7 @@ def test_show_without_display_is_refused(results, monkeypatch):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr("sys.platform", "linux")
     for arguments in (
-        ["draw", "crank", "--show"],
-        ["plot", "crank", "t", "--show"],
-        ["visual", "plbeam5free", "--show"],
+        ["draw", "crank", "--show"], ["plot", "crank", "t", "--show"], ["visual", "plbeam5free", "--show"]
     ):
         done = call(arguments[0], results / arguments[1], *arguments[2:])
         assert done.status == 2

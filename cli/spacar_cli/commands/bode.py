@@ -26,18 +26,9 @@ from spacar_cli.status import tell_notes
 @words.option("output", PICTURES, multiple=True)
 @click.pass_obj
 def command(
-    environment: Environment,
-    /,
-    file: str,
-    at: int,
-    inputs: tuple[str, ...],
-    of: tuple[str, ...],
-    low: float | None,
-    high: float | None,
-    points: int,
-    csv_file: Path | None,
-    output: tuple[Path, ...],
-) -> None:
+    environment: Environment, /, file: str, at: int, inputs: tuple[str, ...], of: tuple[str, ...], low: float | None,
+    high: float | None, points: int, csv_file: Path | None, output: tuple[Path, ...],
+) -> None:  # fmt: skip
     """Bode diagram of the state space matrices of a result (NAME.ltv) of mode 3, 4 or 9.
 
     Without --output the picture is NAME_bode.png beside the result. The frequencies reach from a tenth of the lowest to

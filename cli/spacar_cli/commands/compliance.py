@@ -37,14 +37,9 @@ def command(environment: Environment, /, file: str, node: int, orientation: int 
     rows, columns = found.labels
     if as_json:
         report = {
-            "t": found.t,
-            "position": found.position,
-            "orientation": found.orientation,
-            "rows": rows,
-            "columns": columns,
-            "global": found.fixed.tolist(),
-            "body": found.body.tolist(),
-        }
+            "t": found.t, "position": found.position, "orientation": found.orientation, "rows": rows,
+            "columns": columns, "global": found.fixed.tolist(), "body": found.body.tolist(),
+        }  # fmt: skip
         environment.say(json.dumps(report))
         return
     metre = open_source(file, stale_ok=True).scene.metre

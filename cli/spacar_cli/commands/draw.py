@@ -30,20 +30,9 @@ from spacar_cli.environment import Environment
 @words.option("scopes", default=True, show_default=True)
 @click.pass_obj
 def command(
-    environment: Environment,
-    /,
-    file: str,
-    at: str | None,
-    strobe: int | None,
-    trace: tuple[int, ...],
-    no_trace: bool,
-    initial: bool,
-    frames: int,
-    scale: float,
-    symbols: str | None,
-    scopes: bool,
-    **common_options: Any,
-) -> None:
+    environment: Environment, /, file: str, at: str | None, strobe: int | None, trace: tuple[int, ...], no_trace: bool,
+    initial: bool, frames: int, scale: float, symbols: str | None, scopes: bool, **common_options: Any,
+) -> None:  # fmt: skip
     """Draw the mechanism of a result file (NAME.sbd) at one or more steps.
 
     Settings of the VISUALIZATION section of the input file, or of NAME.spv, are honoured; options override them.

@@ -35,16 +35,9 @@ HEADS = (
 @words.option("output", PICTURES, multiple=True)
 @click.pass_obj
 def command(
-    environment: Environment,
-    /,
-    file: str,
-    at: int | None,
-    lowest: int | None,
-    against: str | None,
-    as_json: bool,
-    csv_file: Path | None,
-    output: tuple[Path, ...],
-) -> None:
+    environment: Environment, /, file: str, at: int | None, lowest: int | None, against: str | None, as_json: bool,
+    csv_file: Path | None, output: tuple[Path, ...],
+) -> None:  # fmt: skip
     """Frequencies of a result (NAME.sbm) of mode 7 or 10, or of the matrices of mode 3, 4 or 9.
 
     Prints real and imaginary part, modulus, frequency, damping ratio and the degree of freedom with the largest
@@ -94,28 +87,17 @@ def _rows(step: int, vibration: Vibration, names: list[str], lowest: int | None)
     numbers = mode_numbers(values, order)
     return [
         (
-            step,
-            number,
-            float(values[i].real),
-            float(values[i].imag),
-            float(abs(values[i])),
-            float(abs(values[i])) / 6.283185307179586,
-            float(damping[i]),
-            dominant[i] if dominant else "",
-            i + 1,
+            step, number, float(values[i].real), float(values[i].imag), float(abs(values[i])),
+            float(abs(values[i])) / 6.283185307179586, float(damping[i]), dominant[i] if dominant else "", i + 1,
         )
         for i, number in list(zip(order, numbers, strict=True))[:lowest]
     ]
 
 
 def _pictures(
-    environment: Environment,
-    file: str,
-    steps: list[Vibration],
-    numbers: list[int],
-    against: str | None,
+    environment: Environment, file: str, steps: list[Vibration], numbers: list[int], against: str | None,
     output: tuple[Path, ...],
-) -> None:
+) -> None:  # fmt: skip
     import numpy as np
     from spacar_drawing.files import check_name, save
     from spacar_drawing.frequency_pictures import root_figure

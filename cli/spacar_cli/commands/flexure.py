@@ -45,20 +45,9 @@ if TYPE_CHECKING:
 @words.option("as_json", ": all columns")
 @click.pass_obj
 def command(
-    environment: Environment,
-    /,
-    file: Path,
-    orientation: int | None,
-    pivot: str | None,
-    axes: str,
-    releases: bool,
-    n_steps: int,
-    output: tuple[Path, ...],
-    view: str | None,
-    csv_file: Path | None,
-    as_json: bool,
-    **asked: Any,
-) -> None:
+    environment: Environment, /, file: Path, orientation: int | None, pivot: str | None, axes: str, releases: bool,
+    n_steps: int, output: tuple[Path, ...], view: str | None, csv_file: Path | None, as_json: bool, **asked: Any,
+) -> None:  # fmt: skip
     """Stiffness, errors, frequencies, buckling, force, energy and stress of a flexure over its range of motion.
 
     Every state is an equilibrium with the drive at that place (mode 10). Tables and page are in the unit of length of
@@ -128,14 +117,9 @@ def _json(study: Flexure, body: bool) -> str:
 
     return json.dumps(
         {
-            "source": study.source,
-            "drive": study.move.text,
-            "node": study.node.position,
-            "orientation": study.node.orientation,
-            "undeflected": study.zero,
-            "turning": study.errors.turning,
-            "pivot": plain(study.errors.pivot.tolist()),
-            "units": {c.name: c.unit for c in study.columns(body)},
+            "source": study.source, "drive": study.move.text, "node": study.node.position,
+            "orientation": study.node.orientation, "undeflected": study.zero, "turning": study.errors.turning,
+            "pivot": plain(study.errors.pivot.tolist()), "units": {c.name: c.unit for c in study.columns(body)},
             "columns": {name: plain(values.tolist()) for name, values in study.table(body).items()},
             "warnings": study.warnings,
         }

@@ -56,11 +56,7 @@ def command(
     n, p = response.z.shape[1], response.dy.shape[1]
     names = data.outputs if len(data.outputs) == p else tuple(f"y{k + 1}" for k in range(p))
     table = table_of_arrays(
-        {
-            "dy": (names, response.dy),
-            "y": (names, response.y),
-            "z": (tuple(f"z{k + 1}" for k in range(n)), response.z),
-        }
+        {"dy": (names, response.dy), "y": (names, response.y), "z": (tuple(f"z{k + 1}" for k in range(n)), response.z)}
     )
     signals = write_table(targets[0].with_suffix(""), response.t, table, path)
     files = " ".join(map(str, (*targets, signals)))

@@ -25,18 +25,9 @@ from spacar_cli.status import tell_notes
 @words.option("stale_ok")
 @click.pass_obj
 def command(
-    environment: Environment,
-    /,
-    file: str,
-    expressions: tuple[str, ...],
-    output: tuple[Path, ...],
-    against: str,
-    csv_file: Path | None,
-    title: str | None,
-    dpi: float,
-    show: bool,
-    stale_ok: bool,
-) -> None:
+    environment: Environment, /, file: str, expressions: tuple[str, ...], output: tuple[Path, ...], against: str,
+    csv_file: Path | None, title: str | None, dpi: float, show: bool, stale_ok: bool,
+) -> None:  # fmt: skip
     """Plot expressions of the variables of a result file (NAME.sbd) over time.
 
     Variables of nodes x, xd, xdd, fx, fxgrav, fxtot, xcompl as x[NODE,COORDINATE]; of elements e, ed, edd, sig as

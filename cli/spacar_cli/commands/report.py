@@ -22,17 +22,9 @@ from spacar_cli.environment import Environment
 @words.option("stale_ok")
 @click.pass_obj
 def command(
-    environment: Environment,
-    /,
-    file: str,
-    output: Path | None,
-    plot: tuple[str, ...],
-    log_lines: int,
-    view: str,
-    viewer: bool,
-    symbols: str | None,
-    stale_ok: bool,
-) -> None:
+    environment: Environment, /, file: str, output: Path | None, plot: tuple[str, ...], log_lines: int, view: str,
+    viewer: bool, symbols: str | None, stale_ok: bool,
+) -> None:  # fmt: skip
     """Write one HTML page about a run: picture of the model, degrees of freedom, key results, plots, log.
 
     The page holds everything it shows: it can be sent by mail and opened without a network.

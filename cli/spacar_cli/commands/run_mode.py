@@ -83,19 +83,10 @@ def command_of_mode(word: str) -> click.Command:
 
 
 def run_mode(
-    mode: Mode,
-    environment: Environment,
-    *,
-    file: Path | None,
-    output_dir: Path | None,
-    as_json: bool,
-    wait: bool = False,
-    regardless: bool = False,
-    setpoints: str | None = None,
-    show: bool = False,
-    release: str | None = None,
-    **options: Any,
-) -> ExitStatus:
+    mode: Mode, environment: Environment, *, file: Path | None, output_dir: Path | None, as_json: bool,
+    wait: bool = False, regardless: bool = False, setpoints: str | None = None, show: bool = False,
+    release: str | None = None, **options: Any,
+) -> ExitStatus:  # fmt: skip
     """Run the analysis and report. Errors before the log exists are raised, others are told and logged."""
     file, asked = accuracy_options.taken(file, options)
     if file is None:  # `spacar 0 --release FILE`: the word belongs to the argument
@@ -121,11 +112,9 @@ def run_mode(
     results = result_sinks(stem, mode.files, wait)
     try:
         log = LogSink(
-            stem.with_name(f"{stem.name}.log"),
-            mode,
-            Path("standard input") if piped else source,
+            stem.with_name(f"{stem.name}.log"), mode, Path("standard input") if piped else source,
             _flags(overrides, setpoints) | accuracy_options.flags(asked),
-        )
+        )  # fmt: skip
     except BaseException:
         give_up(results)
         raise
@@ -233,28 +222,16 @@ def _status(environment: Environment, outcome: Outcome, results: list[ResultSink
 
 
 def _as_json(
-    mode: Mode,
-    source: Path,
-    outcome: Outcome,
-    status: ExitStatus,
-    log: LogSink,
-    results: list[ResultSink],
-    run: Run | None,
-    done: releasing.Done | None = None,
-) -> str:
+    mode: Mode, source: Path, outcome: Outcome, status: ExitStatus, log: LogSink, results: list[ResultSink],
+    run: Run | None, done: releasing.Done | None = None,
+) -> str:  # fmt: skip
     import json
 
     report: dict[str, Any] = {
-        "mode": mode.number,
-        "analysis": mode.title,
-        "input": str(source),
-        "status": int(status),
-        "steps": outcome.steps,
-        "t": outcome.last,
-        "seconds": outcome.seconds,
-        "log": str(log.path),
+        "mode": mode.number, "analysis": mode.title, "input": str(source), "status": int(status),
+        "steps": outcome.steps, "t": outcome.last, "seconds": outcome.seconds, "log": str(log.path),
         "results": [str(s.written_to) for s in results if s.written_to is not None],
-    }
+    }  # fmt: skip
     if run is not None:
         n = run.mechanism.numbering
         report |= {"ndof": n.ndof, "nddof": n.nddof, "nx": n.nx, "ne": n.ne, "information": run.report.lines}

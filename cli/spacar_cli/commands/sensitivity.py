@@ -34,15 +34,9 @@ if TYPE_CHECKING:
 @words.option("as_json", ": values and derivatives")
 @click.pass_obj
 def command(
-    environment: Environment,
-    /,
-    file: Path,
-    parameters: tuple[str, ...],
-    of: tuple[str, ...],
-    beams: str | None,
-    csv_file: Path | None,
-    as_json: bool,
-) -> None:
+    environment: Environment, /, file: Path, parameters: tuple[str, ...], of: tuple[str, ...], beams: str | None,
+    csv_file: Path | None, as_json: bool,
+) -> None:  # fmt: skip
     """Derivatives of positions, reactions, stresses, frequencies and load multipliers of the stationary states of FILE.
 
     They come from one analysis, to rounding: nothing is run again with changed numbers. Quantities are in SI,
@@ -101,8 +95,7 @@ def _json(found: Sensitivity) -> str:
         {
             "parameters": named(found.parameters, found.parameter_values.tolist(), found.parameter_units),
             "quantities": named(found.quantities, found.values.tolist(), found.quantity_units),
-            "derivatives": finite(found.derivatives.tolist()),
-            "notes": list(found.notes),
+            "derivatives": finite(found.derivatives.tolist()), "notes": list(found.notes),
         }
     )
 

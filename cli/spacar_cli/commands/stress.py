@@ -39,19 +39,9 @@ if TYPE_CHECKING:
 @words.option("stale_ok")
 @click.pass_obj
 def command(
-    environment: Environment,
-    /,
-    file: str,
-    at: int | None,
-    element: tuple[int, ...],
-    points: int,
-    csv_file: Path | None,
-    output: tuple[Path, ...],
-    place: float,
-    of: str,
-    as_json: bool,
-    stale_ok: bool,
-) -> None:
+    environment: Environment, /, file: str, at: int | None, element: tuple[int, ...], points: int,
+    csv_file: Path | None, output: tuple[Path, ...], place: float, of: str, as_json: bool, stale_ok: bool,
+) -> None:  # fmt: skip
     """Normal force, shear forces, torque, moments, bimoment and stresses along the beams of a result (NAME.sbd).
 
     Prints the largest value of every element, and where the largest of all are: step, element, place from p (0) to q

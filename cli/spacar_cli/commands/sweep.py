@@ -41,23 +41,10 @@ from spacar_cli.studying import ROWS, common, counted
 @common
 @click.pass_obj
 def command(
-    environment: Environment,
-    /,
-    file: Path,
-    assignments: tuple[str, ...],
-    table_file: Path | None,
-    together: bool,
-    mode: int,
-    results: tuple[str, ...],
-    output: Path | None,
-    scheduler: str | None,
-    regardless: bool,
-    retry_failed: bool,
-    batch: bool | None,
-    jobs: int | None,
-    as_json: bool,
-    **options: Any,
-) -> ExitStatus:
+    environment: Environment, /, file: Path, assignments: tuple[str, ...], table_file: Path | None, together: bool,
+    mode: int, results: tuple[str, ...], output: Path | None, scheduler: str | None, regardless: bool,
+    retry_failed: bool, batch: bool | None, jobs: int | None, as_json: bool, **options: Any,
+) -> ExitStatus:  # fmt: skip
     """Run FILE for many values of its numbers and keep quantities of every case.
 
     Every case is one row of the output, written when it has finished. Started again, the command runs what is not

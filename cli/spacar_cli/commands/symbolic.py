@@ -158,27 +158,16 @@ def _setting(ctx: click.Context, parameter: click.Parameter, values: tuple[str, 
 @words.option("strategy", type=STRATEGY, default="recursive", show_default=True)
 @words.option("compile")
 @words.option(
-    "plot",
-    ": a coordinate or an output, or all; a figure (png) for each. May be repeated.",
-    multiple=True,
+    "plot", ": a coordinate or an output, or all; a figure (png) for each. May be repeated.", multiple=True,
     metavar="NAME",
-)
+)  # fmt: skip
 @words.option("equations")
 @words.option("wait")
 @click.pass_obj
 def simulate(
-    environment: Environment,
-    model: Path,
-    assignments: dict[str, float],
-    duration: float | None,
-    n_steps: int | None,
-    compile: bool,
-    plot: tuple[str, ...],
-    equations: bool,
-    strategy: str,
-    wait: bool,
-    **wishes: Any,
-) -> None:
+    environment: Environment, model: Path, assignments: dict[str, float], duration: float | None, n_steps: int | None,
+    compile: bool, plot: tuple[str, ...], equations: bool, strategy: str, wait: bool, **wishes: Any,
+) -> None:  # fmt: skip
     """Simulate MODEL; writes NAME.log and NAME.sbd beside it."""
     from spacar_cli.symbolic_run import simulate_model
 

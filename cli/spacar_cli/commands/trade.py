@@ -50,29 +50,11 @@ HEADER = ("model", "integration", "error", "processor time [s]", "right-hand sid
 @common
 @click.pass_obj
 def command(
-    environment: Environment,
-    /,
-    file: Path,
-    mode: int | None,
-    integrators: str | None,
-    tolerances: str | None,
-    grids: str,
-    meshes: str | None,
-    budget: float,
-    rigid: bool,
-    linear: bool,
-    perturbation: bool,
-    variables: tuple[str, ...],
-    target: float,
-    repeats: int,
-    judges: str | None,
-    compiled: bool | None,
-    output: tuple[Path, ...],
-    jobs: int | None,
-    as_json: bool,
-    duration: float | None,
-    n_steps: int | None,
-) -> ExitStatus:
+    environment: Environment, /, file: Path, mode: int | None, integrators: str | None, tolerances: str | None,
+    grids: str, meshes: str | None, budget: float, rigid: bool, linear: bool, perturbation: bool,
+    variables: tuple[str, ...], target: float, repeats: int, judges: str | None, compiled: bool | None,
+    output: tuple[Path, ...], jobs: int | None, as_json: bool, duration: float | None, n_steps: int | None,
+) -> ExitStatus:  # fmt: skip
     """Run FILE with many settings, compare with a reference, and recommend the cheapest setting for --target.
 
     The reference and its error come from two methods at a tight tolerance and, where meshes are compared, from
@@ -100,15 +82,9 @@ def command(
     integrators, tolerances = integrators or CODES, tolerances or TOLERANCES
     divided = _whole(meshes or "1", "--elements")
     cases = setups(
-        trade,
-        _whole(integrators, "--integrators"),
-        _numbers(tolerances),
-        _whole(grids, "--substeps"),
-        divided,
-        rigid,
-        linear,
-        perturbation,
-    )
+        trade, _whole(integrators, "--integrators"), _numbers(tolerances), _whole(grids, "--substeps"), divided, rigid,
+        linear, perturbation,
+    )  # fmt: skip
     judging = _whole(judges or JUDGES, "--reference")
     against = reference_setups(trade, divided, min(target, *_numbers(tolerances)), judging)
     table_file = next((path for path in output if path.suffix.lower() in TABLES), None)
@@ -247,11 +223,9 @@ def _document(entries: Any, ref: Any, target: float, best: Any) -> dict[str, Any
         return {"model": e.label[0], "integration": e.label[1], **setup, **numbers, "reason": e.reason}
 
     return {
-        "reference": {"error": ref.error, "text": ref.text},
-        "target": target,
-        "recommended": None if best is None else plain(best),
-        "settings": [plain(e) for e in entries],
-    }
+        "reference": {"error": ref.error, "text": ref.text}, "target": target,
+        "recommended": None if best is None else plain(best), "settings": [plain(e) for e in entries],
+    }  # fmt: skip
 
 
 def _write_all(

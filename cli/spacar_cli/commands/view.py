@@ -24,19 +24,9 @@ from spacar_cli.environment import Environment
 @words.option("no_browser", ", with --watch")
 @click.pass_obj
 def command(
-    environment: Environment,
-    /,
-    file: str,
-    output: Path | None,
-    frames: int,
-    view: str,
-    fps: float,
-    stress: str | None,
-    show: bool,
-    stale_ok: bool,
-    watch: bool,
-    no_browser: bool,
-) -> None:
+    environment: Environment, /, file: str, output: Path | None, frames: int, view: str, fps: float, stress: str | None,
+    show: bool, stale_ok: bool, watch: bool, no_browser: bool,
+) -> None:  # fmt: skip
     """Write one HTML page with the moving mechanism: turn it, zoom, play, click a node or an element for its numbers.
 
     The page holds everything it shows, needs no network and any browser with WebGL 2; thousands of beams move smoothly.

@@ -35,20 +35,9 @@ QUANTITIES = ("N", "Qy", "Qz", "T", "My", "Mz", "B", "mises", "normal", "shear")
 @words.option("as_list")
 @click.pass_obj
 def command(
-    environment: Environment,
-    /,
-    file: str,
-    mode: int | None,
-    mode_numbers: str | None,
-    factor: float | None,
-    at: int,
-    rest: bool,
-    stress: str | None,
-    diagram: str | None,
-    over_section: bool,
-    as_list: bool,
-    **common_options: Any,
-) -> None:
+    environment: Environment, /, file: str, mode: int | None, mode_numbers: str | None, factor: float | None, at: int,
+    rest: bool, stress: str | None, diagram: str | None, over_section: bool, as_list: bool, **common_options: Any,
+) -> None:  # fmt: skip
     """Show what a result means: vibration modes (results of the modes 3, 4, 7, 9, 10), buckling modes (8, 10), over-
     and under-constraints (0), stress resultants and stresses along beams (all modes).
 
