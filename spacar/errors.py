@@ -10,6 +10,11 @@ LONGEST_LINE = 1000
 BY_USERS: tuple[type[Exception], ...] = (Exception, SystemExit, GeneratorExit)  # type: ignore[assignment]
 
 
+def type_and_text(error: BaseException) -> str:
+    """What an exception is that is not ours, in one line."""
+    return " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
+
+
 def shown(text: str) -> str:
     """Text as it may stand on a terminal and in a log: control characters, and other signs that are not printed, are
     escaped; of a line that is too long the beginning and the end are kept."""

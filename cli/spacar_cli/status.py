@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import TYPE_CHECKING
 
-from spacar.errors import InputError, SpacarError, shown
+from spacar.errors import InputError, SpacarError, shown, type_and_text
 from spacar_cli.environment import RED, YELLOW, Environment
 
 if TYPE_CHECKING:
@@ -67,13 +67,11 @@ def tell_error(environment: Environment, error: BaseException) -> ExitStatus:
     if isinstance(error, MemoryError):
         tell(environment, "error", "out of memory; store fewer steps or use fewer elements")
         return ExitStatus.FAILED
-    text = " ".join(str(error).split())
     if isinstance(error, ImportError) and any(words in str(cause) for cause in _causes(error) for words in NO_ROOM):
         tell(environment, "error", "out of memory: there is no room for the libraries that are needed")
         return ExitStatus.FAILED
-    tell(
-        environment, "error", f"internal error: {type(error).__name__}: {text} (--debug shows where; please report it)"
-    )
+    text = f"internal error: {type_and_text(error)} (--debug shows where; please report it)"
+    tell(environment, "error", text)
     return ExitStatus.FAILED
 
 

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from spacar.deck import Deck, Statement
-from spacar.errors import BY_USERS, InputError, Message
+from spacar.errors import BY_USERS, InputError, Message, type_and_text
 
 STATEMENTS = {"USERSIG": "forces and stresses", "USERINP": "prescribed motion", "USERTRAJ": "trajectory"}
 
@@ -159,7 +159,7 @@ def _text(path: str, refuse: Callable[[str], Exception]) -> bytes:
     try:
         return Path(path).read_bytes()
     except BY_USERS as error:
-        raise refuse(f"{path} cannot be loaded: {one_line(error)}") from error
+        raise refuse(f"{path} cannot be loaded: {type_and_text(error)}") from error
 
 
 def _stem(path: str) -> str:
@@ -194,7 +194,7 @@ def _compiled(path: str, text: bytes, refuse: Callable[[str], Exception]) -> Cod
     try:
         return _code(path, text)
     except BY_USERS as error:  # a user's file may fail in any way
-        raise refuse(f"{path} cannot be loaded: {one_line(error)}") from error
+        raise refuse(f"{path} cannot be loaded: {type_and_text(error)}") from error
 
 
 @lru_cache(16)
@@ -208,10 +208,5 @@ def _executed(code: CodeType, path: str, stem: str, refuse: Callable[[str], Exce
     try:
         exec(code, vars(module))
     except BY_USERS as error:
-        raise refuse(f"{path} cannot be loaded: {one_line(error)}") from error
+        raise refuse(f"{path} cannot be loaded: {type_and_text(error)}") from error
     return module
-
-
-def one_line(error: BaseException) -> str:
-    """Type and text of an exception without line breaks."""
-    return " ".join(f"{type(error).__name__}: {error}".split())

@@ -22,11 +22,11 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.deck import Deck, Statement
-from spacar.errors import BY_USERS, AnalysisError
+from spacar.errors import BY_USERS, AnalysisError, type_and_text
 from spacar.mechanism.mechanism import DriveState, Polynomial, Rows, SolverSettings, UserForces, UserSignal
 from spacar.mechanism.numbering import Numbering
 from spacar.mechanism.placed_vectors import PlacedVector, placed
-from spacar.mechanism.user_files import Loaded, load_function, one_line
+from spacar.mechanism.user_files import Loaded, load_function
 from spacar.modes import find_mode
 
 
@@ -40,7 +40,7 @@ def call(function: Callable[..., Any], name: str, t: float, *arguments: Any) -> 
 
 
 def _failed(name: str, t: float, error: BaseException) -> AnalysisError:
-    text = f"the user function {name} failed at t = {t:.9g}: {one_line(error)}"
+    text = f"the user function {name} failed at t = {t:.9g}: {type_and_text(error)}"
     return AnalysisError(text, "user-function.failed", t=t)
 
 

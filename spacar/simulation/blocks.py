@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar.errors import BY_USERS, AnalysisError, UsageError
+from spacar.errors import BY_USERS, AnalysisError, UsageError, type_and_text
 
 NONE: Array = np.zeros(0)
 
@@ -141,7 +141,7 @@ def guarded(function: Callable[..., Any], what: str, t: float, *arguments: Any) 
     except AnalysisError:
         raise
     except BY_USERS as error:  # a user's function may fail in any way
-        text = f"{what} failed at t = {t:.9g}: {type(error).__name__}: {error}"
+        text = f"{what} failed at t = {t:.9g}: {type_and_text(error)}"
         raise AnalysisError(text, "simulation.controller-failed") from error
 
 

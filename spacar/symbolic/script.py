@@ -14,7 +14,7 @@ from typing import Any
 
 import sympy as sp
 
-from spacar.errors import BY_USERS, InputError, Message, SpacarError
+from spacar.errors import BY_USERS, InputError, Message, SpacarError, type_and_text
 from spacar.symbolic.system import MultibodySystem
 
 
@@ -49,7 +49,7 @@ def read_script(path: Path) -> SymbolicModel:
     except BY_USERS as error:
         lines = _lines_of(error, path)
         line = lines[-1] if lines else None
-        raise InputError([Message("error", path.name, line, "", f"{type(error).__name__}: {error}")]) from None
+        raise InputError([Message("error", path.name, line, "", type_and_text(error))]) from None
     system = names.get("system")
     if not isinstance(system, MultibodySystem):
         text = "the script must define `system`, a spacar.symbolic.MultibodySystem"

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from spacar.errors import BY_USERS, AnalysisError, UsageError
+from spacar.errors import BY_USERS, AnalysisError, UsageError, type_and_text
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 from spacar_cli.status import tell_notes
@@ -81,7 +81,7 @@ def _called(function: Callable[[int], Any], text: str, step: int) -> Any:
     try:
         return function(step)
     except BY_USERS as error:  # a user's function may fail in any way
-        why = f"{text} failed at step {step}: {type(error).__name__}: {error}"
+        why = f"{text} failed at step {step}: {type_and_text(error)}"
         raise AnalysisError(why, "user-function.failed") from error
 
 

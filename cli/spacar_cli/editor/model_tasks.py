@@ -24,7 +24,7 @@ from spacar.calls import run
 from spacar.deck import Deck
 from spacar.deck.deck import parse
 from spacar.deck.lexer import visualization_of
-from spacar.errors import InputError, SpacarError, UsageError
+from spacar.errors import InputError, SpacarError, UsageError, type_and_text
 from spacar.kinematics.advice import HINGE, KEEPS, REDUNDANT
 from spacar.kinematics.release import release
 from spacar.mechanism.user_files import without_functions
@@ -197,5 +197,4 @@ def answered(task: str, arguments: Answer) -> str:
     except SpacarError as error:
         return json.dumps({"error": str(error)})
     except Exception as error:
-        text = " ".join(str(error).split())
-        return json.dumps({"error": f"internal error: {type(error).__name__}: {text} (please report it)"})
+        return json.dumps({"error": f"internal error: {type_and_text(error)} (please report it)"})

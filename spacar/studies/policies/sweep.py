@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from spacar.calls import frames
 from spacar.deck import Deck
-from spacar.errors import SpacarError
+from spacar.errors import SpacarError, type_and_text
 from spacar.mechanism.user_files import model_digest
 from spacar.result import Result
 from spacar.studies.assignments import Setting, change
@@ -147,7 +147,7 @@ def run_case(case: Case) -> Row:
 def explain(error: Exception) -> str:
     """A failure in one line."""
     text = " ".join(str(error).split())
-    return text if isinstance(error, SpacarError) and text else f"{type(error).__name__}: {text}"
+    return text if isinstance(error, SpacarError) and text else type_and_text(error)
 
 
 def done_row(case: Case, numbers: Iterable[float | complex], seconds: float) -> Row:
