@@ -47,7 +47,7 @@ def shell(folder, line):
     return finished.returncode, finished.stdout, finished.stderr
 
 
-def until(condition, process, seconds=60.0):
+def until(condition, process, seconds=300.0):
     """Wait until `condition` holds; an error when the process ends before."""
     deadline = time.monotonic() + seconds
     while not condition():

@@ -67,6 +67,22 @@ def test_check_tells_what_is_missing_without_running_anything(tmp_path, monkeypa
     assert "does not seem to define a function push" in err
 
 
+def test_who_executes_functions_of_a_model(tmp_path, monkeypatch):
+    """What computes does; what builds no motion, and what reads results, does not."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.dat").write_text(DECK)
+    (tmp_path / "push.py").write_text(PUSH)
+    said = {}
+    for line in ("0 a", "check a", "1 a", "7 a", "sweep a --set EM.1=1 -r x[3,1]@end", "trade a --target 1e-2",
+                 "sensitivity a -p EM.1 --of x[3,1]@end", "flexure a --move 3y=1e-6", "draw a -o a.svg", "eigen a",
+                 "plot a x[3,1] --csv -", "checksbf a", "report a", "view a", "stress a"):  # fmt: skip
+        status, _, err = run(*line.split())
+        assert status == 0, (line, err)
+        said[line.split()[0]] = (tmp_path / "RUN").exists()
+        (tmp_path / "RUN").unlink(missing_ok=True)
+    assert {word for word, ran in said.items() if ran} == {"1", "7", "sweep", "trade", "sensitivity", "flexure"}
+
+
 @pytest.mark.parametrize("raised", ["raise SystemExit(3)", "import sys; sys.exit()", "raise GeneratorExit"])
 @pytest.mark.parametrize("engine", ["--compiled", "--general"])
 def test_a_function_that_ends_the_program_ends_its_run(tmp_path, raised, engine):

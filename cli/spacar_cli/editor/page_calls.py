@@ -14,7 +14,7 @@ from spacar_cli.editor.mode_job import ModeJob
 from spacar_cli.editor.task_process import TaskProcess
 
 TYPED = ("check", "picture")  # tasks that follow the keys
-SECONDS = 120.0, 10.0  # for what a click asks for, and for what follows the keys
+SECONDS = 120.0, 20.0  # for what a click asks for, and for what follows the keys
 READING = ("state", "open", "task", "log", "end")  # what a page that watches may ask
 
 

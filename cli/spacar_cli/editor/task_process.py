@@ -5,6 +5,7 @@ What it is asked may take long, or more memory than there is. A pipe carries the
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import warnings
@@ -28,13 +29,10 @@ def answer_until_the_end(pipe: Connection) -> None:
     os.environ.update(ONE_THREAD)  # read when NumPy is imported
     from spacar_cli.editor.model_tasks import answered
 
-    pipe.send("ready")
-    while True:
-        try:
-            task, arguments = pipe.recv()
-        except EOFError:  # the server has ended
-            return
-        pipe.send(answered(task, arguments))
+    with contextlib.suppress(EOFError, OSError):  # the server has ended
+        pipe.send("ready")
+        while True:
+            pipe.send(answered(*pipe.recv()))
 
 
 class TaskProcess:
