@@ -22,7 +22,7 @@ SIZES[False, "warping"] = 1
 NAMED = {
     "spacar/deck/planar_types.py": "its row", "spacar/deck/spatial_types.py": "its row",
     "spacar/deck/checks_geometry.py": "checks of its own numbers",
-    "cli/spacar_drawing/machine_parts.py": "pictures of its own",
+    "cli/spacar_drawing/element_pictures.py": "pictures of its own",
     "spacar/deck/cross_section.py": "TUBE is a shape there",
     "cli/spacar_cli/deck_parts.py": "what it is in a symbolic model; others are refused by name",
 }  # fmt: skip
