@@ -1,8 +1,8 @@
 """Element families whose functions are those of the engine: the contract of `spacar.elements.family` in C.
 
 One call evaluates all elements of a batch. What depends on numbers of the elements only (stiffness, lumped inertia,
-limits) is that of the NumPy family, which also answers where there is no function in C: complex numbers, and several
-cases on a further axis. Both give the same results to rounding (tests/compiled/test_compiled_elements.py).
+limits) is that of the NumPy family, which also answers where there is no function in C, and for complex numbers. Both
+give the same results to rounding (tests/compiled/test_compiled_elements.py).
 """
 
 from __future__ import annotations

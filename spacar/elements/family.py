@@ -1,8 +1,8 @@
 """What an element family is: all elements of one type, evaluated at once.
 
 Notation of theory-system.md section 0. Arrays are *component first*: `x` of shape (n_coordinates, n), so that
-`xp, yp, ... = x` unpacks into contiguous rows; the element axis is last and may be followed by further axes
-(cases of a parameter study): every operation is elementwise over the trailing axes. Parameters have shape (n,).
+`xp, yp, ... = x` unpacks into contiguous rows; the element axis is last: every operation is elementwise over it.
+Parameters have shape (n,).
 
 Duties of a family
 1. `strain` gives the deformations e = D(x) and the velocity map V (V = dD/dx for holonomic rows; for slips V is

@@ -205,26 +205,6 @@ def test_shear_flexible_cantilever_compliance() -> None:
     assert deflection == pytest.approx(l0**3 / (3 * EI) + l0 * shear / EI, rel=1e-12)
 
 
-def test_cases_on_a_trailing_axis_equal_single_cases() -> None:
-    beams, x0, x, v = random_beams(11, em=np.full((N, 1), 1.0))
-    many, rate = np.stack([x0, x], -1), np.stack([0.5 * v, v], -1)
-    e, V = np.zeros((6, N, 2)), np.zeros((6, 14, N, 2))
-    c = beams.strain(many, e, e, V)
-    h, M, out = beams.inertia_force(c, rate, rate), np.zeros((14, 14, N, 2)), np.zeros((14, 14, N, 2))
-    beams.mass(c, M)
-    beams.geometric_stiffness(c, e, out)
-    c1, e1, V1 = evaluate(beams, x)
-    close(e[..., 1], e1, "e", 1e-15)
-    close(V[..., 1], V1, "V", 1e-15)
-    close(M[..., 1], mass_of(beams, x), "M", 1e-15)
-    close(h[..., 1], beams.inertia_force(c1, v, v), "h", 1e-14)
-    for method in (beams.gradient_rate, beams.rate_gradient):
-        both, one = np.zeros_like(V), np.zeros_like(V1)
-        method(c, rate, both)
-        method(c1, v, one)
-        close(both[..., 1], one, method.__name__, 1e-14)
-
-
 def test_default_direction_is_the_highest_index_of_equals() -> None:
     x0 = reference(np.random.default_rng(0), 2, LAYOUT)
     x0[:3], x0[7:10] = 0.0, np.array([(1.0, 0, 0), (0, 1.0, 1e-14)]).T

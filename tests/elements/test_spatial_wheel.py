@@ -131,19 +131,6 @@ def test_slip_rates_are_the_transport_of_the_rows() -> None:
     close(written(family.convective_strain, (6, N), float, c, v), (slip * v).sum(1), "H(v,v)")
 
 
-def test_trailing_cases() -> None:
-    family, x0, _, _ = wheels("TWHEEL")
-    rng = np.random.default_rng(6)
-    x = moved(rng, x0, "xlx", shift=0.05)
-    many, rate = np.stack((x0, x), -1), rng.normal(size=(10, N, 2))
-    e, V = np.zeros((6, N, 2)), np.zeros((6, 10, N, 2))
-    c = family.strain(many, e, e, V)
-    both = np.zeros_like(V)
-    family.rate_gradient(c, rate, both)
-    one = written(family.rate_gradient, (6, 10, N), float, evaluate(family, x)[0], rate[..., 1])
-    close(both[..., 1], one, "T", 1e-14)
-
-
 @pytest.mark.parametrize(
     ("shift", "words"),
     [

@@ -109,7 +109,7 @@ def short_troubles(l: Array, l0: Array) -> list[Trouble]:
             "its direction is lost",
             True,
         )
-        for k in np.flatnonzero(l < SHORT * l0)
+        for k in np.flatnonzero(~(l > SHORT * l0))
     ]
 
 

@@ -14,8 +14,6 @@ The parameters of q relative to p are bilinear: mu0 = lam_p.lam_q, mu_e = lam_p 
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from spacar.arrays import Array
@@ -52,14 +50,6 @@ def _rate_coefficients(sign: float) -> Array:
 
 
 _BODY, _GLOBAL = _rate_coefficients(-1.0), _rate_coefficients(1.0)
-
-
-def expand(constants: tuple[Any, ...], ndim: int) -> tuple[Any, ...]:
-    """Constants (arrays with the element axis last, or None), broadcastable against x of `ndim` axes."""
-    if ndim == 2:
-        return constants
-    tail = (1,) * (ndim - 2)
-    return tuple(None if a is None else a.reshape(a.shape + tail) for a in constants)
 
 
 def director_tensor(c: Array) -> Array:

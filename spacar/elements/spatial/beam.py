@@ -9,14 +9,15 @@ stiffness and the limits of the theory.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, Family, GeometryError, Trouble
+from spacar.elements.planar.chord import SHORT, short_troubles
 from spacar.elements.rotations.local_frames import chord_frames, chords, rows, section_tensor
-from spacar.elements.rotations.rotation import _CROSS, expand, parameters_of_frame, rotate
+from spacar.elements.rotations.rotation import _CROSS, parameters_of_frame, rotate
 from spacar.elements.spatial import beam_strain as strain_of
 from spacar.elements.spatial.beam_inertia import (
     HERMITE_MASS,
@@ -43,13 +44,12 @@ def angle_of_error(error: float) -> float:
 LARGE_ANGLE = angle_of_error(0.1)  # bending or twist of one element: 22.5 degrees
 LIMIT_ANGLE = np.radians(85.0)  # the sine measures have no equilibrium at and beyond 90 degrees
 _UNIT = HERMITE_MASS.item(0, 0) / 156.0  # of the coefficients of the inertia: 1/420
-COLLAPSED = 1e-6  # smallest fraction of the undeformed length
 
 
 class SpatialBeamConfiguration(NamedTuple):
     """Deformation state and, if the group has mass, the inertia state."""
 
-    strain: strain_of.BeamState
+    strain: Any
     line: LineState | None
 
 
@@ -65,7 +65,8 @@ class SpatialBeam(Family):
     position_rows = (0, 1, 2, 7, 8, 9)
     start: Array | None = None  # deformations of tubes at the start
     _position_index = np.array(position_rows)
-    _correction_coefficients = staticmethod(strain_of.correction_coefficients)
+    _of: ClassVar[Any] = strain_of  # the module of the deformations
+    _of_beam: ClassVar[Any] = slice(None)  # coordinates that a BEAM has
 
     def __init__(self, group: ElementGroup) -> None:
         n = self._chords(group)
@@ -105,7 +106,7 @@ class SpatialBeam(Family):
         """Those of the deformations."""
         assert self.data is not None
         alike = not np.count_nonzero(self._estiff[:, 4:6])
-        Q = self._correction_coefficients(np.ones((2, 1)) if alike else self.shear)
+        Q = self._of.correction_coefficients(np.ones((2, 1)) if alike else self.shear)
         return strain_of.beam_constants(*self._frames, self.length, self.data[:, 0], self._nonlinear, Q)
 
     @property
@@ -145,50 +146,41 @@ class SpatialBeam(Family):
 
     # -- deformations --------------------------------------------------------------------------------------
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> SpatialBeamConfiguration:
-        p = strain_of.BeamConstants(*expand(self.constants, x.ndim))
-        c = strain_of.beam_state(p, x, self._second)
-        if c.Q is None:
-            e[...] = c.raw
-        else:
-            e[...] = c.raw + 0.5 * np.einsum("kj...,j...->k...", c.Q, c.raw)
+        c = self._of.state(self.constants, x, self._second)
+        e[...] = c.raw if c.Q is None else c.raw + 0.5 * np.einsum("kj...,j...->k...", c.Q, c.raw)
         strain_of.put(strain_of.corrected(c.Q, c.W), V)
-        line = line_state(LineConstants(*expand(self.line, x.ndim)), x) if self.has_mass else None
-        return SpatialBeamConfiguration(c, line)
+        return SpatialBeamConfiguration(c, self._line_state(x))
+
+    def _line_state(self, x: Array) -> LineState | None:
+        return line_state(self.line, x[self._of_beam]) if self.has_mass else None
 
     def convective_strain(self, c: SpatialBeamConfiguration, v: Array, out: Array) -> None:
-        state = c.strain
-        raw2 = strain_of.beam_rates(state, v).raw2
-        if state.Q is None:
-            out[...] = raw2
-            return
-        raw1 = strain_of.raw_rate(state, v)
-        curved = strain_of.correction(state.p, raw1)
-        out[...] = strain_of.second_order(state.Q, raw2) + np.einsum("kj...,j...->k...", curved, raw1)
+        of, state = self._of, c.strain
+        raw2 = of.rates(state, v).raw2
+        out[...] = strain_of.second_order(state.Q, raw2)
+        if state.Q is not None:
+            raw1 = of.raw_rate(state, v)
+            out += np.einsum("kj...,j...->k...", of.correction(state.p, raw1), raw1)
 
     def gradient_rate(self, c: SpatialBeamConfiguration, v: Array, out: Array) -> None:
-        state = c.strain
-        W = strain_of.rate_rows(state, strain_of.beam_rates(state, v))
+        of, state = self._of, c.strain
+        W = strain_of.corrected(state.Q, of.rate_rows(state, of.rates(state, v)))
         if state.Q is not None:
-            Q1 = strain_of.correction(state.p, strain_of.raw_rate(state, v))
-            W = strain_of.corrected(state.Q, W) + np.einsum("kj...,jsi...->ksi...", Q1, state.W)
+            W = W + strain_of.times_rows(of.correction(state.p, of.raw_rate(state, v)), state.W)
         strain_of.put(W, out)
 
     def rate_gradient(self, c: SpatialBeamConfiguration, v: Array, out: Array) -> None:
-        state = c.strain
-        rates = strain_of.beam_rates(state, v)
-        W = strain_of.second_rate_rows(state, rates)
+        of, state = self._of, c.strain
+        rates = of.rates(state, v)
+        W = strain_of.corrected(state.Q, of.second_rate_rows(state, rates))
         if state.Q is not None:
-            Q1 = strain_of.correction(state.p, strain_of.raw_rate(state, v))
-            Q2 = strain_of.correction(state.p, rates.raw2)
-            W = (
-                strain_of.corrected(state.Q, W)
-                + np.einsum("kj...,jsi...->ksi...", Q2, state.W)
-                + 2.0 * np.einsum("kj...,jsi...->ksi...", Q1, strain_of.rate_rows(state, rates))
-            )
+            W = W + strain_of.times_rows(of.correction(state.p, rates.raw2), state.W)
+            Q1 = of.correction(state.p, of.raw_rate(state, v))
+            W = W + 2.0 * strain_of.times_rows(Q1, of.rate_rows(state, rates))
         strain_of.put(W, out)
 
     def geometric_stiffness(self, c: SpatialBeamConfiguration, sigma: Array, out: Array) -> None:
-        strain_of.hessian(c.strain, sigma, out)
+        self._of.hessian(c.strain, sigma, out)
 
     # -- stresses ------------------------------------------------------------------------------------------
     def stiffness(self) -> tuple[Array, Array]:
@@ -219,16 +211,9 @@ class SpatialBeam(Family):
     def troubles(self, c: SpatialBeamConfiguration, e: Array, sigma: Array) -> list[Trouble]:
         """Collapsed length; too large angles of bending (end tangent against chord) or twist."""
         state = c.strain
-        if _small_angles(state, self.length) and (state.l > COLLAPSED * self.length).all():
+        if _small_angles(state, self.length) and (state.l > SHORT * self.length).all():
             return []
-        found = [
-            Trouble(
-                int(k),
-                f"has collapsed: its length is {state.l[k]:.3g} m, undeformed {self.length[k]:.3g} m",
-                True,
-            )
-            for k in np.flatnonzero(~(state.l > COLLAPSED * self.length))
-        ]
+        found = short_troubles(state.l, self.length)
         for what, angle in _angles(state.lam, state.n, self._frames):
             for k in np.flatnonzero(angle > LARGE_ANGLE):
                 fatal = bool(angle[k] > LIMIT_ANGLE)

@@ -10,17 +10,16 @@ l0 = chord/(1 - (psi_y^2 + psi_z^2)/24 - (A_y^2 + A_z^2)/40) in the place of the
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, Internal, Trouble
-from spacar.elements.rotations.rotation import expand
+from spacar.elements.planar.chord import short_troubles
 from spacar.elements.spatial import beam_angle_strain as strain_of
-from spacar.elements.spatial.angle_measure import AngleConstants, deformations, outer
-from spacar.elements.spatial.beam import COLLAPSED, SpatialBeam
-from spacar.elements.spatial.beam_inertia import LineConstants, LineState, line_state
+from spacar.elements.spatial.angle_measure import AngleConstants, outer
+from spacar.elements.spatial.beam import SpatialBeam, SpatialBeamConfiguration
 from spacar.elements.spatial.tube import SpatialTube
 
 LARGE_ANGLE = np.pi / 2  # of the ends to each other; beyond it the error of one element exceeds a few per cent
@@ -28,17 +27,11 @@ LARGE_CHORD = np.pi / 4  # of the chord to the orientation half way
 LIMIT_ANGLE, LIMIT_CHORD = np.radians(350.0), np.radians(85.0)  # G is infinite at 360, the chord angle jumps at 180
 
 
-class AngleConfiguration(NamedTuple):
-    """Deformation state and, if the group has mass, the inertia state."""
-
-    strain: strain_of.AngleState
-    line: LineState | None
-
-
 class SpatialAngleBeam(SpatialBeam):
     """All BEAM elements of a model in the angle measure. Errors as `SpatialBeam`."""
 
     measure = "angle"
+    _of: ClassVar[Any] = strain_of
     definition = "beam_angle"
 
     def _build(self, group: ElementGroup, frame_p: Array, frame_q: Array, f1: Array) -> None:
@@ -63,24 +56,19 @@ class SpatialAngleBeam(SpatialBeam):
         return np.vstack((super().parameters(), self.angles.ratio, self.angles.start))
 
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> Any:
-        p = AngleConstants(*expand(self.angles, x.ndim))
-        c = strain_of.state(p, x)
-        e[...] = deformations(p, c.inner.y, c.G[0])
-        strain_of.first(c, V)
-        line = line_state(LineConstants(*expand(self.line, x.ndim)), x) if self.has_mass else None
-        return AngleConfiguration(c, line)
+        c = self._of.state(self.angles, x)
+        e[...] = self._of.values(c)
+        self._of.first(c, V)
+        return SpatialBeamConfiguration(c, self._line_state(x))
 
     def convective_strain(self, c: Any, v: Array, out: Array) -> None:
-        out[...] = strain_of.second_rate(c.strain, v)
+        out[...] = self._of.second_rate(c.strain, v)
 
     def gradient_rate(self, c: Any, v: Array, out: Array) -> None:
-        strain_of.derivative_of_rows(c.strain, v, 1, out)
+        self._of.derivative_of_rows(c.strain, v, 1, out)
 
     def rate_gradient(self, c: Any, v: Array, out: Array) -> None:
-        strain_of.derivative_of_rows(c.strain, v, 2, out)
-
-    def geometric_stiffness(self, c: Any, sigma: Array, out: Array) -> None:
-        strain_of.hessian(c.strain, sigma, out)
+        self._of.derivative_of_rows(c.strain, v, 2, out)
 
     def internal(self, c: Any, sigma: Array) -> Internal | None:
         """The twist gradient A_x (section 2.6): stiffness 3 GIt/l0, coupling
@@ -94,10 +82,7 @@ class SpatialAngleBeam(SpatialBeam):
     def troubles(self, c: Any, e: Array, sigma: Array) -> list[Trouble]:
         """Collapsed length; too large rotations of the ends to each other, and of the chord."""
         y = c.strain.inner.y
-        found = []
-        for k in np.flatnonzero(~(y[7] > COLLAPSED * self.length)):
-            text = f"has collapsed: its length is {y[7, k]:.3g} m, undeformed {self.length[k]:.3g} m"
-            found.append(Trouble(int(k), text, True))
+        found = short_troubles(y[7], self.length)
         turned = 2.0 * np.arctan2(np.sqrt((y[1:4] ** 2).sum(0)), y[0])
         chord = np.arctan2(np.hypot(y[5], y[6]), y[4])
         for what, value, large, limit in (

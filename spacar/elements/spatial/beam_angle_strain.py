@@ -53,6 +53,11 @@ def state(p: AngleConstants, x: Array, gradient: Gradient = gradient) -> AngleSt
     return AngleState(p, L, d, c, G, gradient(p, c.y, G[0], G[1]))
 
 
+def values(c: AngleState) -> Array:
+    """The deformations (6, n)."""
+    return np.asarray(deformations(c.p, c.inner.y, c.G[0]))
+
+
 def along_line(c: AngleState, v: Array, terms: int) -> tuple[Inner, Any, Any]:
     """Inner quantities, G and its derivative as series of `terms` coefficients along v (14, n)."""
     v7 = v.reshape(2, 7, *v.shape[1:])

@@ -144,7 +144,12 @@ def second_order(Q: Array | None, e: Array) -> Array:
 
 def corrected(Q: Array | None, W: Array) -> Array:
     """T W for rows W (6, 2, 7, n), T = I + Q."""
-    return W if Q is None else W + _einsum("kj...,jsi...->ksi...", Q, W)
+    return W if Q is None else W + times_rows(Q, W)
+
+
+def times_rows(Q: Array, W: Array) -> Array:
+    """Q W."""
+    return np.asarray(_einsum("kj...,jsi...->ksi...", Q, W))
 
 
 def put(W: Array, out: Array) -> None:
@@ -167,7 +172,7 @@ def rows(stretch: Array, twist: Array, bend_d: Array, bend_lam: Array) -> Array:
     return W
 
 
-def beam_state(p: BeamConstants, x: Array, second: bool) -> BeamState:
+def state(p: BeamConstants, x: Array, second: bool) -> BeamState:
     """Raw deformations and their gradient at x (14, n); `second`: some beam has second order terms."""
     x7 = x.reshape(2, 7, *x.shape[1:])
     lam = x7[:, 3:]
@@ -210,7 +215,7 @@ class BeamRates(NamedTuple):
     raw2: Array  # (6, n) second rate of eb
 
 
-def beam_rates(c: BeamState, v: Array) -> BeamRates:
+def rates(c: BeamState, v: Array) -> BeamRates:
     """Rates for v (14, n)."""
     p, n, l = c.p, c.n, c.l
     v7 = v.reshape(2, 7, *v.shape[1:])

@@ -7,28 +7,18 @@ element (section 4), the warping inertia is lumped to the nodes (section 6).
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, Trouble
-from spacar.elements.rotations.rotation import expand
 from spacar.elements.spatial import warping_strain as strain_of
 from spacar.elements.spatial.beam import SpatialBeam, SpatialBeamConfiguration
-from spacar.elements.spatial.beam_inertia import LineConstants, LineState, line_state
-from spacar.elements.spatial.beam_strain import BeamConstants, put
 
 _BEAM = np.array([0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14])  # coordinates that a BEAM has too
 ECW = 6  # column of the warping rigidity in ESTIFF and EDAMP
 JW = 5  # column of the warping inertia in EM
-
-
-class WarpingConfiguration(NamedTuple):
-    """Deformation state and, if the group has mass, the inertia state of its centre lines."""
-
-    strain: strain_of.WarpingState
-    line: LineState | None
 
 
 class BeamWithWarping(SpatialBeam):
@@ -39,7 +29,8 @@ class BeamWithWarping(SpatialBeam):
     n_deformations = 8
     position_rows = (0, 1, 2, 8, 9, 10)
     _position_index = np.array(position_rows)
-    _correction_coefficients = staticmethod(strain_of.correction_coefficients)
+    _of: ClassVar[Any] = strain_of
+    _of_beam: ClassVar[Any] = _BEAM
 
     def __init__(self, group: ElementGroup) -> None:
         super().__init__(group)
@@ -52,51 +43,6 @@ class BeamWithWarping(SpatialBeam):
 
     def parameters(self) -> Array:
         return super().parameters()[:28]
-
-    # -- deformations --------------------------------------------------------------------------------------
-    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> WarpingConfiguration:  # type: ignore[override]
-        c = strain_of.warping_state(BeamConstants(*expand(self.constants, x.ndim)), x, self._second)
-        W = c.W
-        if c.Q is None:
-            e[...] = c.raw
-        else:
-            e[...] = c.raw + 0.5 * _product(c.Q, c.raw)
-            W = W + _rows(c.Q, W)
-        put(W, V)
-        line = line_state(LineConstants(*expand(self.line, x.ndim)), x[_BEAM]) if self.has_mass else None
-        return WarpingConfiguration(c, line)
-
-    def convective_strain(self, c: WarpingConfiguration, v: Array, out: Array) -> None:  # type: ignore[override]
-        state = c.strain
-        r = strain_of.warping_rates(state, v)
-        out[...] = r.raw2
-        if state.Q is not None:
-            out += _product(state.Q, r.raw2) + _product(strain_of.correction(state.beam.p, r.raw1), r.raw1)
-
-    def gradient_rate(self, c: WarpingConfiguration, v: Array, out: Array) -> None:  # type: ignore[override]
-        state = c.strain
-        r = strain_of.warping_rates(state, v)
-        W = strain_of.rate_rows(state, r)
-        if state.Q is not None:
-            W = W + _rows(state.Q, W) + _rows(strain_of.correction(state.beam.p, r.raw1), state.W)
-        put(W, out)
-
-    def rate_gradient(self, c: WarpingConfiguration, v: Array, out: Array) -> None:  # type: ignore[override]
-        state = c.strain
-        r = strain_of.warping_rates(state, v)
-        W = strain_of.second_rate_rows(state, r)
-        if state.Q is not None:
-            p = state.beam.p
-            W = (
-                W
-                + _rows(state.Q, W)
-                + _rows(strain_of.correction(p, r.raw2), state.W)
-                + 2.0 * _rows(strain_of.correction(p, r.raw1), strain_of.rate_rows(state, r))
-            )
-        put(W, out)
-
-    def geometric_stiffness(self, c: WarpingConfiguration, sigma: Array, out: Array) -> None:  # type: ignore[override]
-        strain_of.hessian(c.strain, sigma, out)
 
     # -- stresses ------------------------------------------------------------------------------------------
     def stiffness(self) -> tuple[Array, Array]:
@@ -114,21 +60,21 @@ class BeamWithWarping(SpatialBeam):
         return full[0], full[1]
 
     # -- inertia -------------------------------------------------------------------------------------------
-    def mass(self, c: WarpingConfiguration, out: Array) -> None:  # type: ignore[override]
-        M = np.zeros((14, 14, *out.shape[2:]), out.dtype)
-        super().mass(_of_beam(c), M)
+    def mass(self, c: SpatialBeamConfiguration, out: Array) -> None:
+        M = np.zeros((14, 14, self.n), out.dtype)
+        super().mass(c, M)
         out[np.ix_(_BEAM, _BEAM)] = M
 
-    def inertia_force(self, c: WarpingConfiguration, v: Array, a: Array | None) -> Array:  # type: ignore[override]
-        force = super().inertia_force(_of_beam(c), v[_BEAM], None if a is None else a[_BEAM])
-        out = np.zeros((16, *force.shape[1:]), force.dtype)
+    def inertia_force(self, c: SpatialBeamConfiguration, v: Array, a: Array | None) -> Array:
+        force = super().inertia_force(c, v[_BEAM], None if a is None else a[_BEAM])
+        out = np.zeros((16, self.n), force.dtype)
         out[_BEAM] = force
         return out
 
-    def inertia_gradient(self, c: WarpingConfiguration, v: Array, a: Array) -> tuple[Array, Array]:  # type: ignore[override]
+    def inertia_gradient(self, c: SpatialBeamConfiguration, v: Array, a: Array) -> tuple[Array, Array]:
         found = []
-        for gradient in super().inertia_gradient(_of_beam(c), v[_BEAM], a[_BEAM]):
-            out = np.zeros((16, 16, *gradient.shape[2:]), gradient.dtype)
+        for gradient in super().inertia_gradient(c, v[_BEAM], a[_BEAM]):
+            out = np.zeros((16, 16, self.n), gradient.dtype)
             out[np.ix_(_BEAM, _BEAM)] = gradient
             found.append(out)
         return found[0], found[1]
@@ -142,17 +88,5 @@ class BeamWithWarping(SpatialBeam):
         return (7, self._warping), (15, self._warping)
 
     # -- limits --------------------------------------------------------------------------------------------
-    def troubles(self, c: WarpingConfiguration, e: Array, sigma: Array) -> list[Trouble]:  # type: ignore[override]
-        return super().troubles(_of_beam(c), e, sigma)
-
-
-def _of_beam(c: WarpingConfiguration) -> SpatialBeamConfiguration:
-    return SpatialBeamConfiguration(c.strain.beam, c.line)
-
-
-def _product(Q: Array, e: Array) -> Array:
-    return np.asarray(np.einsum("kj...,j...->k...", Q, e))
-
-
-def _rows(Q: Array, W: Array) -> Array:
-    return np.asarray(np.einsum("kj...,jsi...->ksi...", Q, W))
+    def troubles(self, c: SpatialBeamConfiguration, e: Array, sigma: Array) -> list[Trouble]:
+        return super().troubles(c._replace(strain=c.strain.beam), e, sigma)

@@ -20,7 +20,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, Family, GeometryError, arc_tangent
 from spacar.elements.rotations.local_frames import axis_frame, columns, rows
-from spacar.elements.rotations.rotation import expand, relative_parameters
+from spacar.elements.rotations.rotation import relative_parameters
 
 _einsum = np.einsum
 _TURN = 2.0 * np.pi
@@ -176,7 +176,7 @@ class SpatialHinge(Family):
         return relative_parameters(self._frame, self._frame)
 
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> HingeState:
-        c = hinge_state(expand((self._relative,), x.ndim)[0], x.reshape(2, 4, *x.shape[1:]))
+        c = hinge_state(self._relative, x.reshape(2, 4, -1))
         e[...] = hinge_deformations(c, branch[0])
         V[...] = hinge_gradient(c).reshape(V.shape)
         return c

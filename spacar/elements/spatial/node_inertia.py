@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.elements.family import Family
-from spacar.elements.rotations.rotation import body_dual, body_matrix, expand
+from spacar.elements.rotations.rotation import body_dual, body_matrix
 
 _einsum = np.einsum
 
@@ -75,7 +75,7 @@ class RigidBodyNode(Family):
         return np.stack([J[0, 0], J[0, 1], J[0, 2], J[1, 1], J[1, 2], J[2, 2]])
 
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> BodyState:
-        return BodyState(expand((self.J,), x.ndim)[0], body_matrix(x))
+        return BodyState(self.J, body_matrix(x))
 
     def mass(self, c: BodyState, out: Array) -> None:
         out[...] = _einsum("ai...,aj...->ij...", 4.0 * c.L, _einsum("ab...,bj...->aj...", c.J, c.L))
@@ -107,7 +107,7 @@ class GyrostatNode(Family):
         self.K = 4.0 * body_dual(np.ascontiguousarray(np.asarray(h).T))
 
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> Array:
-        return np.asarray(expand((self.K,), x.ndim)[0])
+        return self.K
 
     def inertia_force(self, c: Array, v: Array, a: Array | None) -> Array:
         return np.asarray(_einsum("ij...,j...->i...", c, v))

@@ -14,10 +14,10 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, Family, GeometryError
+from spacar.elements.planar.pltruss import rod_mass
 from spacar.elements.rotations.local_frames import chord_frames, chords, rows, section_tensor, supplemented, unit
-from spacar.elements.rotations.rotation import director_tensor, expand
+from spacar.elements.rotations.rotation import director_tensor
 from spacar.elements.spatial.hinge import diagonal
-from spacar.elements.spatial.truss import rod_mass
 
 _einsum = np.einsum
 DEPENDENT = 1e-8  # smallest determinant of three unit directions: sqrt(eps), where the position loses half its digits
@@ -123,16 +123,15 @@ class SpatialPinbody(Family):
         self.directors = directors(frame)
         self._coefficients = group.estiff[:, :3], group.edamp[:, :3]
         self.has_mass = bool(np.any(group.em[:, 0] != 0.0))
-        self._mass = rod_mass(group.em[:, 0] * self.length)
+        self._mass = rod_mass(group.em[:, 0] * self.length, 3)
         self._inertia = _rod_inertia(group, d) if group.em[:, 1:5].any() else None
 
     def parameters(self) -> Array:
         return np.vstack((self.frame_p.T, self.r))
 
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> PinState:
-        K, r = expand((self.directors, self.r), x.ndim)
-        c = pin_state(K, x[3:7], x[7:] - x[:3])
-        np.subtract(pin_values(c), r, out=e)
+        c = pin_state(self.directors, x[3:7], x[7:] - x[:3])
+        np.subtract(pin_values(c), self.r, out=e)
         _put(pin_gradient(c), V)
         return c
 
@@ -158,13 +157,12 @@ class SpatialPinbody(Family):
         return S, S_d
 
     def mass(self, c: PinState, out: Array) -> None:
-        out[np.ix_(POSITIONS, POSITIONS)] = self._mass.reshape(self._mass.shape + (1,) * (out.ndim - 3))
+        out[np.ix_(POSITIONS, POSITIONS)] = self._mass
 
     def inertia_force(self, c: PinState, v: Array, a: Array | None) -> Array:
         f = np.zeros_like(v)
         if a is not None:
-            M = self._mass.reshape(self._mass.shape + (1,) * (v.ndim - 2))
-            f[POSITIONS] = np.einsum("ij...,j...->i...", M, a[POSITIONS])
+            f[POSITIONS] = np.einsum("ijn,jn->in", self._mass, a[POSITIONS])
         return f
 
     def orientation_inertia(self) -> tuple[tuple[int, Array], ...]:

@@ -17,7 +17,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, Family, GeometryError
 from spacar.elements.rotations.local_frames import axis_frame, rows
-from spacar.elements.rotations.rotation import expand, relative_parameters
+from spacar.elements.rotations.rotation import relative_parameters
 from spacar.elements.spatial import hinge as turning
 from spacar.elements.spatial import pinbody as sliding
 
@@ -60,7 +60,7 @@ class Screw(Family):
         return np.vstack((self.frame_p.T, self.r, self.pitch))
 
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> ScrewState:
-        F, K, r, h = expand(self.constants, x.ndim)
+        F, K, r, h = self.constants
         x7 = x.reshape(2, 7, *x.shape[1:])
         hinge = turning.hinge_state(F, x7[:, 3:])
         pin = sliding.pin_state(K, x7[0, 3:], x7[1, :3] - x7[0, :3])

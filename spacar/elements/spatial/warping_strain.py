@@ -34,6 +34,10 @@ class WarpingState(NamedTuple):
     W: Array  # (8, 2, 8, n) gradient of eb
     Q: Array | None  # (8, 8, n) Q_k eb, None for LDEFORM beams only
 
+    @property
+    def p(self) -> beam_strain.BeamConstants:
+        return self.beam.p
+
 
 def correction_coefficients(shear: Array) -> Array:
     """Q (8, 8, 8, ...): l0 times the symmetric Q_k of section 3, without the torsion-elongation terms, for the factors
@@ -87,9 +91,9 @@ def _extended(W: Array) -> Array:
     return out
 
 
-def warping_state(p: beam_strain.BeamConstants, x: Array, second: bool) -> WarpingState:
+def state(p: beam_strain.BeamConstants, x: Array, second: bool) -> WarpingState:
     """Raw deformations and their gradient at x (16, n); `second`: some beam has second order terms."""
-    beam = beam_strain.beam_state(p, _of_beam(x), False)
+    beam = beam_strain.state(p, _of_beam(x), False)
     square = p.l0**2
     raw = _eight(beam.raw)
     raw[6] -= square * x[7]
@@ -118,14 +122,13 @@ class WarpingRates(NamedTuple):
     """Rates of the state with velocities v at zero accelerations."""
 
     beam: beam_strain.BeamRates
-    raw1: Array  # (8, n)
     raw2: Array  # (8, n)
 
 
-def warping_rates(c: WarpingState, v: Array) -> WarpingRates:
+def rates(c: WarpingState, v: Array) -> WarpingRates:
     """Rates for v (16, n)."""
-    beam = beam_strain.beam_rates(c.beam, _of_beam(v))
-    return WarpingRates(beam, raw_rate(c, v), _eight(beam.raw2))
+    beam = beam_strain.rates(c.beam, _of_beam(v))
+    return WarpingRates(beam, _eight(beam.raw2))
 
 
 def rate_rows(c: WarpingState, r: WarpingRates) -> Array:

@@ -21,7 +21,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, Family, GeometryError, Trouble
 from spacar.elements.rotations.local_frames import rows, stack, unit
-from spacar.elements.rotations.rotation import cross, director_tensor, expand, global_matrix
+from spacar.elements.rotations.rotation import cross, director_tensor, global_matrix
 from spacar.elements.spatial.hinge import diagonal
 
 _einsum = np.einsum
@@ -199,7 +199,7 @@ class _Wheel(Family):
 
     # -- deformations --------------------------------------------------------------------------------------
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> WheelState:
-        K, radius, rho = expand(self.constants, x.ndim)
+        K, radius, rho = self.constants
         c = wheel_state(K, rho, x)
         m = around(c.r)
         e[0] = c.l - radius
