@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -169,7 +170,7 @@ def _constraints(source: PictureSource, choices: Choices, step: int) -> list[str
 
 def _stresses(source: PictureSource, choices: Choices, step: int, wish: StressWish) -> list[str]:
     from spacar_drawing.step_pictures import step_text
-    from spacar_drawing.stress_picture import diagram_still, section_still, stress_still
+    from spacar_drawing.stress_picture import diagram_still, stress_still
 
     stress, diagram = wish.stress, wish.diagram
     if stress and diagram:
@@ -179,7 +180,7 @@ def _stresses(source: PictureSource, choices: Choices, step: int, wish: StressWi
     note = step_text(source, step).removeprefix(source.scene.title).strip()
     outputs = _outputs(source, choices, quantity)
     _stills_only(outputs)
-    draw = (section_still if wish.over_section else stress_still) if stress else diagram_still
+    draw = partial(stress_still, surface=wish.over_section) if stress else diagram_still
     figure = draw(source.scene, x, sig, e, source.settings, choices.extras(), quantity, note)
     return _finish(figure, outputs, choices)
 

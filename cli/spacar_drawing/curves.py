@@ -11,7 +11,7 @@ import ast
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,11 +27,51 @@ if TYPE_CHECKING:
     from spacar_drawing.picture_source import PictureSource
 
 
-class _Names(ast.NodeTransformer):
-    """Names of quantities as the coordinate that the language knows: the i-th one is x[i,1]."""
+@dataclass(frozen=True)
+class Curve:
+    """An evaluated expression, (steps,); `variable` is its name when it is a single variable, else empty."""
 
-    def __init__(self, text: str, names: Sequence[str]) -> None:
-        self.text, self.names = text, list(names)
+    text: str
+    values: NDArray[np.float64]
+    unit: Unit | None
+    variable: str
+    group: str = ""  # curves with the same one share a panel, which it names
+
+
+@dataclass(frozen=True)
+class _Variables:
+    """The variables of a source as the language reads them, with `more` columns as coordinates 1 of further nodes."""
+
+    source: PictureSource
+    more: Array | None = None
+
+    @property
+    def lnp(self) -> NDArray[np.int64]:
+        own = np.asarray(self.source.scene.lnp)
+        if self.more is None:
+            return own
+        own = own if own.size else np.zeros((0, 1), np.int64)
+        more = np.zeros((self.more.shape[1], own.shape[1]), np.int64)
+        more[:, 0] = np.max(own, initial=0) + 1 + np.arange(len(more))
+        return np.vstack((own, more))
+
+    @property
+    def le(self) -> NDArray[np.int64]:
+        return self.source.scene.le
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        if name != "x" or self.more is None:
+            return self.source.get(name)
+        count = int(np.max(self.source.scene.lnp, initial=0))
+        own = self.source.get("x")[:, :count] if count else np.zeros((self.source.steps, 0))
+        return np.hstack((own, self.more))
+
+
+class _Names(ast.NodeTransformer):
+    """Names of quantities as the coordinate that the language knows: the i-th one is x[before + i,1]."""
+
+    def __init__(self, text: str, names: Sequence[str], before: int) -> None:
+        self.text, self.names, self.before = text, list(names), before
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
         node.args = [self.visit(a) for a in node.args]
@@ -50,29 +90,27 @@ class _Names(ast.NodeTransformer):
         name = ast.unparse(node)
         if name not in self.names:
             raise UsageError(f"'{self.text}': {name} is none of t, {', '.join(self.names)}", "plot.name")
-        return _coordinate(self.names.index(name))
+        return _coordinate(self.before + self.names.index(name))
+
+
+class _Signals(ast.NodeTransformer):
+    """NAME[k] of a block as the coordinate x[before + n,1]."""
+
+    def __init__(self, table: SignalTable, before: int) -> None:
+        self.table, self.before, self.found = table, before, False
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
+        name, index = node.value, node.slice
+        if not (isinstance(name, ast.Name) and isinstance(index, ast.Constant) and isinstance(index.value, int)):
+            return node
+        found = columns_of(self.table, f"{name.id}:{index.value}")
+        assert found is not None
+        self.found = True
+        return _coordinate(self.before + found[1][0])
 
 
 def _coordinate(i: int) -> ast.expr:
     return ast.parse(f"x[{i + 1},1]", mode="eval").body
-
-
-@dataclass(frozen=True)
-class _Columns:
-    """The quantities as coordinates 1 of nodes 1, 2, ...; none has deformations."""
-
-    source: PictureSource
-
-    @property
-    def lnp(self) -> NDArray[np.int64]:
-        return np.arange(1, len(self.source.named) + 1)[:, None]
-
-    @property
-    def le(self) -> NDArray[np.int64]:
-        return np.zeros((0, 0), np.int64)
-
-    def __getitem__(self, name: str) -> Any:
-        return np.column_stack(list(self.source.named.values())) if name == "x" else self.source.get(name)
 
 
 def named_values(source: PictureSource, text: str) -> tuple[Array, str]:
@@ -81,14 +119,36 @@ def named_values(source: PictureSource, text: str) -> tuple[Array, str]:
     text, names = text.strip(), list(source.named)
     if text in source.named:
         return source.named[text], text
+    tree = _tree(text)
+    if tree is not None:
+        tree = _Names(text, names, len(source.scene.lnp)).visit(tree)
+    return _with_columns(source, text, tree, np.column_stack(list(source.named.values()))), "t" if text == "t" else ""
+
+
+def expression_of_signals(source: PictureSource, table: SignalTable, text: str) -> Array | None:
+    """(steps,) values of an expression with NAME[k] in it; None when it has no such signal. Raises UsageError."""
+    tree = _tree(text)
+    used = () if tree is None else (n.value for n in ast.walk(tree) if isinstance(n, ast.Subscript))
+    if tree is None or not any(isinstance(name, ast.Name) and name.id in table.blocks for name in used):
+        return None
+    names = _Signals(table, len(source.scene.lnp))
+    changed = names.visit(tree)
+    return _with_columns(source, text, changed, table.values) if names.found else None
+
+
+def _tree(text: str) -> ast.expr | None:
+    """None for what is no expression: the language of expressions says what is wrong."""
     try:
-        tree = ast.parse(text, mode="eval").body
+        return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        expression = expressions.parse(text)  # says what is wrong
-    else:
-        expression = expressions.parse(ast.unparse(_Names(text, names).visit(tree)))
-    values, _ = expressions.evaluate(expression, _Columns(source))
-    return np.broadcast_to(np.asarray(values, float), (source.steps,)), "t" if text == "t" else ""
+        return None
+
+
+def _with_columns(source: PictureSource, text: str, tree: ast.expr | None, columns: Array) -> Array:
+    """(steps,) values of an expression that names columns (steps, n) as coordinates 1 of further nodes."""
+    expression = expressions.parse(text if tree is None else ast.unparse(tree))
+    values, _ = expressions.evaluate(expression, _Variables(source, columns))
+    return np.broadcast_to(np.asarray(values, float), (source.steps,))
 
 
 NAMED = re.compile(r"\s*([^\s:\[\]()*/+,]+?)\s*(?::\s*([-0-9,\s]+))?\s*")
@@ -116,102 +176,6 @@ def columns_of(table: SignalTable, text: str) -> tuple[str, list[int]] | None:
             raise UsageError(f"'{text}': {block} has the signals 1 to {len(own)}", "plot.signal")
         chosen += own[a - 1 : b]
     return block, chosen
-
-
-class _Signals(ast.NodeTransformer):
-    """NAME[k] of a block as the coordinate x[n,1] of a node that does not exist."""
-
-    def __init__(self, table: SignalTable, nodes: int) -> None:
-        self.table, self.nodes, self.found = table, nodes, False
-
-    def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
-        if not (
-            isinstance(node.value, ast.Name)
-            and isinstance(node.slice, ast.Constant)
-            and isinstance(node.slice.value, int)
-        ):
-            return node
-        found = columns_of(self.table, f"{node.value.id}:{node.slice.value}")
-        assert found is not None
-        self.found = True
-        return ast.parse(f"x[{self.nodes + found[1][0] + 1},1]", mode="eval").body
-
-
-@dataclass(frozen=True)
-class _SignalVariables:
-    """The variables of a source with its signals as coordinates 1 of further nodes."""
-
-    source: PictureSource
-    table: SignalTable
-
-    @property
-    def lnp(self) -> NDArray[np.int64]:
-        own = np.asarray(self.source.scene.lnp)
-        own = own if own.size else np.zeros((0, 1), np.int64)
-        more = np.zeros((len(self.table.names), own.shape[1]), np.int64)
-        more[:, 0] = self._coordinates + 1 + np.arange(len(more))
-        return np.vstack((own, more))
-
-    @property
-    def le(self) -> NDArray[np.int64]:
-        return self.source.scene.le
-
-    @property
-    def _coordinates(self) -> int:
-        return int(np.max(self.source.scene.lnp, initial=0))
-
-    def __getitem__(self, name: str) -> Any:
-        if name != "x":
-            return self.source.get(name)
-        own = self.source.get("x") if self._coordinates else np.zeros((self.source.steps, 0))
-        return np.hstack((own[:, : self._coordinates], self.table.values))
-
-
-def expression_of_signals(source: PictureSource, table: SignalTable, text: str) -> Array | None:
-    """(steps,) values of an expression with NAME[k] in it; None when it has no such signal. Raises UsageError."""
-    try:
-        tree = ast.parse(text.strip(), mode="eval").body
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return None  # the language of expressions says what is wrong
-    nodes = len(source.scene.lnp)
-    names = _Signals(table, nodes)
-    variables = {n.value.id for n in ast.walk(tree) if isinstance(n, ast.Subscript) and isinstance(n.value, ast.Name)}
-    if not any(name in table.blocks for name in variables):
-        return None
-    changed = names.visit(tree)
-    if not names.found:
-        return None
-    values, _ = expressions.evaluate(expressions.parse(ast.unparse(changed)), _SignalVariables(source, table))
-    return np.broadcast_to(np.asarray(values, float), (source.steps,))
-
-
-@dataclass(frozen=True)
-class Curve:
-    """An evaluated expression, (steps,); `variable` is its name when it is a single variable, else empty."""
-
-    text: str
-    values: NDArray[np.float64]
-    unit: Unit | None
-    variable: str
-    group: str = ""  # curves with the same one share a panel, which it names
-
-
-@dataclass(frozen=True)
-class _Variables:
-    """The variables of a source as the language reads them."""
-
-    source: PictureSource
-
-    @property
-    def lnp(self) -> NDArray[np.int64]:
-        return self.source.scene.lnp
-
-    @property
-    def le(self) -> NDArray[np.int64]:
-        return self.source.scene.le
-
-    def __getitem__(self, name: str) -> NDArray[np.float64]:
-        return self.source.get(name)
 
 
 def curves_of(source: PictureSource, text: str) -> list[Curve]:

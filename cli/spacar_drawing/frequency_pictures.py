@@ -13,10 +13,9 @@ from spacar.errors import escaped
 from spacar.expressions import Unit, combine, unit_text
 from spacar_drawing.defaults import plain
 from spacar_drawing.history import COLOURS
-from spacar_drawing.stage import INK, RULE
+from spacar_drawing.stage import INK, blank, dress
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.ticker import MultipleLocator
     from spacar_formats.getss import SparseStep, StateSpaceStep
@@ -35,9 +34,7 @@ def root_figure(steps: Sequence[Vibration], across: np.ndarray, text: str, title
     """Frequencies over `across` (a Campbell diagram when that is a speed), and the root locus, darker with the step."""
     from matplotlib import colormaps
 
-    from spacar_drawing.shown_figure import ShownFigure
-
-    figure = ShownFigure(figsize=(9.0, 4.2), dpi=110)
+    figure = blank(9.0, 4.2)
     left, right = figure.subplots(1, 2)
     shades = colormaps["viridis"](np.linspace(0.85, 0.0, max(len(steps), 2)))
     named = {0, (len(steps) - 1) // 2, len(steps) - 1} if len(steps) > 1 else set()
@@ -48,8 +45,8 @@ def root_figure(steps: Sequence[Vibration], across: np.ndarray, text: str, title
         label = f"{text.partition(' (')[0]} = {across[k]:.4g}" if k in named else None
         left.scatter(np.full(len(oscillating), across[k]), oscillating.imag / (2 * np.pi), s=12, c=shade)
         right.scatter(values.real, values.imag, s=12, c=shade, label=label)
-    dress(left, text, "frequency (Hz)")
-    dress(right, "real part (1/s)", "imaginary part (rad/s)")
+    dress(left, text, "frequency (Hz)", framed=False)
+    dress(right, "real part (1/s)", "imaginary part (rad/s)", framed=False)
     right.axvline(0.0, color=INK, lw=0.8)
     left.set_ylim(bottom=0.0)
     if text.endswith("(rad/s)") and len(steps) > 1:  # what an imbalance excites
@@ -74,8 +71,6 @@ def bode_figure(
     Up to MOST_NAMED curves share the panels of their unit, with their margins; of more every input has a column of its
     own, and a colour and line style stand for the same output in all of them. Peaks without damping are cut off.
     """
-    from spacar_drawing.shown_figure import ShownFigure
-
     together = len(pairs) <= MOST_NAMED
     units = {pair: _ratio(system.outputs[pair[0]], system.inputs[pair[1]]) for pair in pairs}
     columns: dict[object, list[tuple[int, int]]] = {}
@@ -84,12 +79,11 @@ def bode_figure(
     outputs = list(dict.fromkeys(i for i, _ in pairs))
     if together:  # the panels of a unit above each other
         height = len(columns) * 4.6 + 0.17 * len(pairs) + 0.6
-        figure = ShownFigure(figsize=(7.2, height), dpi=110, layout="constrained")
+        figure = blank(7.2, height, layout="constrained")
         panels = figure.subplots(2 * len(columns), 1, sharex=True).reshape(-1, 2).T
     else:
         rows = -(-len(outputs) // NAMES_A_ROW)
-        size = (max(7.2, 3.4 * len(columns)), 5.4 + 0.2 * rows)
-        figure = ShownFigure(figsize=size, dpi=110, layout="constrained")
+        figure = blank(max(7.2, 3.4 * len(columns)), 5.4 + 0.2 * rows, layout="constrained")
         panels = figure.subplots(2, len(columns), sharex=True, squeeze=False)
     f = omega / (2 * np.pi)
     for (upper, lower), chosen in zip(panels.T, columns.values(), strict=True):
@@ -108,8 +102,9 @@ def bode_figure(
         low, high = upper.get_ylim()
         upper.set_ylim(low, min(high, max(tops, default=high)))
         unit = unit_text(units[chosen[0]])
-        dress(upper, "", f"amplitude (dB, 0 is 1 {unit})" if unit else "amplitude (dB)")
-        dress(lower, "frequency (Hz)" if not together or lower is panels[-1, -1] else "", "phase (deg)")
+        dress(upper, "", f"amplitude (dB, 0 is 1 {unit})" if unit else "amplitude (dB)", framed=False)
+        last = not together or lower is panels[-1, -1]
+        dress(lower, "frequency (Hz)" if last else "", "phase (deg)", framed=False)
         lower.yaxis.set_major_locator(_whole_turns(lower.get_ylim()))
         if not together:
             upper.set_title(f"from {escaped(system.inputs[chosen[0][1]])}", fontsize=8.5, color=INK, parse_math=False)
@@ -182,13 +177,3 @@ def _whole_turns(ends: tuple[float, float]) -> MultipleLocator:
 
     span = abs(ends[1] - ends[0])
     return MultipleLocator(next((step for step in (15, 30, 45, 90, 180, 360) if span / step <= 8), 720))
-
-
-def dress(axes: Axes, x: str, y: str) -> None:
-    axes.set_xlabel(x, fontsize=8.5, color=INK)
-    axes.set_ylabel(y, fontsize=8.5, color=INK)
-    axes.grid(True, color=RULE, lw=0.6)
-    axes.set_axisbelow(True)
-    axes.tick_params(labelsize=8, colors=INK, length=0)
-    for side in axes.spines.values():
-        side.set_visible(False)

@@ -18,9 +18,10 @@ from spacar.errors import escaped
 from spacar.expressions import MEANING, NONE, unit_text
 from spacar_drawing.curves import Curve
 from spacar_drawing.defaults import plain
-from spacar_drawing.stage import INK, RULE
+from spacar_drawing.stage import INK, blank, dress
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 COLOURS = ("#2f74b5", "#c2703d", "#3d8b5f", "#8e5ea2", "#c0272d", "#6b4a2b", "#5d6d7a", "#b8a11b")
@@ -52,16 +53,21 @@ def panel_text(group: Sequence[Curve]) -> str:
     return f"{name} ({text})" if text else name
 
 
+def _powers(axes: Axes, numbers: float) -> None:
+    """A power of ten beside large and small numbers, and room above the curves."""
+    axes.margins(y=0.08)
+    axes.ticklabel_format(axis="y", scilimits=(-4, 5), useMathText=True, useOffset=False)
+    axes.yaxis.get_offset_text().set(fontsize=numbers, color=INK)
+
+
 @plain
 def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", stationary: bool = False) -> Figure:
     """Panels above each other with a common horizontal axis."""
-    from spacar_drawing.shown_figure import ShownFigure
-
     groups = panels(curves)
     n = len(groups)
     rows = [-(-len(g) // _columns(g)) - 1 for g in groups]  # of the legends, beyond the first
     height = (n * PANEL + 0.85 if n > 1 else 3.6) + 0.17 * rows[0] + 0.17 * (n - 1) * max(rows)
-    figure = ShownFigure(figsize=(7.2, height), dpi=110)
+    figure = blank(7.2, height)
     all_axes = figure.subplots(n, 1, sharex=True, squeeze=False)[:, 0]
     across = np.asarray(against.values)
     few = len(across) < 3
@@ -70,15 +76,9 @@ def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", sta
             axes.plot(
                 across, c.values, "o-" if few else "-", color=COLOURS[k % len(COLOURS)], lw=1.4, ms=4, label=c.text
             )
-        axes.set_ylabel(panel_text(group), fontsize=8.5, color=INK, parse_math=False)
-        axes.grid(True, color=RULE, lw=0.6)
-        axes.set_axisbelow(True)
-        axes.tick_params(labelsize=8, colors=INK, length=0)
-        axes.margins(x=0.0 if against.variable == "t" and not few else 0.05, y=0.08)
-        axes.ticklabel_format(axis="y", scilimits=(-4, 5), useMathText=True, useOffset=False)
-        axes.yaxis.get_offset_text().set(fontsize=8, color=INK)
-        for side in axes.spines.values():
-            side.set(color="#cfd5da", linewidth=0.8)
+        dress(axes, "", panel_text(group))
+        _powers(axes, 8.0)
+        axes.margins(x=0.0 if against.variable == "t" and not few else 0.05)
         if len(group) > 1 or group[0].group:
             axes.legend(
                 fontsize=8,
@@ -175,14 +175,10 @@ def _fill(axes: Any, table: SignalTable, t: Array, panel: Panel, last: bool) -> 
         axes.plot(t, table.values[:, k], color=COLOURS[i % len(COLOURS)], lw=1.1, label=escaped(label))
     unit = f" ({panel.unit})" if panel.unit else ""
     axes.set_title(escaped(panel.title + unit), fontsize=8, color=INK, loc="left", pad=3, parse_math=False)
-    axes.grid(True, color=RULE, lw=0.6)
-    axes.set_axisbelow(True)
-    axes.tick_params(labelsize=7, colors=INK, length=0, labelbottom=last)
-    axes.margins(x=0.0, y=0.08)
-    axes.ticklabel_format(axis="y", scilimits=(-4, 5), useMathText=True, useOffset=False)
-    axes.yaxis.get_offset_text().set(fontsize=7, color=INK)
-    for side in axes.spines.values():
-        side.set(color="#cfd5da", linewidth=0.8)
+    dress(axes, numbers=7.0)
+    _powers(axes, 7.0)
+    axes.tick_params(labelbottom=last)
+    axes.margins(x=0.0)
     if len(panel.columns) > 1 and max(map(len, panel.labels)) < 16:
         axes.legend(fontsize=6.5, frameon=False, loc="best", handlelength=1.2, borderpad=0.1, labelspacing=0.2)
     if last:

@@ -6,7 +6,7 @@ Orthographic projection: the same for both kinds of mechanisms, so that all axes
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -73,18 +73,34 @@ WIDTH = 7.2  # inches
 LEAST, MOST = 2.6, 6.6  # height of the axes in inches
 
 
+def blank(width: float, height: float, **options: Any) -> Figure:
+    """An empty figure of a size in inches, which a notebook shows."""
+    from spacar_drawing.shown_figure import ShownFigure
+
+    return ShownFigure(figsize=(width, height), dpi=110, **options)
+
+
+def dress(axes: Axes, x: str = "", y: str = "", numbers: float = 8.0, framed: bool = True) -> None:
+    """Names of the axes, grid and numbers as in all diagrams."""
+    axes.set_xlabel(x, fontsize=8.5, color=INK, parse_math=False)
+    axes.set_ylabel(y, fontsize=8.5, color=INK, parse_math=False)
+    axes.grid(True, color=RULE, lw=0.6)
+    axes.set_axisbelow(True)
+    axes.tick_params(labelsize=numbers, colors=INK, length=0)
+    for side in axes.spines.values():
+        side.set(color="#cfd5da", linewidth=0.8, visible=framed)
+
+
 @plain
 def new_figure(
     bounds: tuple[Array, Array], camera: Camera, title: str = "", width: float = WIDTH
 ) -> tuple[Figure, Axes]:
     """A figure whose axes show the box `bounds` (lower, upper corner) [m] completely, with equal scales."""
-    from spacar_drawing.shown_figure import ShownFigure
-
     left, right, bottom, top = _margins(camera, title)
     a, b, _, _ = _window(bounds, camera)
     w = width - left - right
     h = float(np.clip(w * (b - a)[1] / (b - a)[0], LEAST, MOST))
-    figure = ShownFigure(figsize=(width, h + bottom + top), dpi=110)
+    figure = blank(width, h + bottom + top)
     return figure, furnish(figure, bounds, camera, title)
 
 
@@ -151,18 +167,11 @@ def _length(value: float, metre: float) -> str:
 
 def _plane_grid(axes: Axes, metre: float) -> None:
     axes.set_facecolor("white")
-    axes.grid(True, color=RULE, lw=0.6)
-    axes.set_axisbelow(True)
-    axes.tick_params(labelsize=8, colors=INK, length=0)
-    for side in axes.spines.values():
-        side.set_color("#cfd5da")
-        side.set_linewidth(0.8)
     unit = shown_in("m", metre)[1]
+    dress(axes, f"x ({unit})", f"y ({unit})")
     if metre != 1.0:
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_formatter(lambda value, _: _length(value, metre))
-    axes.set_xlabel(f"x ({unit})", fontsize=8.5, color=INK)
-    axes.set_ylabel(f"y ({unit})", fontsize=8.5, color=INK)
 
 
 def ticks(low: float, high: float, most: int = 5) -> Array:

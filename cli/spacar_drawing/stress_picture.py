@@ -8,7 +8,7 @@ The stresses are those of `stresses.py`, at points all over the section instead 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.sections import inside, moments, outline
 from spacar_drawing.settings import PictureSettings, SectionShape
-from spacar_drawing.stage import INK, RULE, new_figure
+from spacar_drawing.stage import INK, blank, dress, new_figure
 from spacar_drawing.stress_numbers import part_of
 from spacar_drawing.stresses import QUANTITIES, STRESSES, Resultants, along, of_quantity, resultants, stress_field
 
@@ -89,8 +89,6 @@ def section_stress(source: PictureSource, step: int, element: int, xi: float) ->
 @plain
 def section_figure(found: SectionStress, quantity: str, metre: float, title: str) -> Figure:
     """The section coloured by a stress, and its course over the height (z' at y' = 0) and the width (y' at z' = 0)."""
-    from spacar_drawing.shown_figure import ShownFigure
-
     factor, unit = shown_in(STRESSES[quantity][1], metre)
     length = shown_in("m", metre)[1]
     w, h = found.size
@@ -100,7 +98,7 @@ def section_figure(found: SectionStress, quantity: str, metre: float, title: str
     field = factor * found.at(quantity, grid[0].ravel(), grid[1].ravel()).reshape(grid[0].shape)
     top = float(np.nanmax(np.abs(field))) or 1.0
     signed = quantity == "normal"
-    figure = ShownFigure(figsize=(8.4, 4.4), dpi=110, layout="constrained")
+    figure = blank(8.4, 4.4, layout="constrained")
     left, right = figure.subplots(1, 2)
     mesh = left.pcolormesh(
         y / metre, z / metre, field, cmap="coolwarm" if signed else "viridis", vmin=-top if signed else 0.0, vmax=top,
@@ -110,8 +108,8 @@ def section_figure(found: SectionStress, quantity: str, metre: float, title: str
     assert contour is not None
     left.fill(*(contour / metre).T, fill=False, ec=INK, lw=0.8)
     left.set_aspect("equal" if 0.05 < w / h < 20 else "auto")
-    left.set_xlabel(f"y' ({length})", fontsize=8.5, color=INK)
-    left.set_ylabel(f"z' ({length})", fontsize=8.5, color=INK)
+    dress(left, f"y' ({length})", f"z' ({length})")
+    left.grid(False)
     bar = figure.colorbar(mesh, ax=left)
     name = STRESSES[quantity][0].removeprefix("largest ")
     bar.set_label(f"{name} ({unit})", fontsize=8.5, color=INK)
@@ -122,14 +120,8 @@ def section_figure(found: SectionStress, quantity: str, metre: float, title: str
         course = factor * (found.at(quantity, zero, line) if k == 0 else found.at(quantity, line, zero))
         right.plot(course, 2 * line / size, color=COLOURS[k], lw=1.6, label=label)
     right.axvline(0.0, color="#aab4bd", lw=0.8)
-    right.set_xlabel(f"{name} ({unit})", fontsize=8.5, color=INK)
-    right.set_ylabel("place / half of the height or width", fontsize=8.5, color=INK)
-    right.grid(True, color=RULE, lw=0.6)
+    dress(right, f"{name} ({unit})", "place / half of the height or width")
     right.legend(fontsize=8, frameon=False, loc="lower left", bbox_to_anchor=(0, 1.0))
-    for axes in (left, right):
-        axes.tick_params(labelsize=8, colors=INK, length=0)
-        for side in axes.spines.values():
-            side.set(color="#cfd5da", linewidth=0.8)
     figure.suptitle(title, fontsize=10, color=INK, x=0.02, ha="left", parse_math=False)
     return figure
 
@@ -158,65 +150,54 @@ def courses(scene: Scene, sig: Array, e: Array, settings: PictureSettings, quant
         values = along(quantity, r, settings.section(element.number, element.shape == "truss"))
         if values is not None:
             found.append(Course(element, factor * values))
-    if not found:
-        need = (
-            "no element has a cross-section: give BEAMVIS, CROSSTYPE or --section"
-            if quantity in STRESSES
-            else "no beams or trusses"
-        )
-        raise UsageError(f"{QUANTITIES[quantity][0]}: {need}", "draw.stress")
-    return found
+    return found or _nowhere(quantity)
 
 
 @plain
 def stress_still(
     scene: Scene, x: Array, sig: Array, e: Array, settings: PictureSettings, extras: Extras, quantity: str,
-    note: str = "",
+    note: str = "", surface: bool = False,
 ) -> Figure:  # fmt: skip
-    """The mechanism with the quantity as colours along its beams, and a scale with the unit."""
+    """The mechanism with the quantity as colours along its beams, and a scale with the unit. `surface`: a stress at
+    every point of the surface, instead of the largest in the section. Raises UsageError when no element has it."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
-    look = look_of(scene, x[None], settings)
+    look, pose = look_of(scene, x[None], settings), Pose.of(scene, x)
     n = max(look.points, 17)
-    found = courses(scene, sig, e, settings, quantity, n)
-    low, high, colours = colour_range(np.concatenate([c.values for c in found]), quantity)
+    name = QUANTITIES[quantity][0].removeprefix("largest " if surface else "")
+    if surface:
+        parts = _surfaces(scene, pose, sig, e, settings, quantity, n)
+    else:
+        parts = [
+            (c.element, c.values, 0.5 * (c.values[:-1] + c.values[1:]), None)
+            for c in courses(scene, sig, e, settings, quantity, n)
+        ]
+    low, high, colours = colour_range(np.concatenate([values for _, values, _, _ in parts]), quantity)
     norm = Normalize(low, high)
-    camera = camera_of(scene, extras.view)
-    hidden = settings.hidden | {c.element.number for c in found}
-    rest = look_of(scene, x[None], _hiding(settings, hidden))
-    shapes: list[Shape] = list(mechanism_shapes(scene, x, rest, extras))
-    pose = Pose.of(scene, x)
-    for c in found:
-        middle = 0.5 * (c.values[:-1] + c.values[1:])
-        rgb = np.asarray(colours(norm(middle)))[:, :3]
-        shapes += slender(scene, pose, look, [c.element], n, rgb[None], 4.0, 0.45)
-    figure, axes = new_figure(
-        series_bounds(scene, x[None], look, extras), camera, _title(scene, extras, quantity, note)
-    )
+    hidden = settings.hidden | {element.number for element, *_ in parts}
+    shapes: list[Shape] = mechanism_shapes(scene, x, look_of(scene, x[None], replace(settings, hidden=hidden)), extras)
+    for element, _, shown, quads in parts:
+        rgb = np.asarray(colours(norm(shown)))[:, :3]
+        if quads is None:
+            shapes += slender(scene, pose, look, [element], n, rgb[None], 4.0, 0.45)
+        else:
+            shapes.append(Faces(quads, rgb, None, 1.0, 1, False))
+    camera, title = camera_of(scene, extras.view), _title(scene, extras, name, note)
+    figure, axes = new_figure(series_bounds(scene, x[None], look, extras), camera, title)
     paint(axes, camera, shapes)
-    name, unit = QUANTITIES[quantity]
-    unit = shown_in(unit, scene.metre)[1]
+    unit = shown_in(QUANTITIES[quantity][1], scene.metre)[1]
     _scale(figure, axes, ScalarMappable(norm, colours), f"{name} ({unit})")
     return figure
 
 
-@plain
-def section_still(
-    scene: Scene, x: Array, sig: Array, e: Array, settings: PictureSettings, extras: Extras, quantity: str,
-    note: str = "",
-) -> Figure:  # fmt: skip
-    """As `stress_still`, with the stress at every point of the surface instead of the largest in the section: over the
-    height of planar beams, around the outline of spatial ones. Raises UsageError when no element has a section."""
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
-    look = look_of(scene, x[None], settings)
-    n = max(look.points, 17)
-    factor, unit = shown_in(QUANTITIES[quantity][1], scene.metre)
-    pose = Pose.of(scene, x)
-    found: list[tuple[Array, Array]] = []  # quadrilaterals and the stress in them
-    drawn = set()
+def _surfaces(
+    scene: Scene, pose: Pose, sig: Array, e: Array, settings: PictureSettings, quantity: str, n: int
+) -> list[tuple[Element, Array, Array, Array | None]]:
+    """Of every element with a section the stress in quadrilaterals (m, 4, 3), twice, and these: over the height of
+    planar beams, around the outline of spatial ones."""
+    found: list[tuple[Element, Array, Array, Array | None]] = []
+    factor = shown_in(QUANTITIES[quantity][1], scene.metre)[0]
     for element in scene.elements:
         section = settings.section(element.number, element.shape == "truss")
         r = resultants(scene, element, sig, e, n)
@@ -228,26 +209,16 @@ def section_still(
         middle = 0.5 * (around + np.roll(around, -1, axis=0)) if not scene.planar else 0.5 * (around[:-1] + around[1:])
         stress = of_quantity(quantity, *stress_field(section, r, (middle[:, 0], middle[:, 1])))
         corners = sweep(around, points, y, z).reshape(n - 1, len(around), 4, 3)[:, : len(middle)]
-        found.append((corners.reshape(-1, 4, 3), factor * (0.5 * (stress[:-1] + stress[1:])).ravel()))
-        drawn.add(element.number)
-    if not found:
-        raise UsageError(
-            f"{QUANTITIES[quantity][0]}: no element has a cross-section: give BEAMVIS, CROSSTYPE or --section",
-            "draw.stress",
-        )
-    low, high, colours = colour_range(np.concatenate([values for _, values in found]), quantity)
-    norm = Normalize(low, high)
-    camera = camera_of(scene, extras.view)
-    rest = look_of(scene, x[None], _hiding(settings, settings.hidden | drawn))
-    shapes: list[Shape] = list(mechanism_shapes(scene, x, rest, extras))
-    shapes += [Faces(quads, np.asarray(colours(norm(v)))[:, :3], None, 1.0, 1, False) for quads, v in found]
-    bounds = series_bounds(scene, x[None], look, extras)
-    name = QUANTITIES[quantity][0].removeprefix("largest ")
-    title = "   ".join(p for p in (scene.title, note, name) if p) if extras.title is None else extras.title
-    figure, axes = new_figure(bounds, camera, title)
-    paint(axes, camera, shapes)
-    _scale(figure, axes, ScalarMappable(norm, colours), f"{name} ({unit})")
-    return figure
+        values = factor * (0.5 * (stress[:-1] + stress[1:])).ravel()
+        found.append((element, values, values, corners.reshape(-1, 4, 3)))
+    return found or _nowhere(quantity)
+
+
+def _nowhere(quantity: str) -> NoReturn:
+    """Raises UsageError: no element has the quantity."""
+    need = "no element has a cross-section: give BEAMVIS, CROSSTYPE or --section"
+    text = need if quantity in STRESSES else "no beams or trusses"
+    raise UsageError(f"{QUANTITIES[quantity][0]}: {text}", "draw.stress")
 
 
 def _finer(contour: Array) -> Array:
@@ -305,14 +276,10 @@ def diagram_still(
     box = merge_bounds([s for s in shapes if not isinstance(s, Label)])
     if box is not None:
         bounds = np.minimum(bounds[0], box[0]), np.maximum(bounds[1], box[1])
-    unit = shown_in(QUANTITIES[quantity][1], scene.metre)[1]
-    figure, axes = new_figure(bounds, camera, _title(scene, extras, quantity, note, unit))
+    title = f"{QUANTITIES[quantity][0]} ({shown_in(QUANTITIES[quantity][1], scene.metre)[1]})"
+    figure, axes = new_figure(bounds, camera, _title(scene, extras, title, note))
     paint(axes, camera, shapes)
     return figure
-
-
-def _hiding(settings: PictureSettings, hidden: frozenset[int]) -> PictureSettings:
-    return replace(settings, hidden=hidden)
 
 
 def _without_doubles(marks: list[tuple[float, Label]], size: float) -> list[Shape]:
@@ -353,8 +320,5 @@ def _scale(figure: Figure, axes: Any, mappable: Any, label: str) -> None:
     bar.ax.yaxis.get_offset_text().set_fontsize(7.5)
 
 
-def _title(scene: Scene, extras: Extras, quantity: str, note: str, unit: str = "") -> str:
-    if extras.title is not None:
-        return extras.title
-    name = QUANTITIES[quantity][0]
-    return "   ".join(p for p in (scene.title, note, f"{name} ({unit})" if unit else name) if p)
+def _title(scene: Scene, extras: Extras, text: str, note: str) -> str:
+    return "   ".join(p for p in (scene.title, note, text) if p) if extras.title is None else extras.title

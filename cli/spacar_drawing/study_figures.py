@@ -15,9 +15,8 @@ from spacar_formats.signal_tables import panels_by_quantity, table_of
 from spacar.errors import UsageError, escaped
 from spacar_drawing.defaults import plain
 from spacar_drawing.files import save
-from spacar_drawing.frequency_pictures import dress
 from spacar_drawing.history import COLOURS, scope_figure
-from spacar_drawing.stage import INK
+from spacar_drawing.stage import INK, blank, dress
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,9 +36,7 @@ def work_precision_figure(
     """The diagram; settings without error or cost are left out."""
     from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, MaxNLocator, NullLocator
 
-    from spacar_drawing.shown_figure import ShownFigure
-
-    figure = ShownFigure(figsize=(9.0, 4.6), dpi=110, layout="constrained")
+    figure = blank(9.0, 4.6, layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
     for k, (name, group) in enumerate(_curves(entries).items()):
         look = {"color": COLOURS[k % len(COLOURS)], "marker": MARKS[k // len(COLOURS) % len(MARKS)], "lw": 1.3, "ms": 4}
@@ -54,7 +51,7 @@ def work_precision_figure(
         axes.axhline(target, color=INK, ls="--", lw=0.9, label="target")
         if reference_error > 0.0:
             axes.axhline(reference_error, color=INK, ls=":", lw=0.9, label="error of the reference")
-        dress(axes, text, "error" if axes is left else "")
+        dress(axes, text, "error" if axes is left else "", framed=False)
         axes.set_xscale("log")
         low, high = axes.get_xlim()
         if high < 8.0 * low:  # numbers that do not touch
@@ -93,15 +90,13 @@ def sweep_plot(
     rows: SweepRows, names: Sequence[str] = (), path: str | Path | None = None, *, against: str | None = None
 ) -> Figure:
     """Results over a number that was changed; a curve for every choice of the others. Cases that failed are gaps."""
-    from spacar_drawing.shown_figure import ShownFigure
-
     across = against or rows.changed[0]
     shown = tuple(names) or rows.results
     for name, known in ((across, rows.changed), *((n, rows.results) for n in shown)):
         if name not in known:
             raise UsageError(f"'{name}' is not among {', '.join(known)}", "plot.name")
     others = [name for name in rows.changed if name != across]
-    figure = ShownFigure(figsize=(7.2, 1.0 + 2.6 * len(shown)), dpi=110, layout="constrained")
+    figure = blank(7.2, 1.0 + 2.6 * len(shown), layout="constrained")
     curves: dict[tuple[float, ...], list] = {}
     for row in rows:
         curves.setdefault(tuple(row[name] for name in others), []).append(row)
@@ -133,11 +128,9 @@ def trade_plot(answer: TradeAnswer, path: str | Path | None = None) -> Figure:
 @plain
 def sensitivity_plot(found: Sensitivity, path: str | Path | None = None) -> Figure:
     """Relative changes as bars: a panel for each quantity, a bar for each parameter."""
-    from spacar_drawing.shown_figure import ShownFigure
-
     count = len(found.parameters)
     height = 0.6 + len(found.quantities) * (0.5 + 0.28 * count)
-    figure = ShownFigure(figsize=(7.2, height), dpi=110, layout="constrained")
+    figure = blank(7.2, height, layout="constrained")
     panels = figure.subplots(len(found.quantities), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name, change in zip(panels, found.quantities, found.relative, strict=True):
         axes.barh(range(count), change, color=[COLOURS[0] if not v < 0 else COLOURS[1] for v in change], height=0.6)

@@ -6,7 +6,7 @@ from spacar_drawing.mechanism_picture import Extras
 from spacar_drawing.sections import inside, moments
 from spacar_drawing.settings import SectionShape
 from spacar_drawing.stress_numbers import stress_results
-from spacar_drawing.stress_picture import section_figure, section_still, section_stress
+from spacar_drawing.stress_picture import section_figure, section_stress, stress_still
 
 from spacar.errors import UsageError
 
@@ -66,7 +66,7 @@ def test_surface_colours_hold_the_largest_stress(name, mode):
     source = result_source(name, mode)
     k = source.steps
     state = (source.x(k), np.ravel(source.get("sig", k)), np.ravel(source.get("e", k)))
-    figure = section_still(source.scene, *state, source.settings, Extras(), "normal")
+    figure = stress_still(source.scene, *state, source.settings, Extras(), "normal", surface=True)
     largest = abs(stress_results(source, [k]).largest("normal").value) * (1e-6 if name == "leafguide" else 1.0)
     top = figure.axes[1].get_ylim()[1]
     assert 0.85 * largest < top <= largest * (1 + 1e-9)
