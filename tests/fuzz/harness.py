@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import sympy  # noqa: F401  (a Ctrl-C within its import would leave half of it to the cases behind)
 from spacar_cli.environment import Environment
 from spacar_cli.main import main
 from spacar_formats.checksbf import checksbf
