@@ -32,7 +32,7 @@ FEW_FROM = 30  # degrees of freedom; SciPy is loaded by the solution before thes
 ROUNDING = 1e-12  # omega^2 below this fraction of the largest may be rigid motions
 SPREAD = 1e-5  # of omega^2, from which on the entries of K have too few digits for the lowest
 SINGULAR = 1e3  # of M, row and column scaled, from which on its entries have too few digits for the highest
-MOST_GRADED, MOST_DAMPED = 200, 10  # degrees of freedom, undamped and damped: 60 ms and 35 ms
+MOST_GRADED, MOST_DAMPED = 200, 40  # degrees of freedom, undamped and damped: 60 ms and 80 ms
 
 
 def vibration_modes(

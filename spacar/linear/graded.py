@@ -10,8 +10,8 @@ moved by s^2 where it is not definite, and its modes are the singular values of 
 
 With damping, eigenvalues of P(z) = z^2 M + z C + K that are small beside the largest, which the QR algorithm knows to
 eps times the largest only, come from Aberth's iteration z -= N/(1 - N sum 1/(z - z_j)), N = 1/trace(P^-1 P'), that
-begins at the roots of every undamped mode or coordinate alone (Bini and Noferini, Linear Algebra Appl. 439, 2013). Its
-limit is the rounding of P, row and column scaled, at z itself.
+begins at those of QR, or at the roots of every undamped mode or coordinate alone (Bini and Noferini, Linear Algebra
+Appl. 439, 2013). Its limit is the rounding of P, row and column scaled, at z itself.
 """
 
 from __future__ import annotations
@@ -33,9 +33,10 @@ SAME = 1e-12  # part of the sum of sizes by which factors may differ from the ma
 JACOBI = 2e-6  # ratio of singular values below which those of NumPy have fewer than ten digits
 SORTED = 1e-3  # ratio of the diagonal of R below which rows are sorted and columns exchanged
 SMALL = 1e-5  # part of the largest eigenvalue below which others have fewer than ten digits
-MOST = 40  # iterations
+MOST = 400  # iterations: from starts many orders of magnitude away; the last digits take few
 RIGID = 1e-29  # part of the largest omega^2 below which a motion has no stiffness: the square of what rounding leaves
-SUFFICIENT = 1e-11  # relative correction that ends them
+SUFFICIENT = 1e-11  # relative correction that ends them; ROUGH: where rounding of the entries allows no less
+ROUGH = 1e-6
 TEN_DIGITS = 1e-10
 
 
@@ -196,30 +197,29 @@ def eigenvalues(
     digits. squares, Phi: the undamped modes. None where all `values` that are known compare with the largest, for
     motions without stiffness or damping (their eigenvalues are a double zero), and where the iteration does not end."""
     size = np.abs(values)
-    D = Phi.T @ C @ Phi
     if not size.min(initial=np.inf) < SMALL * size.max(initial=0.0):
         return None
+    D = Phi.T @ C @ Phi
     still = np.abs(squares) <= RIGID * np.abs(squares).max(initial=0.0)
     squares = np.where(still, 0.0, squares)
-    n, H, unit = len(M), np.diag(squares), np.eye(len(M))
+    given, modal = (M, C, K), (np.eye(len(M)), D, np.diag(squares))
     own = _of_single_modes(C.diagonal() / M.diagonal(), K.diagonal() / M.diagonal())
     of_modes = _of_single_modes(D.diagonal(), squares)
-    ways = [(of_modes, (M, C, K)), (own, (M, C, K)), (of_modes, (unit, D, H))]
+    ways = [(values, given), (of_modes, given), (own, given), (of_modes, modal)]
     if still.any() or not (_keeps_digits(K) and _keeps_digits(M)):
-        ways = [ways[2], *ways[:2]][: 1 if still.any() else 3]
+        ways = [ways[3], *ways[:3]][: 1 if still.any() else 4]
     with np.errstate(all="ignore"):
-        for (start, mode), matrices in ways:
+        for start, matrices in ways:
+            if not start.all() and not still.any():
+                continue  # a zero counts as exact
             z, moved = _aberth(start.copy(), *matrices)
-            if not (moved <= SUFFICIENT).all() or _meet(z):
+            if not (moved <= ROUGH).all() or _meet(z):
                 continue
-            T = Phi if matrices[0] is unit else unit
-            lost = np.zeros(2 * n, bool)
-            shapes = np.zeros((n, 2 * n), complex)
-            for k in range(2 * n):
-                first = unit[:, mode[k]] if T is Phi or start is own[0] else Phi[:, mode[k]]
-                v = _null_vector(z[k], *matrices, first)
-                shapes[:, k], lost[k] = T @ v, not EPS * _condition(z[k], v, *matrices) <= TEN_DIGITS
-            return z, shapes, lost
+            vectors = [_null_vector(of_one, *matrices) for of_one in z]
+            known = EPS * np.array([_condition(*pair, *matrices) for pair in zip(z, vectors, strict=True)])
+            if (moved <= np.maximum(SUFFICIENT, 4.0 * len(M) * known)).all():
+                shapes = np.array(vectors).T
+                return z, shapes if matrices is given else Phi @ shapes, ~(known <= TEN_DIGITS)
     return None
 
 
@@ -249,22 +249,23 @@ def _keeps_digits(S: Array) -> bool:
         return False
 
 
-def _of_single_modes(d: Array, squares: Array) -> tuple[Complex, Index]:
-    """Both roots of z^2 + d z + square of every mode, without cancellation, and the modes (2 n,)."""
+def _of_single_modes(d: Array, squares: Array) -> Complex:
+    """Both roots of z^2 + d z + square of every mode (2 n,), without cancellation."""
     root = np.sqrt((0.25 * d * d - squares).astype(complex))
     far = -0.5 * d - np.where(d >= 0.0, 1.0, -1.0) * root
     near = np.where(far != 0.0, squares / np.where(far != 0.0, far, 1.0), 0.0)
     far = np.where(root.imag != 0.0, -0.5 * d + root, far)
     near = np.where(root.imag != 0.0, far.conj(), near)
-    return np.concatenate((far, near)), np.tile(np.arange(len(d)), 2)
+    return np.concatenate((far, near))
 
 
-def _scaled(z: complex, M: Array, C: Array, K: Array) -> tuple[Complex, Complex, Array]:
-    """P(z) and P'(z), row and column scaled, and the factors (n,)."""
-    sizes = abs(z) ** 2 * np.abs(M.diagonal()) + abs(z) * np.abs(C.diagonal()) + np.abs(K.diagonal())
+def _scaled(z: Complex, M: Array, C: Array, K: Array) -> tuple[Complex, Complex, Array]:
+    """P and P' at each of z (k,), (k, n, n), row and column scaled, and the factors (k, n)."""
+    size, at = np.abs(z)[:, None], z[:, None, None]
+    sizes = size**2 * np.abs(M.diagonal()) + size * np.abs(C.diagonal()) + np.abs(K.diagonal())
     s = 1.0 / np.sqrt(np.where(sizes > 0.0, sizes, 1.0))
-    both = np.outer(s, s)
-    return (z * z * M + z * C + K) * both, (2.0 * z * M + C) * both, s
+    both = s[:, :, None] * s[:, None, :]
+    return (at * at * M + at * C + K) * both, (2.0 * at * M + C) * both, s
 
 
 def _aberth(z: Complex, M: Array, C: Array, K: Array) -> tuple[Complex, Array]:
@@ -274,26 +275,27 @@ def _aberth(z: Complex, M: Array, C: Array, K: Array) -> tuple[Complex, Array]:
         active = np.flatnonzero(~(last <= SUFFICIENT))
         if not len(active):
             break
-        steps = np.zeros(len(active), complex)
-        for i, k in enumerate(active):
-            P, slope, _ = _scaled(z[k], M, C, K)
-            others = z[k] - np.delete(z, k)
-            others = np.where(others == 0.0, EPS * abs(z[k]), others)
-            try:
-                newton = 1.0 / np.trace(np.linalg.solve(P, slope))
-            except np.linalg.LinAlgError:  # exactly there
-                newton = 0.0j
-            steps[i] = newton / (1.0 - newton * np.sum(1.0 / others))
+        now = z[active]
+        P, slope, _ = _scaled(now, M, C, K)
+        try:
+            newton = 1.0 / np.trace(np.linalg.solve(P, slope), axis1=1, axis2=2)
+        except np.linalg.LinAlgError:  # exactly at one of them
+            there = np.linalg.slogdet(P)[0] == 0.0
+            P[there] = np.eye(len(M))
+            newton = np.where(there, 0.0, 1.0 / np.trace(np.linalg.solve(P, slope), axis1=1, axis2=2))
+        others = now[:, None] - z
+        others = np.where(others == 0.0, EPS * np.abs(now)[:, None], others)
+        others[np.arange(len(active)), active] = np.inf
+        steps = newton / (1.0 - newton * np.sum(1.0 / others, axis=1))
         z[active] -= steps
         last[active] = np.abs(steps) / np.abs(z[active])
     return z, last
 
 
-def _null_vector(z: complex, M: Array, C: Array, K: Array, start: Array) -> Complex:
+def _null_vector(z: complex, M: Array, C: Array, K: Array) -> Complex:
     """v with P(z) v = 0, by inverse iteration."""
-    P, _, s = _scaled(z, M, C, K)
-    v = start / s + 0.0j
-    v = v / np.linalg.norm(v) + 1e-3 * np.exp(1j * np.arange(len(v)))
+    (P,), _, (s,) = _scaled(np.array([z]), M, C, K)
+    v = np.exp(1j * np.arange(len(s)))
     for lift in (EPS, 4.0 * EPS, 16.0 * EPS):
         try:
             v = np.linalg.solve(P + lift * np.eye(len(v)), v)
