@@ -20,7 +20,7 @@ moves its tip by 1e-5, 1e-7 has frequencies up to 170 and 1,100 rad/s; velocitie
 
 from __future__ import annotations
 
-from math import isfinite, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -54,14 +54,9 @@ class Radau:
         self.nq = rates if 2 * rates <= n else 0
         self.n = n
         self.y, self.y_new, self.scaled, self.f = np.zeros((4, n))
-        # Z over F: what `stages` of a problem takes for an explicit step whose first rows are there
-        self.rows = np.zeros((2 * stages, n))
-        self.Z, self.F = self.rows[:stages], self.rows[stages:]
+        self.Z, self.F = np.zeros((2, stages, n))
         self.change, self.right = np.zeros((stages, n)), np.zeros((stages, n - self.nq))  # of an iteration
         self.weight = np.zeros(n)
-        self.nodes = np.zeros(2 * stages)
-        self.sums = np.zeros((2 * stages, 2 * stages))
-        self.sums[stages:, :stages] = np.eye(stages)
         self.t = self.h = 0.0
         self._forget()
 
@@ -191,7 +186,8 @@ class Radau:
         change, theta, estimate = 0.0, 0.0, self.contraction
         for k in range(MAX_NEWTON):
             statistics.newton_iterations += 1
-            self._evaluate(h)
+            for i, c in enumerate(m.c):
+                F[i] = self.evaluation.rhs(self.t + c * h, self.y + Z[i])
             residual = m.to @ (F[:, nq:] - inverse @ Z[:, nq:])
             increment[0] = dgetrs(lu, pivots, residual[0])[0]
             for i, (clu, cpivots) in enumerate(complexes):
@@ -215,21 +211,6 @@ class Radau:
             elif change * estimate <= KAPPA * (1.0 - estimate):
                 return True, change, theta
         return False, change, theta
-
-    def _evaluate(self, h: float) -> None:
-        """F of all stages, in one call of a problem that can."""
-        evaluation, s = self.evaluation, len(self.Z)
-        done = s
-        if evaluation.blocks is not None:
-            # F(t + 1 c_i h, y + 1 Z_i)
-            np.multiply(self.method.c, h, out=self.nodes[s:])
-            window = evaluation.first, evaluation.last
-            done = evaluation.blocks.stages(s, self.nodes, self.sums, self.t, 1.0, window, self.y, self.rows)
-            if not isfinite(self.F[: done - s].sum()):
-                done = s  # one by one, until one says which component
-            evaluation.statistics.n_rhs += done - s
-        for i in range(done - s, s):
-            self.F[i] = evaluation.rhs(self.t + self.method.c[i] * h, self.y + self.Z[i])
 
     def _error(self, h: float, f: np.ndarray) -> float:
         """Norm of (lambda_0/h - J)^-1 (f + error @ Z / h), by the factors of the real system."""
