@@ -21,11 +21,9 @@ def export_command(kind: str) -> click.Command:
     """`spacar load<kind> FILE [ID ...]` for the kind sbd or sbm."""
 
     @words.command(f"load{kind}", help=HELP.format(kind=kind))
-    @click.argument("file")
     @click.argument("idents", metavar="[ID]...", nargs=-1)
     @words.option("formats", "; default npz. May be repeated.", multiple=True, type=click.Choice(["mat", "npz", "csv"]))
     @words.option("output", "; its ending says the kind")
-    @click.pass_obj
     def command(
         environment: Environment, file: str, idents: tuple[str, ...], formats: tuple[str, ...], output: Path | None
     ) -> None:

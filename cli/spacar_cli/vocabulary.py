@@ -191,6 +191,7 @@ def parameter(name: str, more: str = "", **changes: Any) -> click.Option:
     word = VOCABULARY[name]
     told: dict[str, Any] = {"help": f"{word.means}{more if more[:1] in ',:; ' else f'. {more}'}".rstrip(".") + "."}
     told |= {"metavar": word.value, "type": word.kind} if word.value else {"is_flag": True}
+    told["show_default"] = changes.get("default") is not None and "efault" not in told["help"]
     if isinstance(changes.get("type"), click.Choice):
         del told["metavar"]  # the choices are better
     spellings = word.spelled.split()
@@ -202,7 +203,7 @@ def option(name: str, more: str = "", **changes: Any) -> Callable[[Callable[...,
     return partial(_added, make=partial(parameter, name, more, **changes))
 
 
-def _added(function: Callable[..., Any], make: Callable[[], click.Option]) -> Callable[..., Any]:
+def _added(function: Callable[..., Any], make: Callable[[], click.Parameter]) -> Callable[..., Any]:
     if not hasattr(function, "__click_params__"):
         function.__click_params__ = []  # type: ignore[attr-defined]
     function.__click_params__.append(make())  # type: ignore[attr-defined]
@@ -223,7 +224,17 @@ class Command(click.Command):
         self.params += [parameter(name, callback=_kept, expose_value=False) for name in ("quiet", "verbose")]
 
 
-command = partial(click.command, cls=Command)
+def command(name: str, **settings: Any) -> Callable[[Callable[..., Any]], click.Command]:
+    """The function as a command: it gets the environment, its file if it has one, and its options by name."""
+
+    def made(function: Callable[..., Any]) -> click.Command:
+        takes = function.__annotations__
+        if "file" in takes:
+            _added(function, lambda: click.Argument(["file"], type=FILE if takes["file"] == "Path" else None))
+        given = click.pass_obj(function) if "environment" in takes else function
+        return click.command(name, cls=Command, **settings)(given)
+
+    return made
 
 
 def renamed(arguments: Sequence[str]) -> list[str]:

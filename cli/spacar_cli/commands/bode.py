@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import click
-
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.drawing_options import PICTURES
@@ -15,16 +13,14 @@ from spacar_cli.status import tell_notes
 
 
 @words.command("bode")
-@click.argument("file")
-@words.option("at", default=1, show_default=True)
+@words.option("at", default=1)
 @words.option("inputs", ": number (from 1) or part of the name; default all.", multiple=True)
 @words.option("of", ": an output by number (from 1) or part of the name; default all.", multiple=True, metavar="NAME")
 @words.option("low")
 @words.option("high")
-@words.option("points", default=400, show_default=True)
+@words.option("points", default=400)
 @words.option("csv_file", ": frequency, amplitude and phase; no picture then, unless --output is given.")
 @words.option("output", PICTURES, multiple=True)
-@click.pass_obj
 def command(
     environment: Environment, /, file: str, at: int, inputs: tuple[str, ...], of: tuple[str, ...], low: float | None,
     high: float | None, points: int, csv_file: Path | None, output: tuple[Path, ...],

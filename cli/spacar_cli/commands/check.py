@@ -7,8 +7,6 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
 from spacar.modes import find_mode
 from spacar_cli import vocabulary as words
 from spacar_cli.deck_checking import checked_deck
@@ -23,11 +21,9 @@ MOST = 20  # names of degrees of freedom
 
 
 @words.command("check")
-@click.argument("file", type=click.Path(path_type=Path))
 @words.option("mode", "; without it every block is checked.")
 @words.option("expand")
 @words.option("as_json", ": all messages")
-@click.pass_obj
 def command(environment: Environment, file: Path, mode: int | None, expand: bool, as_json: bool) -> ExitStatus:
     """Read FILE (or FILE.dat, or standard input for -) and report errors, warnings and information.
 

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import json
 
-import click
-
 from spacar.errors import AnalysisError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 
 
 @words.command("checksbf")
-@click.argument("file")
 @words.option("as_json", ": the findings")
-@click.pass_obj
 def command(environment: Environment, file: str, as_json: bool) -> None:
     """List the variables of a result file and verify its checksums; exit status 1 when it is damaged."""
     from spacar_formats import checksbf

@@ -13,7 +13,6 @@ from spacar_cli.status import tell_notes
 @click.argument("files", nargs=-1, required=True)
 @click.argument("output")
 @words.option("overwrite", "; the original SPACAR always does.")
-@click.pass_obj
 def command(environment: Environment, files: tuple[str, ...], output: str, overwrite: bool) -> None:
     """Put the steps of two or more .sbd files of one mechanism, in the given order, into OUTPUT."""
     from spacar_formats.combsbd import combsbd

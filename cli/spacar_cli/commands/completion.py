@@ -18,7 +18,6 @@ SHELLS = ("bash", "zsh", "fish")
 @words.command("completion")
 @click.argument("shell", type=click.Choice(SHELLS), required=False)
 @words.option("install")
-@click.pass_obj
 def command(environment: Environment, shell: str | None, install: bool) -> None:
     """Print or install the completion of the command line for SHELL (default: that of $SHELL).
 

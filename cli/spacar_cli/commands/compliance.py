@@ -14,12 +14,10 @@ from spacar_cli.status import tell_notes
 
 
 @words.command("compliance")
-@click.argument("file")
 @click.argument("node", type=Whole())
 @click.argument("orientation", type=Whole(), required=False)
-@words.option("at", default=1, show_default=True)
+@words.option("at", default=1)
 @words.option("as_json")
-@click.pass_obj
 def command(environment: Environment, /, file: str, node: int, orientation: int | None, at: int, as_json: bool) -> None:
     """Compliance of a position node and its orientation node in a result of mode 7, 8, 9 or 10.
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-import click
-
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.drawing_options import Choices, common, symbol_kinds
@@ -14,7 +12,6 @@ from spacar_cli.environment import Environment
 
 
 @words.command("draw")
-@click.argument("file")
 @common
 @words.option(
     "at", "; also several: 2:5, 1:10:end, 1,4,9 or all; the last one is drawn in full, those before it pale. Default: "
@@ -24,11 +21,10 @@ from spacar_cli.environment import Environment
 @words.option("trace", "May be repeated.", multiple=True)
 @words.option("no_trace")
 @words.option("initial")
-@words.option("frames", default=150, show_default=True)
+@words.option("frames", default=150)
 @words.option("scale", "The start is in thin grey. Default: 1.", default=1.0)
 @words.option("symbols")
-@words.option("scopes", default=True, show_default=True)
-@click.pass_obj
+@words.option("scopes", default=True)
 def command(
     environment: Environment, /, file: str, at: str | None, strobe: int | None, trace: tuple[int, ...], no_trace: bool,
     initial: bool, frames: int, scale: float, symbols: str | None, scopes: bool, **common_options: Any,

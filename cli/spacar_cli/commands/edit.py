@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import click
-
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 
 
 @words.command("edit")
-@click.argument("file", type=click.Path(path_type=Path))
 @words.option("no_browser")
-@click.pass_obj
 def command(environment: Environment, file: Path, no_browser: bool) -> None:
     """Open FILE (or FILE.dat) in a page of the browser: text with help and checks, the mechanism, runs and results.
 

@@ -6,8 +6,6 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.drawing_options import PICTURES
@@ -26,14 +24,12 @@ HEADS = (
 
 
 @words.command("eigen")
-@click.argument("file")
 @words.option("at", "Default: all of them.")
 @words.option("lowest")
 @words.option("against", " in the Campbell diagram, as in `spacar plot`.")
 @words.option("as_json")
 @words.option("csv_file")
 @words.option("output", PICTURES, multiple=True)
-@click.pass_obj
 def command(
     environment: Environment, /, file: str, at: int | None, lowest: int | None, against: str | None, as_json: bool,
     csv_file: Path | None, output: tuple[Path, ...],

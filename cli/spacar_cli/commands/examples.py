@@ -23,7 +23,6 @@ ENDING = re.compile(r"\.(dat|sim|toml|py)\Z")
 @click.argument("names", metavar="[NAME]...", nargs=-1)
 @words.option("output_dir", "; default the current one.", default=Path())
 @words.option("overwrite")
-@click.pass_obj
 def command(environment: Environment, names: tuple[str, ...], output_dir: Path, overwrite: bool) -> None:
     """List the example models, or copy those that are named (`all` for every one) to a folder.
 

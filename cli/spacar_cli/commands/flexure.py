@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 
 @words.command("flexure", epilog="Definitions of all quantities: `spacar help flexures`.")
-@click.argument("file", type=click.Path(path_type=Path))
 @words.option(
     "move", ": 7x=0.02, 7x=-0.01:0.02, 7x=+-0.02, 8rz=0.3, e[3,1]=0.1. Default: what DELINPX, DELINPE or DELXF of the "
     "file move.",
@@ -28,12 +27,12 @@ if TYPE_CHECKING:
 @words.option("force", " instead: 7x=27")
 @words.option("node", ", whose stiffness and motion; default that of the drive.")
 @words.option("orientation")
-@words.option("n_steps", ", to the farther end of the range.", type=Whole(1, 10_000), default=10, show_default=True)
+@words.option("n_steps", ", to the farther end of the range.", type=Whole(1, 10_000), default=10)
 @words.option("loads", ": 7y=-10. May be repeated.", multiple=True)
 @words.option("extra", ", beside all present loads: 7y=-1. Several are one load.", multiple=True)
 @words.option("pivot")
 @words.option("axes", type=click.Choice(("global", "body")), default="global")
-@words.option("modes", ", whose frequencies are kept.", type=Whole(1, 1000), default=6, show_default=True)
+@words.option("modes", ", whose frequencies are kept.", type=Whole(1, 1000), default=6)
 @words.option("beams", type=click.Choice(BEAMS))
 @words.option("releases", ", as `spacar 0 FILE --release` does, and print the lines")
 @words.option(
@@ -43,7 +42,6 @@ if TYPE_CHECKING:
 @words.option("view", ", for the pictures of the page; default the plane of the motion.")
 @words.option("csv_file", ": a row for every state")
 @words.option("as_json", ": all columns")
-@click.pass_obj
 def command(
     environment: Environment, /, file: Path, orientation: int | None, pivot: str | None, axes: str, releases: bool,
     n_steps: int, output: tuple[Path, ...], view: str | None, csv_file: Path | None, as_json: bool, **asked: Any,

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import click
-
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 from spacar_cli.input_files import input_file
 
 
 @words.command("fmu")
-@click.argument("file", type=click.Path(path_type=Path))
 @words.option("output", "; default FILE.fmu")
-@words.option("rtol", default=1e-6, show_default=True)
-@words.option("atol", default=1e-8, show_default=True)
-@click.pass_obj
+@words.option("rtol", default=1e-6)
+@words.option("atol", default=1e-8)
 def command(environment: Environment, file: Path, output: Path | None, rtol: float, atol: float) -> None:
     """Export the mechanism with its INPUTS, INPUTF and OUT... as FILE.fmu (FMI 2.0, co-simulation).
 

@@ -13,12 +13,10 @@ from spacar_cli.status import tell_notes
 
 
 @words.command("getfrsbf")
-@click.argument("file")
 @click.argument("ident", metavar="ID")
 @click.argument("steps", required=False, metavar="[STEPS]")
 @words.option("at", ": the same as the argument STEPS.", metavar="STEPS", type=str)
 @words.option("as_json", ': {"id", "shape", "data"}.')
-@click.pass_obj
 def command(environment: Environment, file: str, ident: str, steps: str | None, at: str | None, as_json: bool) -> None:
     """Print a variable of a result file.
 

@@ -15,12 +15,10 @@ from spacar_cli.status import tell_notes
 
 
 @words.command("getss")
-@click.argument("file")
 @click.argument("step", type=StepNumber(), required=False, metavar="[STEP]")
 @words.option("at", ": the same as the argument STEP; default the first.")
 @words.option("output", ": a .mat, .npz or .json file, instead of printing.")
 @words.option("as_json")
-@click.pass_obj
 def command(
     environment: Environment, file: str, step: int | None, at: int | None, output: Path | None, as_json: bool
 ) -> None:

@@ -15,7 +15,6 @@ from spacar_cli.keyword_help import explanation, overview
 @words.command("keywords")
 @click.argument("name", required=False)
 @words.option("formats", ": all of them in JSON, or a grammar for editors", type=click.Choice(["json", "textmate"]))
-@click.pass_obj
 def command(environment: Environment, name: str | None, formats: str | None) -> None:
     """List all keywords by block, or explain NAME: its arguments, units, defaults and forms.
 

@@ -13,13 +13,11 @@ from spacar_cli.status import tell_notes
 
 
 @words.command("ltv")
-@click.argument("file")
-@words.option("interpolation", type=click.Choice(["linear", "step"]), default="linear", show_default=True)
-@words.option("substeps", default=1, show_default=True)
+@words.option("interpolation", type=click.Choice(["linear", "step"]), default="linear")
+@words.option("substeps", default=1)
 @words.option("static_start")
 @words.option("modes", ", to which the system is reduced first (see mrltv).")
 @signal_options("FILE_ltv.npz")
-@click.pass_obj
 def command(
     environment: Environment, file: str, interpolation: str, substeps: int, static_start: bool, modes: int | None,
     output: tuple[Path, ...], show: bool,

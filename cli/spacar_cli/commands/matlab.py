@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import click
-
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 
@@ -15,7 +13,6 @@ from spacar_cli.environment import Environment
     "build", ", default spacar-matlab, and copies of the files; put that on the path instead.", is_flag=False,
     flag_value="spacar-matlab",
 )  # fmt: skip
-@click.pass_obj
 def command(environment: Environment, build: Path | None) -> None:
     """Print the folder that MATLAB and Octave need on their path: addpath('FOLDER').
 

@@ -13,11 +13,9 @@ from spacar_cli.status import tell_notes
 
 
 @words.command("mrltv")
-@click.argument("file")
 @click.argument("modes", type=Whole(min=1))
 @words.option("quasi_static", "; default all")
 @words.option("output", "; default FILEmr.ltv")
-@click.pass_obj
 def command(environment: Environment, file: str, modes: int, quasi_static: int | None, output: Path | None) -> None:
     """Reduce the system of an .ltv file to MODES low-frequency modes.
 

@@ -14,16 +14,14 @@ from spacar_cli.status import tell_notes
 
 
 @words.command("plot")
-@click.argument("file")
 @click.argument("expressions", metavar="EXPR...", nargs=-1, required=True)
 @words.option("output", PICTURES, multiple=True)
-@words.option("against", default="t", show_default=True)
+@words.option("against", default="t")
 @words.option("csv_file", "; no picture then, unless --output is given.")
 @words.option("title")
-@words.option("dpi", default=150.0, show_default=True)
+@words.option("dpi", default=150.0)
 @words.option("show")
 @words.option("stale_ok")
-@click.pass_obj
 def command(
     environment: Environment, /, file: str, expressions: tuple[str, ...], output: tuple[Path, ...], against: str,
     csv_file: Path | None, title: str | None, dpi: float, show: bool, stale_ok: bool,

@@ -17,11 +17,9 @@ def _refuse(word: str) -> None:
 
 
 @words.command("repinsbf", context_settings={"ignore_unknown_options": True})  # a value may begin with a minus sign
-@click.argument("file")
 @click.argument("ident", metavar="ID")
 @click.argument("value")
 @words.option("at", "; required for variables that have one value a step.")
-@click.pass_obj
 def command(environment: Environment, /, file: str, ident: str, value: str, at: int | None) -> None:
     """Replace the value of one variable of a result file; the size must be the stored one.
 

@@ -4,23 +4,19 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import click
-
 from spacar_cli import vocabulary as words
 from spacar_cli.drawing_options import symbol_kinds
 from spacar_cli.environment import Environment
 
 
 @words.command("report")
-@click.argument("file")
 @words.option("output", "; default NAME.html beside the result.")
 @words.option("plot", ", as for spacar plot, instead of the degrees of freedom. May be repeated.", multiple=True)
-@words.option("log_lines", default=120, show_default=True)
-@words.option("view", default="iso", show_default=True)
+@words.option("log_lines", default=120)
+@words.option("view", default="iso")
 @words.option("viewer")
 @words.option("symbols")
 @words.option("stale_ok")
-@click.pass_obj
 def command(
     environment: Environment, /, file: str, output: Path | None, plot: tuple[str, ...], log_lines: int, view: str,
     viewer: bool, symbols: str | None, stale_ok: bool,

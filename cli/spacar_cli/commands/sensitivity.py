@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 
 @words.command("sensitivity", epilog="Parameters and quantities: `spacar help sensitivities`.")
-@click.argument("file", type=click.Path(path_type=Path))
 @words.option(
     "parameters", ": 'ESTIFF.3[EI]', 'SECTION.leaf[t]', 'X.2[2] & X.5[2]'; with a value it is given that first. May be "
     "repeated.", multiple=True,
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
 @words.option("beams", type=click.Choice(BEAMS))
 @words.option("csv_file", ": a row for every quantity and parameter.")
 @words.option("as_json", ": values and derivatives")
-@click.pass_obj
 def command(
     environment: Environment, /, file: Path, parameters: tuple[str, ...], of: tuple[str, ...], beams: str | None,
     csv_file: Path | None, as_json: bool,

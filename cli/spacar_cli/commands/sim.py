@@ -5,8 +5,6 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-import click
-
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
@@ -18,10 +16,8 @@ LONG = 5.0  # seconds of a run that is told what it waits for
 
 
 @words.command("sim")
-@click.argument("file", type=click.Path(path_type=Path))
 @words.option("compiled", default=True)
 @signal_options("FILE_sim.npz")
-@click.pass_obj
 def command(environment: Environment, file: Path, output: tuple[Path, ...], compiled: bool, show: bool) -> None:
     """Simulate the blocks and wires of a model file (`spacar help simulation`).
 

@@ -6,8 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import click
-
 from spacar.errors import BY_USERS, AnalysisError, UsageError, type_and_text
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
@@ -15,13 +13,11 @@ from spacar_cli.status import tell_notes
 
 
 @words.command("spacntrl")
-@click.argument("file")
 @words.option("kp", ": numbers (its diagonal) such as 100,50, FILE.csv, or FILE.py:NAME.")
 @words.option("kd", ", as K_P")
 @words.option("omega", ": K_P = omega^2 M0 and, with --damping, K_D = 2 damping omega M0.")
 @words.option("damping", default=0.0)
 @words.option("output", "; default FILEkp.ltv")
-@click.pass_obj
 def command(
     environment: Environment, file: str, kp: str | None, kd: str | None, omega: float | None, damping: float,
     output: Path | None,

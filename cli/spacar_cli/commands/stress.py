@@ -21,23 +21,21 @@ if TYPE_CHECKING:
 
 
 @words.command("stress")
-@click.argument("file")
 @words.option("at", "Default: all of them.")
 @words.option("element", ": only this one; repeat for more", multiple=True)
-@words.option("points", " along every element", type=Whole(2, 1001), default=9, show_default=True)
+@words.option("points", " along every element", type=Whole(2, 1001), default=9)
 @words.option("csv_file", ": a row for every step, element and place.")
 @words.option(
     "output", ": FILE.npz, all arrays; .png, .svg or .pdf, the section of one element (-e) at --place with its "
     "stresses.", multiple=True,
 )  # fmt: skip
-@words.option("place", ", of the picture", default=0.0, show_default=True)
+@words.option("place", ", of the picture", default=0.0)
 @words.option(
     "of", ": a stress of the picture", type=click.Choice(("normal", "shear", "mises")), default="normal",
-    show_default=True, metavar="STRESS",
+    metavar="STRESS",
 )  # fmt: skip
 @words.option("as_json", ": the largest values")
 @words.option("stale_ok")
-@click.pass_obj
 def command(
     environment: Environment, /, file: str, at: int | None, element: tuple[int, ...], points: int,
     csv_file: Path | None, output: tuple[Path, ...], place: float, of: str, as_json: bool, stale_ok: bool,

@@ -8,8 +8,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import click
-
 from spacar.errors import UsageError
 from spacar.modes import find_mode
 from spacar_cli import vocabulary as words
@@ -20,14 +18,13 @@ from spacar_cli.studying import ROWS, common, counted
 
 
 @words.command("sweep", epilog="Targets and quantities: `spacar help studies`. Exit status 1: cases failed.")
-@click.argument("file", type=click.Path(path_type=Path))
 @words.option(
     "assignments", ": values of a number of the input file: 'ESTIFF.3[EI]=100,200,300', 'XM.8=1:100:7:log', "
     "'ESTIFF.*[EI]=@cases.csv:ei'. Several are combined.", multiple=True,
 )  # fmt: skip
 @words.option("table_file")
 @words.option("together")
-@words.option("mode", default=1, show_default=True)
+@words.option("mode", default=1)
 @words.option("results", ": 'x[6,1]@end', 'max(sig[1,1])', 'abs(eigval[1])'. May be repeated.", multiple=True)
 @words.option("output", ": rows, .csv or .jsonl. Default: FILE.sweep.csv.", type=ROWS)
 @words.option("scheduler")
@@ -39,7 +36,6 @@ from spacar_cli.studying import ROWS, common, counted
 @words.option("integrator", ", instead of INTEGRAT")
 @words.option("compiled", default=None)
 @common
-@click.pass_obj
 def command(
     environment: Environment, /, file: Path, assignments: tuple[str, ...], table_file: Path | None, together: bool,
     mode: int, results: tuple[str, ...], output: Path | None, scheduler: str | None, regardless: bool,

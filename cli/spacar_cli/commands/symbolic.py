@@ -73,12 +73,12 @@ def check(environment: Environment, model: Path) -> None:
 
 @command.command("derive", cls=words.Command)
 @MODEL
-@words.option("strategy", type=STRATEGY, default="held", show_default=True)
+@words.option("strategy", type=STRATEGY, default="held")
 @words.option(
     "notation", ": vectors (held), cosines (transformed), or assignments (program).",
     type=click.Choice(["held", "transformed", "program"]),
 )  # fmt: skip
-@words.option("form", type=click.Choice(["text", "latex", "json"]), default="text", show_default=True)
+@words.option("form", type=click.Choice(["text", "latex", "json"]), default="text")
 @click.pass_obj
 def derive(environment: Environment, model: Path, strategy: str, notation: str | None, form: str) -> None:
     """Derive the equations of MODEL and print them.
@@ -95,10 +95,10 @@ def derive(environment: Environment, model: Path, strategy: str, notation: str |
 @command.command("export", cls=words.Command)
 @MODEL
 @words.option("language", type=click.Choice(["python", "c", "fortran", "latex"]))
-@words.option("strategy", type=STRATEGY, default="recursive", show_default=True)
+@words.option("strategy", type=STRATEGY, default="recursive")
 @words.option("jacobian")
 @words.option("output", "; default MODEL with its ending.")
-@words.option("shapes", ", for NAME.dat", default=2, show_default=True)
+@words.option("shapes", ", for NAME.dat", default=2)
 @words.option("duration", ", for NAME.dat of the comparison; default TIMESTEP, or 1.")
 @click.pass_obj
 def export(
@@ -155,7 +155,7 @@ def _setting(ctx: click.Context, parameter: click.Parameter, values: tuple[str, 
 @words.option("integrator", "; default lsoda", type=click.Choice(["lsoda", "radau", "dop853"]))
 @words.option("rtol", "; default 1e-8", type=Real())
 @words.option("atol", "; default rtol times the scale of each state.", type=Real())
-@words.option("strategy", type=STRATEGY, default="recursive", show_default=True)
+@words.option("strategy", type=STRATEGY, default="recursive")
 @words.option("compile")
 @words.option(
     "plot", ": a coordinate or an output, or all; a figure (png) for each. May be repeated.", multiple=True,

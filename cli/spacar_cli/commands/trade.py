@@ -11,8 +11,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import click
-
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
@@ -26,21 +24,20 @@ HEADER = ("model", "integration", "error", "processor time [s]", "right-hand sid
 
 
 @words.command("trade", epilog="The error norm and the reference: `spacar help studies`.")
-@click.argument("file", type=click.Path(path_type=Path))
 @words.option("mode", ": 1, 7, 8, 9 or 10. Default: 1 with TIMESTEP, else 7.")
 @words.option("integrators", "Default: those that suit the model, within --budget.")
 @words.option("tolerances", "Default: as far as --target needs, within --budget.")
-@words.option("grids", ", of methods with fixed step", default="1,4,16,64", show_default=True)
+@words.option("grids", ", of methods with fixed step", default="1,4,16,64")
 @words.option("meshes", "Default: one.")
 @words.option("rigid")
 @words.option("linear")
 @words.option("perturbation")
 @words.option("variables", ", as in `spacar sweep`: 'x[6,1]'. Default: all free coordinates.", multiple=True)
-@words.option("target", default=1e-6, show_default=True)
-@words.option("repeats", default=3, show_default=True)
+@words.option("target", default=1e-6)
+@words.option("repeats", default=3)
 @words.option("judges", "Default: 853,0; without lists, what suits the model.")
 @words.option(
-    "budget", ", when no settings are given as lists (-i, -t, --reference ...).", default=60.0, show_default=True
+    "budget", ", when no settings are given as lists (-i, -t, --reference ...).", default=60.0
 )
 @words.option("compiled", default=None)
 @words.option(
@@ -48,7 +45,6 @@ HEADER = ("model", "integration", "error", "processor time [s]", "right-hand sid
     "the work-precision diagram as .png, .svg or .pdf. May be repeated.", type=ROWS, multiple=True,
 )  # fmt: skip
 @common
-@click.pass_obj
 def command(
     environment: Environment, /, file: Path, mode: int | None, integrators: str | None, tolerances: str | None,
     grids: str, meshes: str | None, budget: float, rigid: bool, linear: bool, perturbation: bool,

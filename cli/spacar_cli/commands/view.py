@@ -12,17 +12,15 @@ from spacar_cli.environment import Environment
 
 
 @words.command("view")
-@click.argument("file")
 @words.option("output", "; default NAME_view.html beside the result.")
-@words.option("frames", default=150, show_default=True)
-@words.option("view", ", the first one", default="iso", show_default=True)
-@words.option("fps", default=25.0, show_default=True)
+@words.option("frames", default=150)
+@words.option("view", ", the first one", default="iso")
+@words.option("fps", default=25.0)
 @words.option("stress", ", as spacar visual does", type=click.Choice(QUANTITIES, case_sensitive=False))
 @words.option("show", ": here the page in the browser")
 @words.option("stale_ok")
 @words.option("watch", ": the start position of the input file, and its result where it has one")
 @words.option("no_browser", ", with --watch")
-@click.pass_obj
 def command(
     environment: Environment, /, file: str, output: Path | None, frames: int, view: str, fps: float, stress: str | None,
     show: bool, stale_ok: bool, watch: bool, no_browser: bool,

@@ -16,7 +16,6 @@ QUANTITIES = ("N", "Qy", "Qz", "T", "My", "Mz", "B", "mises", "normal", "shear")
 
 
 @words.command("visual")
-@click.argument("file")
 @click.argument("mode", type=Whole(), required=False)
 @common
 @words.option("mode_numbers", ": 1, 2:4, 1,3 or all; instead of VIBRATIONMODE, BUCKLINGMODE. Default 1.")
@@ -25,7 +24,7 @@ QUANTITIES = ("N", "Qy", "Qz", "T", "My", "Mz", "B", "mises", "normal", "shear")
     "of the mechanism.",
 )  # fmt: skip
 @words.option("at", "Default: the last one.", default=-1)
-@words.option("rest", default=True, show_default=True)
+@words.option("rest", default=True)
 @words.option(
     "stress", ": resultants N, Qy, Qz, T, My, Mz, B; stresses, which need cross-sections: mises, normal, shear.",
     type=click.Choice(QUANTITIES, case_sensitive=False),
@@ -33,7 +32,6 @@ QUANTITIES = ("N", "Qy", "Qz", "T", "My", "Mz", "B", "mises", "normal", "shear")
 @words.option("diagram", type=click.Choice(QUANTITIES, case_sensitive=False))
 @words.option("over_section", "; with --stress mises, normal or shear.")
 @words.option("as_list")
-@click.pass_obj
 def command(
     environment: Environment, /, file: str, mode: int | None, mode_numbers: str | None, factor: float | None, at: int,
     rest: bool, stress: str | None, diagram: str | None, over_section: bool, as_list: bool, **common_options: Any,
