@@ -7,6 +7,7 @@ import io
 import json
 import math
 import tempfile
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from spacar_cli.studying import ROWS, common, counted, say_table
 
 TABLES, DIAGRAMS = (".csv", ".json"), (".png", ".svg", ".pdf")
 CODES, TOLERANCES, JUDGES = "0,155,853", "1e-3:1e-9:7:log", "853,0"  # where only some of the lists are given
+STOPPED = "stopped after"  # in the reason of a setting that the budget ended
 HEADER = ("model", "integration", "error", "processor time [s]", "right-hand sides", "note")
 
 
@@ -88,19 +90,7 @@ def command(
     ref = reference(trade, rows, against)
     entries = assess(trade, rows, cases, ref)
     best = recommend(entries, target, ref)
-    sentence = _sentence(best, target, ref)
-    table = [_cells(e) for e in entries]
-    _write_all(environment, output, entries, ref, target, best, trade, source.name)
-    if as_json:
-        environment.say(json.dumps(_document(entries, ref, target, best)))
-    elif not environment.quiet:
-        say_table(environment, HEADER, table, None if best is None else entries.index(best))
-        environment.say(f"reference: {ref.text}; its estimated error is {ref.error:.2e}")
-        environment.say(sentence)
-    for entry in entries:
-        if entry.reason:
-            tell(environment, "warning", f"{' '.join(filter(None, entry.label))}: {entry.reason}")
-    return ExitStatus.DONE
+    return _told(environment, trade, source.name, output, as_json, target, ref, entries, best)
 
 
 def _within_budget(
@@ -121,38 +111,50 @@ def _within_budget(
     finally:
         if environment.shows_progress:
             print("\r\x1b[K", end="", file=environment.stderr, flush=True)
-    ref = found.reference
-    assert ref is not None  # search has said why otherwise
-    entries = found.entries
-    best = recommend(entries, target, ref)
+    assert found.reference is not None  # search has said why otherwise
+    best = recommend(found.entries, target, found.reference)
     command = "" if best is None or best.setup is None else command_line(trade, best.setup, name)
-    _write_all(environment, output, entries, ref, target, best, trade, name)
+    skipped = f"{found.skipped} settings were not tried: the budget of {budget:g} s is used (--budget)"
+    lines = [skipped] if found.skipped else []
+    lines += [
+        f"the error of the mesh of beam {beam} is not known: it cannot be divided: {why}"
+        for beam, why in found.undivided.items()
+    ]
+    lines += [price.line(target, best.seconds if best is not None else math.nan) for price in prices]
+    more = {
+        "command": command or None,
+        "prices": [vars(p) | {"error": p.error if math.isfinite(p.error) else None} for p in prices],
+        "undivided": {str(beam): why for beam, why in found.undivided.items()},
+    }
+    lines += [command] if command else []
+    return _told(
+        environment, trade, name, output, as_json, target, found.reference, found.entries, best, lines, more
+    )
+
+
+def _told(
+    environment: Environment, trade: Any, name: str, output: tuple[Path, ...], as_json: bool, target: float, ref: Any,
+    entries: Any, best: Any, lines: Sequence[str] = (), more: Mapping[str, Any] = {},
+) -> ExitStatus:  # fmt: skip
+    """Write the files, print the table and the recommendation with further lines, or the document with more in it."""
+    for path in output:
+        if path.suffix.lower() in TABLES:
+            _write(path, entries, ref, target, best)
+        else:
+            from spacar_drawing.files import save
+            from spacar_drawing.study_figures import work_precision_figure
+
+            title = f"{name}, mode {trade.mode}"
+            save(work_precision_figure(entries, ref.error, target, trade.stationary, title), path, dpi=120.0)
     if as_json:
-        environment.say(
-            json.dumps(
-                _document(entries, ref, target, best)
-                | {
-                    "command": command or None,
-                    "prices": [vars(p) | {"error": p.error if math.isfinite(p.error) else None} for p in prices],
-                    "undivided": {str(beam): why for beam, why in found.undivided.items()},
-                }
-            )
-        )
+        environment.say(json.dumps(_document(entries, ref, target, best) | dict(more)))
     elif not environment.quiet:
-        rows = [(*_cells(e)[:-1], "stopped" if "stopped after" in e.reason else _cells(e)[-1]) for e in entries]
-        say_table(environment, HEADER, rows, None if best is None else entries.index(best))
-        environment.say(f"reference: {ref.text}; its estimated error is {ref.error:.2e}")
-        environment.say(_sentence(best, target, ref))
-        if found.skipped:
-            environment.say(f"{found.skipped} settings were not tried: the budget of {budget:g} s is used (--budget)")
-        for beam, why in found.undivided.items():
-            environment.say(f"the error of the mesh of beam {beam} is not known: it cannot be divided: {why}")
-        for price in prices:
-            environment.say(price.line(target, best.seconds if best is not None else math.nan))
-        if command:
-            environment.say(command)
+        say_table(environment, HEADER, [_cells(e) for e in entries], None if best is None else entries.index(best))
+        reference = f"reference: {ref.text}; its estimated error is {ref.error:.2e}"
+        for line in (reference, _sentence(best, target, ref), *lines):
+            environment.say(line)
     for entry in entries:
-        if entry.reason and "stopped after" not in entry.reason:
+        if entry.reason and STOPPED not in entry.reason:
             tell(environment, "warning", f"{' '.join(filter(None, entry.label))}: {entry.reason}")
     return ExitStatus.DONE
 
@@ -194,9 +196,9 @@ def _rows(environment: Environment, trade: Any, wanted: list[Any], output: Path 
 
 
 def _cells(entry: Any) -> tuple[str, ...]:
-    note = entry.reason and "failed"
-    if entry.estimate is not None:
-        note = f"estimates {entry.estimate:.2e}"
+    note = "failed" if entry.reason else ""
+    if STOPPED in entry.reason or entry.estimate is not None:
+        note = "stopped" if STOPPED in entry.reason else f"estimates {entry.estimate:.2e}"
     error = "" if math.isnan(entry.error) else f"{entry.error:.2e}"
     seconds = "" if math.isnan(entry.seconds) else f"{entry.seconds:.4g}"
     return (*entry.label, error, seconds, "" if entry.rhs is None else str(entry.rhs), note)
@@ -222,22 +224,6 @@ def _document(entries: Any, ref: Any, target: float, best: Any) -> dict[str, Any
         "reference": {"error": ref.error, "text": ref.text}, "target": target,
         "recommended": None if best is None else plain(best), "settings": [plain(e) for e in entries],
     }  # fmt: skip
-
-
-def _write_all(
-    environment: Environment, output: tuple[Path, ...], entries: Any, ref: Any, target: float, best: Any, trade: Any,
-    name: str,
-) -> None:  # fmt: skip
-    """Tables and diagrams."""
-    for path in output:
-        if path.suffix.lower() in TABLES:
-            _write(path, entries, ref, target, best)
-        else:
-            from spacar_drawing.files import save
-            from spacar_drawing.study_figures import work_precision_figure
-
-            title = f"{name}, mode {trade.mode}"
-            save(work_precision_figure(entries, ref.error, target, trade.stationary, title), path, dpi=120.0)
 
 
 def _write(path: Path, entries: Any, ref: Any, target: float, best: Any) -> None:
