@@ -123,7 +123,8 @@ def build(target: Path) -> str | None:
     except (OSError, ValueError) as error:
         reason = str(error)
     if reason is not None:
-        note.write_text(" ".join(reason.split()), "utf-8")
+        reason = " ".join(reason.split())  # one line of what a compiler says in many
+        note.write_text(reason, "utf-8")
     return reason
 
 

@@ -84,7 +84,7 @@ def test_without_a_compiler_the_build_says_one_line_and_does_not_fail(tmp_path):
 
 def test_a_compiler_that_fails_is_said_and_an_old_library_goes(tmp_path, monkeypatch, recipe):
     script = tmp_path / "broken"
-    script.write_text("#!/bin/sh\necho out of licences >&2; exit 1\n")
+    script.write_text("#!/bin/sh\necho out of >&2; echo licences >&2; exit 1\n")
     script.chmod(0o755)
     monkeypatch.setenv("CC", str(script))
     (tmp_path / "engine.so").write_text("old")
