@@ -14,7 +14,7 @@ the place does not.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -72,15 +72,19 @@ class LimitPoint(Exception):
 
 
 def follow(
-    at: At, x: Array, sigma: Array, place: float, before: Array, end: float, limit: int, beyond: bool
-) -> Arrived:
+    at: At, x: Array, sigma: Array, place: float, before: Array, end: float, limit: int, beyond: bool,
+    backward: bool = False,
+) -> Arrived:  # fmt: skip
     """From the state x (nx,), sigma (ne,) at a place to the place `end`; `before` (nx,): the motion that led there.
 
-    beyond  go on beyond limit points of the loading. Raises Astray, SingularMatrixError, LimitPoint.
+    beyond    go on beyond limit points of the loading
+    backward  begin towards smaller places. Raises Astray, SingularMatrixError, LimitPoint.
     """
     q, _, _ = at(place)
     s = min(max(largest(before / q.scale), FIRST_ARC[0]), FIRST_ARC[1])
     here = _arc(at, x, sigma, place, before, None, limit)
+    if backward:
+        here = replace(here, u=-here.u, stress=-here.stress, rise=-here.rise)
     turns, total = list[float](), 0
     for _ in range(MOST_ARCS):
         branch = q.d.sweep.branch.copy()
@@ -203,7 +207,7 @@ def at_limit(e: LevelEvaluator, reached: LoadLevel, target: LoadLevel, limit: Li
     if e.fading_force is not None:
         text += (
             "; the start values (STARTDX, STARTDE) are held by forces that fade on this way, so that this is no limit"
-            " load: without them the way begins at the reference configuration"
+            " load"
         )
     return AnalysisError(text, "statics.limit-point", level=reached)
 
@@ -218,13 +222,12 @@ def unsupported(e: LevelEvaluator, coordinate: int, target: LoadLevel) -> Analys
     return AnalysisError(text, "statics.no-solution")
 
 
-def given_up(
-    reached: LoadLevel, target: LoadLevel, smallest: float, reason: Exception, known: str
-) -> AnalysisError:
+def given_up(reached: LoadLevel, target: LoadLevel, smallest: float, reason: Exception, known: str) -> AnalysisError:
     """Parts as small as `smallest` do not converge; `known` of the last solution, at the level that was reached."""
+    how = reason if isinstance(reason, Astray) else Astray(str(reason))
     text = (
-        f"the stationary solution did not converge at {target}: {reason}; the step was cut to {smallest:.3g} of its"
+        f"the stationary solution did not converge at {target}: {how}; the step was cut to {smallest:.3g} of its"
         f" size, the last solution is at {reached.initial:.6g} x initial + {reached.additional:.6g} x additional"
-        f" loading {known}; try more iterations, more load steps or a smaller load (ITERSTEP)"
+        f" loading {known}; try {how.remedy}"
     )
-    return AnalysisError(text, "statics.no-convergence", level=target)
+    return AnalysisError(text, how.code, level=target)

@@ -13,6 +13,9 @@ A prediction that overshoots a limit point may lie where another branch, stable 
 that moves much faster than the one before (or is the first) is walked back: the iteration at the level before must lead
 from the new state to the old one, otherwise the part is halved.
 
+A start that is held by fading forces and not stable is a guess, which may lead to another unstable state. Then the path
+is followed back to the largest holding force, where the stable branch begins, and along this.
+
 Where parts become too small the path may turn: it is followed by arc length. At a limit point of growing loads the walk
 ends with an error, unless ITERSTEP position 7 asks to go on to where the path reaches the level. Under prescribed
 displacement alone it goes on, and says so: the state at the prescribed value is what the file asks for.
@@ -21,8 +24,6 @@ displacement alone it goes on, and says so: the state at the prescribed value is
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import prod
-from typing import NamedTuple
 
 import numpy as np
 
@@ -30,17 +31,17 @@ from spacar.arrays import Array
 from spacar.errors import Report
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
-from spacar.stationary.arc_length import LimitPoint, at_limit, follow, given_up, unsupported
+from spacar.stationary.arc_length import Arrived, LimitPoint, at_limit, follow, given_up, unsupported
 from spacar.stationary.contract import Astray, Tangent
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.loading import LoadLevel, loads_grow
 from spacar.stationary.newton import Converged, Demand
+from spacar.stationary.prediction import Known, predicted
 from spacar.stationary.singular import FreeMotion
 from spacar.stationary.stability import Stability, critical_motion, is_regular
 from spacar.stationary.stationary_equations import Iterate, Prescribed, StationaryEquations
 
 REMEMBERED = 4  # states that the prediction uses: a cubic polynomial
-FARTHEST = 16.0  # weight of a state in the prediction: 6 for equal parts, more when the parts have grown
 FASTER = 2.0  # change of x over that of the loading, against the part before, from which a part is walked back
 ELSEWHERE = 0.1  # of the motion of a part: states that differ by more are not the same
 RETURNED = 0.02  # of the motion of a part: last correction on the way back; it leaves an error of three times that
@@ -51,14 +52,6 @@ STILL = 1e-6  # model lengths or rad: parts that move less (a straight column at
 LARGE = 600  # unknowns; above, the count costs more than an iteration: see `Continuation._odd`
 NEARLY, TAKEN_BACK = 1e-4, 8  # of the loading: what a state that is passed only may be off; times it is doubled
 EASY = 6  # iterations after which the next part of a step may be twice as large
-
-
-class Known(NamedTuple):
-    """A state of the path: its place on the way (0 to 1 initial, 1 to 2 additional loading), x, sigma."""
-
-    path: float
-    x: Array
-    sigma: Array
 
 
 class Bifurcation(Exception):
@@ -81,14 +74,15 @@ class Continuation:
         settings = evaluator.mechanism.settings
         self.limit, self.tolerance = settings.max_iterations, settings.tolerance
         self.follow = bool(settings.follow_path)
-        self._count(stored=evaluator.plain)
+        self._count(stored=True)
         # A start that is held, or has no stiffness as long as no load acts, is not on the path and predicts nothing.
         # If it is not stable either, the first level may be reached from it in any way: there is no branch to be lost.
-        begun = self.stable
-        loose = begun is not None and begun.zero > 0
-        self._arbitrary = loose or not known
-        self._guess = loose or not (known or (begun and not begun.negative))
+        negative, zero = (self.stable.negative, self.stable.zero) if self.stable else (None, 0)
+        self._arbitrary = zero > 0 or not known
+        self._guess = zero > 0 or not (known or negative == 0)
+        self._unstable: tuple[Array, Array, Array] | None = None  # the start, if it is held and not stable
         if self._guess and not known:
+            self._unstable = (point.x, point.sigma, evaluator.branch.copy()) if negative else None
             self.stable = None
 
     def advance(self, target: LoadLevel) -> None:
@@ -110,7 +104,7 @@ class Continuation:
             except (Astray, SingularMatrixError) as failure:
                 reason, crossed, steps = failure, False, 0
             else:
-                if not crossed or self._moved(before[0]) <= STILL:
+                if not crossed or largest((self.point.x - before[0].x) / self.evaluator.scale) <= STILL:
                     if crossed:
                         self._say_passed(level, before[1])
                     self.iterations += steps
@@ -139,6 +133,8 @@ class Continuation:
                 self._say_passed(level, before[1])
                 self.iterations += steps
             place = following if crossed else 1.0
+        if self._unstable is not None:
+            self._settle(origin, target, *self._unstable)
         self._reach(target)
 
     @property
@@ -165,7 +161,7 @@ class Continuation:
         self.level = level
         if self._arbitrary or (level.additional == 0.0 and level.initial >= 1.0):
             self.path = self.path[-1:]  # from here on the path of the additional loading
-        self._arbitrary = self._guess = False
+        self._arbitrary, self._guess, self._unstable = False, False, None
         if self.evaluator.fading_force is not None:
             self.evaluator.set_fading_force(None)
 
@@ -243,11 +239,11 @@ class Continuation:
             return [balanced, lambda: last]
         if not n.nddof:
             return [placed]
-        predicted = [lambda: self._predicted(path)] if len(self.path) > 1 else []
+        first = [lambda: predicted(self.path, path, n.x_class["fixed"])] if len(self.path) > 1 else []
         others = [lambda: last, balanced]
         if not self._arbitrary and self.stable is not None and self.stable.zero:
             others.reverse()  # a motion without stiffness: the old stresses give it none against the new loads
-        return [*predicted, *others]
+        return [*first, *others]
 
     def _accept(self, path: float, found: Converged) -> None:
         self.point, self.noise, self._regular = found.point, found.noise, found.regular
@@ -256,42 +252,20 @@ class Continuation:
         self.path = [*self.path, Known(path, p.x, p.sigma)][-REMEMBERED:]
         self.evaluator.follow(p.x)
 
-    def _predicted(self, path: float) -> Known:
-        """Lagrange's polynomial through the known states; fewer of them if they are close together."""
-        known = self.path
-        weights = _lagrange(known, path)
-        while len(known) > 1 and max(map(abs, weights)) > FARTHEST:
-            known = known[1:]
-            weights = _lagrange(known, path)
-        x, sigma = np.dot(weights, [k.x for k in known]), np.dot(weights, [k.sigma for k in known])
-        fixed = self.evaluator.mechanism.numbering.x_class["fixed"]
-        x[fixed] = known[-1].x[fixed]  # no iteration corrects them: rounding would grow from level to level
-        return Known(path, x, sigma)
-
-    def _moved(self, before: Iterate) -> float:
-        return largest((self.point.x - before.x) / self.evaluator.scale)
-
     # -- critical states ------------------------------------------------------------------------------------------
     def _count(self, stored: bool) -> bool:
         """Has the number of negative eigenvalues changed by more than those that were zero?"""
-        before = self.stable
-        e = self.evaluator
-        if not (e.plain or stored):
-            return False  # a sign of a determinant, at the cost of another iteration
-        if self._large and not stored and not self._odd():
+        e, before = self.evaluator, self.stable
+        if (e.unknowns > LARGE or not e.plain) and not stored and not self._odd():
             return False
         self.stable = e.stability(self.point, self.noise, self._regular, before)
         return before is not None and self.stable is not None and self.stable.differs(before)
-
-    @property
-    def _large(self) -> bool:
-        return self.evaluator.unknowns > LARGE
 
     def _odd(self) -> bool:
         """Does the determinant of the last factorization say that the known number of negative eigenvalues is off by
         an odd number?"""
         if self.stable is None or self.stable.zero:
-            return False
+            return self.stable is None
         try:  # not factored: the prediction was the solution
             sign = self.evaluator.sign(self.point, self._factored)
         except SingularMatrixError:
@@ -307,15 +281,13 @@ class Continuation:
         more = self.stable.negative > before.negative
         motion = critical_motion(e.equations, e.tangent, self.point, more)
         change = abs(self.stable.negative - before.negative)
-        if self.stable.exact:
-            what = f"{change} negative eigenvalue{'s' * (change > 1)} {'more' if more else 'less'}"
-        else:
+        what = f"{change} negative eigenvalue{'s' * (change > 1)} {'more' if more else 'less'}"
+        if not self.stable.exact:
             what = "changed the sign of its determinant"
         self.report.add(
             f"warning: {level}: a critical state is passed (bifurcation or limit point): the tangent stiffness has"
-            f" {what}"
-            + (f", the motion is largest at {motion}" if motion else "")
-            + "; the solution stays on the same branch, a small imperfection shows the others"
+            f" {what}{f', the motion is largest at {motion}' * bool(motion)}"
+            "; the solution stays on the same branch, a small imperfection shows the others"
         )
 
     # -- where natural parts do not help ----------------------------------------------------------------------------
@@ -325,21 +297,14 @@ class Continuation:
         Raises Bifurcation where the path does not turn before a level that natural parts reached too.
         """
         e = self.evaluator
-
-        def at(p: float) -> tuple[StationaryEquations, Tangent, Prescribed]:
-            e.load(origin.towards(target, p))
-            return e.equations, e.tangent, e.given
-
         whole = until is target
         end = 1.0 if whole else (until.path - origin.path) / (target.path - origin.path)
         try:
-            begin = self._before_turn(origin, target)
             beyond = self.follow or not loads_grow(e.mechanism, target)
-            found = follow(at, *begin, end, self.limit, beyond)
+            found = self._follow(origin, target, end, self._before_turn(origin, target), beyond)
             if not (whole or found.turns):
                 raise Bifurcation
-            e.load(until)
-            last = e.newton(found.x, found.sigma, Demand.of(self.limit, self.tolerance, until.store))
+            steps = self._land(found, until)
         except LimitPoint as limit:
             raise at_limit(e, origin.towards(target, limit.place), target, limit) from None
         except (Astray, SingularMatrixError):
@@ -347,8 +312,6 @@ class Continuation:
                 raise Bifurcation from None
             e.load(origin.towards(target, place))
             raise given_up(origin.towards(target, place), target, SMALLEST_PART, reason, self._known_here()) from None
-        self.path = []
-        self._accept(until.path, last)
         before = self.stable
         self._count(until.store)
         if found.turns:
@@ -359,6 +322,49 @@ class Continuation:
             )
         elif before is not None and self.stable is not None and self.stable.differs(before):
             self._say_passed(target, before)
+        return steps
+
+    def _settle(self, origin: LoadLevel, target: LoadLevel, x: Array, sigma: Array, branch: Array) -> None:
+        """Where a start that was not stable led to another unstable state, away from it: the stable one that a motion
+        from there comes to rest at, if the path of the holding force leads to it, first backward to its largest value.
+        """
+        e, found = self.evaluator, (self.point, self.stable, self.path, self.evaluator.branch.copy())
+        far = largest((self.point.x - x) / e.scale) > WIDE
+        if not far or self.stable is None or not self.stable.negative:
+            return
+        e.branch[:] = branch
+        try:
+            begin = x, sigma, 0.0, np.zeros_like(x)
+            steps = self._land(self._follow(origin, target, 1.0, begin, True, backward=True), target)
+            self.stable = e.stability(self.point, self.noise, self._regular, None)
+            if self.stable is not None and not self.stable.negative:
+                self.iterations += steps
+                return
+        except (Astray, SingularMatrixError):
+            pass
+        self.point, self.stable, self.path, e.branch[:] = found
+        e.load(target)
+        e.set_state(self.point)
+
+    def _follow(
+        self, origin: LoadLevel, target: LoadLevel, end: float, begin: tuple[Array, Array, float, Array], beyond: bool,
+        backward: bool = False,
+    ) -> Arrived:  # fmt: skip
+        """As `follow`, on the way between two levels."""
+        e = self.evaluator
+
+        def at(p: float) -> tuple[StationaryEquations, Tangent, Prescribed]:
+            e.load(origin.towards(target, p))
+            return e.equations, e.tangent, e.given
+
+        return follow(at, *begin, end, self.limit, beyond, backward)
+
+    def _land(self, found: Arrived, level: LoadLevel) -> int:
+        """From near a level onto it; the number of iterations."""
+        self.evaluator.load(level)
+        last = self.evaluator.newton(found.x, found.sigma, Demand.of(self.limit, self.tolerance, level.store))
+        self.path = []
+        self._accept(level.path, last)
         return found.iterations + last.iterations
 
     def _known_here(self) -> str:
@@ -392,9 +398,3 @@ class Continuation:
 def _balanced(e: LevelEvaluator, x: Array, sigma: Array) -> Array:
     q = e.equations
     return q.balanced(q.point(x, sigma, e.given))
-
-
-def _lagrange(known: list[Known], path: float) -> list[float]:
-    """Weights of the polynomial through the known states, at a place."""
-    at = [k.path for k in known]
-    return [prod((path - b) / (a - b) for j, b in enumerate(at) if j != i) for i, a in enumerate(at)]

@@ -32,4 +32,9 @@ class Tangent(Protocol):
 
 
 class Astray(Exception):
-    """The iteration does not converge, or not to a neighbouring state."""
+    """The iteration does not converge, or not to a neighbouring state; the code of an error that says so, and what
+    helps then."""
+
+    def __init__(self, text: str, code: str = "statics.no-convergence", remedy: str = "a smaller load") -> None:
+        super().__init__(text)
+        self.code, self.remedy = code, remedy

@@ -145,7 +145,8 @@ def not_finite() -> Astray:
 
 
 def no_convergence(limit: int) -> Astray:
-    return Astray(f"no convergence in {limit} iterations")
+    text = f"no convergence in {limit} iteration{'s' * (limit != 1)}"
+    return Astray(text, remedy="more iterations (the first number of ITERSTEP)")
 
 
 def correction(
@@ -242,7 +243,7 @@ def _projected(q: StationaryEquations, p: Iterate, dx: Array, given: Prescribed)
     try:
         k.position(p.x + dx, np.where(np.arange(n.ne) < n.e_class["kinematic"].stop, e, 0.0))
     except AnalysisError as error:
-        raise Astray(str(error)) from None
+        raise Astray(str(error), error.code) from None
     x = k.x
     p = q.point(x, p.sigma, given)
     sigma, still, calculable = p.sigma.copy(), np.zeros(n.ne), n.e_class["calculable"]

@@ -148,7 +148,7 @@ class StationarySolver:
             n, e = self.mechanism.numbering, self._evaluator
             self._walk = walk = self._begin(first, False)
             self._firm = walk.is_firm
-            placed = e.moving or e.fading_force is not None
+            placed = self._is_placed or e.fading_force is not None
             if n.holonomic and n.nddof and not self._idle and not self._firm and placed:
                 self._walk = self._begin(first, True)
         return self._walk
@@ -161,6 +161,7 @@ class StationarySolver:
         e.load(LoadLevel(0.0, 0.0))
         e.set_fading_force(None)
         p = self._reference()
+        self._is_placed = p is None
         if p is None:
             d = e.dynamics
             d.kinematics.begin()
@@ -183,29 +184,50 @@ class StationarySolver:
             return Continuation(e, p, False, self.report)
 
     def _in_other_order(self, failure: AnalysisError, target: LoadLevel) -> Continuation:
-        """The path to a level with the loading applied in the other order. Raises the failure of growing loads."""
+        """The path to a level with the loading applied in the other order, or, where start values do not lead there,
+        from the reference configuration. Raises the failure of growing loads."""
         e, n = self._evaluator, self.mechanism.numbering
-        limited = failure.code == "statics.limit-point" and self._firm
+        held = e.fading_force is not None
+        limited = failure.code == "statics.limit-point" and self._firm and not held
         if self._failed or limited or target.additional or not (n.holonomic and n.nddof):
             raise failure
-        self._failed, whole = True, not e.whole_from_start
-        self._walk = walk = self._begin(target, whole)
+        self._failed, whole, said = True, not e.whole_from_start, failure
         try:
+            self._walk = walk = self._begin(target, whole)
             walk.advance(target)
         except AnalysisError as again:
-            raise (failure if whole else again) from None
-        if whole and self._firm:
-            self.report.add(
-                f"warning: the growing loading could not be followed ({failure.code}): the solution was found from the"
-                " start, held in balance under the whole loading by forces that fade; there may be others"
-            )
+            if not whole or failure.code == "statics.no-solution":  # of a motion that the loading may hold
+                said = again
+        else:
+            if whole and self._firm:
+                self.report.add(
+                    f"warning: the growing loading could not be followed ({failure.code}): the solution was found from"
+                    " the start, held in balance under the whole loading by forces that fade; there may be others"
+                )
+            return walk
+        start, reference = e.y[: n.nddof], self._reference_values
+        if not held or (start == reference).all():
+            raise said from None
+        start[:] = reference
+        self._walk = walk = self._begin(target, False)
+        walk.advance(target)
+        self.report.add(
+            f"warning: the start values (STARTDX, STARTDE) do not lead to a solution ({failure.code}): this one was"
+            " found from the reference configuration; there may be others"
+        )
         return walk
+
+    @property
+    def _reference_values(self) -> Array:
+        """Of the dynamic degrees of freedom, (nddof,)."""
+        n = self.mechanism.numbering
+        x = self.mechanism.x0[n.x_class["dynamic"]]
+        return np.concatenate((x, np.zeros(n.nddof - len(x))))
 
     def _reference(self) -> Iterate | None:
         """The reference configuration, if it is the start and its deformations are those wanted."""
         e, m, n = self._evaluator, self.mechanism, self.mechanism.numbering
-        reference = m.x0[n.x_class["dynamic"]]
-        if e.moving or (e.y[: len(reference)] - reference).any() or e.y[len(reference) : n.nddof].any():
+        if e.moving or (e.y[: n.nddof] != self._reference_values).any():
             return None
         if not n.nddof:
             e.dynamics.kinematics.begin()  # it finds the positions of all levels

@@ -26,9 +26,10 @@ def evaluations(text: str) -> int:
     return solver.dynamics.sweep.count
 
 
-@pytest.mark.parametrize(("name", "most"), [("crankfl", 10), ("finger", 10), ("fingersim", 18), ("lateral4", 8)])
+@pytest.mark.parametrize(("name", "most"), [("crankfl", 10), ("finger", 10), ("fingersim", 27), ("lateral4", 8)])
 def test_examples(name, most):
-    """Four load steps each; a crank under inertia forces, fingers whose stiffness is that of their loads."""
+    """Four load steps each; a crank under inertia forces, fingers whose stiffness is that of their loads,
+    one of them from a displaced start, which is held under all loads."""
     assert evaluations((ROOT / "data" / f"{name}.dat").read_text()) <= most
 
 
