@@ -172,12 +172,10 @@ def linearized_doubt(
 
 
 def _without_inertia(mechanism: Mechanism, names: str) -> AnalysisError:
-    text = (
-        f"singular mass matrix: no inertia on the motion of {names}; add mass (XM, EM) or prescribe (INPUTX, INPUTE) or"
-        " release (RLSE) it"
-    )
+    advice = "add mass (XM, EM) or prescribe (INPUTX, INPUTE) or release (RLSE) it"
     if mechanism.deck.divided:
-        text += "; released or not, all parts of a divided beam but the last need inertia (torsion: J of EM)"
+        advice = "add mass (XM, EM): all parts of a divided beam but the last need it, even released (torsion: J of EM)"
+    text = f"singular mass matrix: no inertia on the motion of {names}; {advice}"
     return AnalysisError(text, "dynamics.singular-mass")
 
 

@@ -191,9 +191,12 @@ class Continuity:
         what = "a singular position (dead point)"
         if self.crossings > 1:
             what = "singular positions (dead points), the first"
+        from spacar.kinematics.failure import other_release
+
         self.report.add(
             f"warning: between t = {a.at.t:.9g} and {b.at.t:.9g} the degrees of freedom passed {what} at about"
             f" t = {t:.6g}; the accuracy of the integration is lost there: choose other degrees of freedom"
+            f"{other_release(self.evaluator.model.mechanism, a.at.x)}"
         )
 
     def _turned(self, a: Accepted, b: Accepted, t: float) -> None:

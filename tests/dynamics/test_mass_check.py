@@ -5,6 +5,8 @@ Truths: a free mass m obeys F = m a in whatever coordinates; a motion whose node
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -171,3 +173,13 @@ def test_a_dead_point_in_a_large_model_is_not_passed_over(tilt: float, compiled:
     assert not [line for line in r.report if "inertia" in line]
     across = np.array([-np.sin(tilt), np.cos(tilt)])  # the crank moves across itself only: a = F/m along that
     assert across @ [r.node(422, i, "xdd")[0] for i in (1, 2)] == pytest.approx(across[1], rel=1e-4)
+
+
+def test_a_released_beam_in_parts_is_not_advised_to_be_released() -> None:
+    """The printed spatial model without inertia of torsion: what the message asks for is enough."""
+    text = (Path(__file__).parents[2] / "data" / "screw.dat").read_text()
+    with pytest.raises(AnalysisError, match=r"torsion; add mass .*J of EM") as found:
+        spacar.run(1, spacar.parse_deck(text, "screw", 1), elements=2)
+    assert "(RLSE)" not in str(found.value)
+    with_inertia = spacar.parse_deck(text.replace("EM 3 1.0", "EM 3 1.0 1e-4"), "screw", 1)
+    spacar.run(1, with_inertia, elements=2, duration=0.1, n_steps=1)
