@@ -72,6 +72,7 @@ def eigenvalues(run: Run) -> Iterator[Sequence[Frame]]:
 def buckling(run: Run) -> Iterator[Sequence[Frame]]:
     """Mode 8: stationary solution, load multipliers, buckling modes, directional compliances."""
     for solution in stationary(run):
+        _store_compliances(run, solution)
         _store_buckling(run, solution)
         _store_tangent(solution)
         yield (solution.frame,)
@@ -81,6 +82,7 @@ def vibration_and_buckling(run: Run) -> Iterator[Sequence[Frame]]:
     """Mode 10: modes 7 and 8 at every stored load step."""
     for solution in stationary(run):
         _say_doubtful_inertia(run, solution)
+        _store_compliances(run, solution)  # first, by the factors of Newton's iteration
         _store_vibration(run, solution)
         _store_buckling(run, solution, required=False)
         _store_tangent(solution)
@@ -191,7 +193,7 @@ def stationary(
             continue
         if reduced or singular:
             tangent = solver.sparse_tangent()
-            tangent.sigma = state.sigma
+            tangent.sigma, tangent.last_step = state.sigma, stored + 1 == settings.stored_levels
             yield LinearizedSolution(frame, dynamics, None, tangent, wanted, reduced, condition)
             continue
         L = linearize(dynamics, state.xdd, state.sigma)
@@ -284,6 +286,8 @@ def _store_matrices(frame: Frame, L: Linearization, dynamics: Dynamics) -> None:
 def _store_tangent(solution: LinearizedSolution) -> None:
     """What takes the place of the reduced matrices of a large model, last: it is as large as the factors."""
     if solution.reduced and solution.tangent is not None:
+        if solution.tangent.last_step:
+            solution.tangent.forget_factors()
         solution.frame.matrices.update(sparse_matrices(solution.tangent))
 
 
@@ -293,8 +297,6 @@ def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
         return
     if solution.tangent is not None:
         modes = _sparse_vibration(run, solution.tangent, solution.wanted)
-        if solution.frame.t + 1 >= (run.n_frames or 0):
-            solution.tangent.release()  # the factors of the shift, at the last step
     elif solution.sparse is not None:
         n = run.mechanism.numbering
         system = SparseLinearization(solution.dynamics, (), ())(solution.sparse)
@@ -325,21 +327,25 @@ def _sparse_vibration(run: Run, tangent: SparseTangent, wanted: int) -> Modes:
         return Modes(np.full(2 * wanted, unknown), vectors, n.nddof, motions)
 
 
+def _store_compliances(run: Run, solution: LinearizedSolution) -> None:
+    frame, numbering = solution.frame, run.mechanism.numbering
+    if solution.tangent is not None and numbering.nddof:
+        frame.xcompl = sparse_compliances(solution.tangent)
+    elif solution.L is not None:
+        frame.xcompl = directional_compliances(solution.L, numbering.dynamic, run.report)
+    else:
+        frame.xcompl = np.zeros(numbering.nx)
+
+
 def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = True) -> None:
-    """Compliances, load multipliers, modes. Where there are no multipliers: AnalysisError if they are `required`, else
-    they are nan, with a warning.
+    """Load multipliers and modes. Where there are no multipliers: AnalysisError if they are `required`, else they are
+    nan, with a warning.
     """
     frame, dynamic = solution.frame, run.mechanism.numbering.dynamic
     if not len(dynamic):
-        frame.xcompl = np.zeros(run.mechanism.numbering.nx)
         run.report.add("no dynamic degrees of freedom: there are no load multipliers")
         return
     tangent, L = solution.tangent, solution.L
-    if tangent is not None:
-        frame.xcompl = sparse_compliances(tangent)
-    else:
-        assert L is not None
-        frame.xcompl = directional_compliances(L, dynamic, run.report)
     try:
         if tangent is not None:
             modes = lowest_buckling(tangent, run.report, solution.wanted)

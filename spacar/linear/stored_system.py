@@ -25,6 +25,7 @@ The pattern is the same at all steps; `spconvert(ktan)` of MATLAB and `coo_array
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -196,13 +197,8 @@ def _couples(X: Array, q: Index, r: int) -> bool:
 
 
 def sparse_matrices(tangent: SparseTangent) -> dict[str, Array]:
-    """ktan and mtan of the present state."""
-    n = tangent.nf + tangent.ne
-    mass = tangent.parts["mass"]
-    return {
-        "ktan": _entries(*tangent.pattern(tuple(STATIC)), tangent.entries(STATIC)[0], n),
-        "mtan": _entries(mass.rows, mass.columns, mass.values(), n),
-    }
+    """ktan and mtan of the present state, by columns; entries that happen to be zero stay."""
+    return {"ktan": _table(tangent.matrix(STATIC)), "mtan": _table(tangent.mass_matrix())}
 
 
 def vibration_motions(modes: Modes) -> dict[str, Array]:
@@ -217,7 +213,6 @@ def buckling_motions(modes: BucklingModes, nx: int) -> dict[str, Array]:
     return {"bmodex": motions}
 
 
-def _entries(rows: Index, columns: Index, values: Array, n: int) -> Array:
-    """Row, column, sum of the values, by columns; entries that happen to be zero stay."""
-    places, slot = np.unique(columns.astype(np.int64) * n + rows, return_inverse=True)
-    return np.column_stack((places % n + 1.0, places // n + 1.0, np.bincount(slot.ravel(), values, len(places))))
+def _table(A: Any) -> Array:
+    """Row, column and value of a matrix in compressed columns."""
+    return np.column_stack((A.indices + 1.0, np.repeat(np.arange(1.0, A.shape[1] + 1.0), np.diff(A.indptr)), A.data))

@@ -22,7 +22,7 @@ Where a pivot is zero or the refinement does not converge the mixed matrix itsel
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from scipy.sparse import coo_array, csc_matrix, csr_array
@@ -51,31 +51,38 @@ class CondensedSystem:
     """The first `nf` unknowns are x. Raises SingularMatrixError where constraints repeat each other."""
 
     kind = "condensed"
+    A = lu = R = N = _NT = _G = _K = _V = _SV = _pivots = cast(Any, None)
 
     def __init__(self, n: int, rows: Index, columns: Index, nf: int) -> None:
         self.n, self.nf = n, nf
         self._whole = SparseSystem(n, rows, columns)
-        self._entries = np.zeros(0)
         self._C: Array | None = None
-        self._pivots: Array | None = None
         self._part: float | None = None
-        self._mixed = self.was_mixed = False  # is, and was once, the mixed matrix factored instead?
-        self.lu: Any = None
+        self.was_mixed = False  # was the mixed matrix once factored instead?
+        self.forget()
+
+    def forget(self) -> None:
+        """What depends on the entries: two of them would take twice the memory."""
+        self._entries = np.zeros(0)
+        self._mixed, self._known = False, False
+        self.A = self.lu = self.R = self.N = self._NT = self._G = self._K = self._V = self._SV = self._pivots = None
 
     def factor(self, entries: Array) -> None:
-        """Nothing is done for the entries that were factored last."""
+        """Nothing is done for the entries that were factored last; they are kept, not copied."""
         if np.array_equal(entries, self._entries):
             return
-        self._entries, self._mixed, self._known = np.zeros(0), False, False
-        self.lu = None  # before the next one is made
-        A = self._whole.assembled(entries)
+        self.forget()
+        A = self.assembled(entries)
         self.A = csr_array(A)
-        self.sizes = csr_array((np.abs(self.A.data), self.A.indices, self.A.indptr), self.A.shape)
         try:
             self._condense(A)
         except RuntimeError:  # a pivot is zero, or rows were exchanged
             self._use_mixed(entries)
-        self._entries = entries.copy()
+        self._entries = entries
+
+    def assembled(self, entries: Array) -> Any:
+        """The mixed matrix, in compressed columns."""
+        return self._whole.assembled(entries)
 
     def _use_mixed(self, entries: Array) -> None:
         self._mixed = self.was_mixed = True
@@ -188,7 +195,8 @@ class CondensedSystem:
 
     def _refined(self, b: Array, transposed: bool) -> Array | None:
         """None where the residual does not become rounding."""
-        A, sizes = (self.A.T, self.sizes.T) if transposed else (self.A, self.sizes)
+        A = self.A.T if transposed else self.A
+        sizes = abs(A)
         z, before, idle = self._direct(b, transposed), np.inf, 0
         for _ in range(REFINEMENTS):
             rest = b - A @ z

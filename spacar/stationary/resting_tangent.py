@@ -78,8 +78,9 @@ class RestingTangent:
         """Is the matrix symmetric? Follower moments and the flow in tubes make it unsymmetric."""
         n = self.t.nf
         for part in self._unsymmetric:
-            values, turned = part.values(), part.columns * n + part.rows
-            places, at = np.unique(np.concatenate((part.rows * n + part.columns, turned)), return_inverse=True)
+            values, rows, columns = part.values(), part.rows.astype(np.int64), part.columns.astype(np.int64)
+            both = np.concatenate((rows * n + columns, columns * n + rows))
+            places, at = np.unique(both, return_inverse=True)
             entries = np.bincount(at[: len(values)], values, len(places))
             difference = entries - np.bincount(at[len(values) :], values, len(places))
             if np.abs(difference).max(initial=0.0) > SYMMETRIC * np.abs(entries).max(initial=0.0):

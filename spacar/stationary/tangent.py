@@ -34,6 +34,7 @@ from spacar.stationary.flexibility import Flexibility, is_tube
 if TYPE_CHECKING:
     from spacar.linear_systems.banded import BandedSystem
     from spacar.linear_systems.condensed import CondensedSystem
+    from spacar.linear_systems.sparse import SparseSystem
 
 
 class TangentTerm:
@@ -44,11 +45,11 @@ class TangentTerm:
         self._place, self._pattern, self._values = place, pattern, values
 
     @cached_property
-    def _restricted(self) -> tuple[Index, Index, Index, bool]:
-        rows, columns = self._pattern()
-        a, b = self._place[rows], self._place[columns]
+    def _restricted(self) -> tuple[Any, Any, Any, bool]:
+        place = self._place.astype(np.int32)  # there are many
+        a, b = (place[part] for part in self._pattern())
         keep = np.flatnonzero((a >= 0) & (b >= 0))
-        return keep, a[keep], b[keep], len(keep) == len(rows)
+        return keep.astype(np.int32), a[keep], b[keep], len(keep) == len(a)
 
     @property
     def keep(self) -> Index:
@@ -103,6 +104,7 @@ class SparseTangent:
             "flow": TangentTerm(self.place, lambda: _square(loaded), lambda: self._inertia(loaded, 1)),
         }
         self.ne = n.ne
+        self.last_step = False  # no Newton's iteration follows: one system has factors at a time
         self._patterns: dict[tuple[str, ...], tuple[Any, Any]] = {}
         self._systems: dict[tuple[str, ...], LinearSystem] = {}
         self._constant: dict[tuple[float, float], tuple[Array, Array, float]] = {}
@@ -124,6 +126,8 @@ class SparseTangent:
         Raises SingularMatrixError, also when displacements under a load of the size of the stiffness exceed SINGULAR
         and rounding of the entries changes them by NO_DIGITS.
         """
+        if self.last_step:
+            self.forget_factors(tuple(weights))
         entries, size = self.entries(weights, stiffness, damping)
         system = self._system(tuple(weights))
         system.factor(entries)
@@ -151,13 +155,20 @@ class SparseTangent:
     def _system(self, names: tuple[str, ...]) -> LinearSystem:
         if names not in self._systems:
             kind = next((s.kind for s in self._systems.values()), None)  # one kind for all
-            self._systems[names] = assemble(self.nf + self.ne, *self.pattern(names), kind, self.nf)
+            system = self._systems[names] = assemble(self.nf + self.ne, *self.pattern(names), kind, self.nf)
+            if system.kind == "condensed":
+                del self._patterns[names]  # large, and seldom asked for again
         return self._systems[names]
 
-    def release(self) -> None:
-        """Forget all systems but the static one, which Newton's iteration goes on with."""
-        for names in [names for names in self._systems if names != tuple(STATIC)]:
-            del self._systems[names], self._patterns[names]
+    def forget_factors(self, names: tuple[str, ...] = ("none",)) -> None:
+        """Of all systems but the one of these parts."""
+        for other in [other for other in self._systems if other != names]:
+            system = self._systems[other]
+            if other != tuple(STATIC):  # of which the storage is asked for
+                del self._systems[other]
+                self._patterns.pop(other, None)
+            elif system.kind == "condensed":
+                cast("CondensedSystem", system).forget()
 
     def entries(self, weights: dict[str, float], stiffness: float = 1.0, damping: float = 0.0) -> tuple[Array, float]:
         """Entries at the present configuration, and the typical stiffness by which the rows of e are multiplied."""
@@ -211,6 +222,22 @@ class SparseTangent:
         b[: self.nf] = force[self.F]
         x[self.F] = system.solve(b)[: self.nf]
         return x
+
+    def matrix(self, weights: dict[str, float]) -> Any:
+        """The mixed matrix of the weighted parts, in compressed columns."""
+        from spacar.linear_systems.sparse import SparseSystem
+
+        system = self._system(tuple(weights))
+        if system.kind in ("dense", "banded"):
+            system = SparseSystem(system.n, *self.pattern(tuple(weights)))
+        return cast("SparseSystem | CondensedSystem", system).assembled(self.entries(weights)[0])
+
+    def mass_matrix(self) -> Any:
+        """The mass matrix, of the same order."""
+        from spacar.linear_systems.sparse import SparseSystem
+
+        mass = self.parts["mass"]
+        return SparseSystem(self.nf + self.ne, mass.rows, mass.columns).assembled(mass.values())
 
     def assembled(self, names: tuple[str, ...]) -> Any:
         """Sum of parts (nf, nf) over F, in compressed rows."""
