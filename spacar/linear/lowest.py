@@ -26,6 +26,7 @@ from spacar.linear.subspace import (
     SUFFICIENT,
     TRIALS,
     Operator,
+    RefinedOperator,
     dominant,
     ends_with_half_a_pair,
     real_vectors,
@@ -93,7 +94,7 @@ def sparse_compliances(tangent: SparseTangent) -> Array:
     return out
 
 
-def _shift(tangent: SparseTangent, wanted: int) -> tuple[float, Operator]:
+def _shift(tangent: SparseTangent, wanted: int) -> tuple[float, RefinedOperator]:
     """s^2 > 0, within a factor of ten of a hundredth of the highest wanted omega^2, by rough values of these; the
     operator of this shift."""
     springs = [b.family.stiffness()[0] for b in tangent.elastic]
@@ -116,27 +117,27 @@ def _shift(tangent: SparseTangent, wanted: int) -> tuple[float, Operator]:
     return square, _squared(tangent, square)
 
 
-def _squared(tangent: SparseTangent, square: float) -> Operator:
-    """op = (K_x + s^2 M)^-1 M."""
+def _squared(tangent: SparseTangent, square: float) -> RefinedOperator:
+    """op = (K_x + s^2 M)^-1 M, refined when asked for."""
     system = tangent.factor({**STATIC, "mass": square})
     M, F = tangent.assembled(("mass",)), tangent.F
 
-    def operator(x: Array) -> Array:
+    def operator(x: Array, refined: bool = False) -> Array:
         force = np.zeros_like(x)
         force[F] = M @ x[F]
-        return tangent.displacement(system, force)
+        return tangent.displacement(system, force, refined)
 
     return operator
 
 
 def _undamped(
-    tangent: SparseTangent, square: float, operator: Operator, wanted: int, symmetric: bool, report: Report
+    tangent: SparseTangent, square: float, operator: RefinedOperator, wanted: int, symmetric: bool, report: Report
 ) -> tuple[Array, Array]:
     """omega^2 (wanted,) and shapes (nx, wanted); complex where the loading is not symmetric."""
     theta, x = dominant(operator, start_block(tangent, wanted), wanted, tangent.dynamics.numbering.nddof)
     if symmetric:
         x = real_vectors(theta, x)
-        theta = rayleigh(x, tangent.times(("mass",), x), operator(x))
+        theta = rayleigh(x, tangent.times(("mass",), x), operator(x, refined=True))
     squares = 1.0 / theta - square
     squares[lost_pairs(operator, theta, x, squares, "omega^2", report)] = np.nan
     return squares, x

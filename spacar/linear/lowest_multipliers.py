@@ -30,7 +30,7 @@ from spacar.linear.lowest import (
     rayleigh,
     start_block,
 )
-from spacar.linear.subspace import NOTHING, SUFFICIENT, dominant, real_vectors
+from spacar.linear.subspace import NOTHING, SUFFICIENT, RefinedOperator, dominant, real_vectors
 from spacar.linear_systems import LinearSystem, SingularMatrixError
 from spacar.stationary.tangent import STATIC, SparseTangent
 
@@ -62,9 +62,9 @@ def lowest_buckling(tangent: SparseTangent, report: Report, wanted: int = WANTED
     def loading(z: Array) -> Array:
         return _bordered(tangent, G, unknowns, coupling, z)
 
-    def solve(force: Array) -> Array:
+    def solve(force: Array, refined: bool = False) -> Array:
         x, b = unknowns.split(force)
-        return np.vstack((tangent.displacement(system, x), b / unknowns.size))
+        return np.vstack((tangent.displacement(system, x, refined), b / unknowns.size))
 
     return _modes(tangent, unknowns, solve, loading, is_symmetric_loading(tangent), shift, wanted, report)
 
@@ -93,10 +93,10 @@ def lowest_extra_load(
     def loading(z: Array) -> Array:
         return _bordered(tangent, G, added, added.coupling, z)
 
-    def solve(force: Array) -> Array:
+    def solve(force: Array, refined: bool = False) -> Array:
         """[K + c0 c0^T/k, c0; c0^T, k]: without b, K is left, which has them eliminated."""
         fx, fb = present.split(force)
-        x = tangent.displacement(system, fx - present.push(present.coupling, fb) / present.size)
+        x = tangent.displacement(system, fx - present.push(present.coupling, fb) / present.size, refined)
         return np.vstack((x, (fb - present.pull(present.coupling, x)) / present.size))
 
     symmetric = is_symmetric_loading(tangent) and not len(moments[2])
@@ -160,7 +160,7 @@ def _bordered(tangent: SparseTangent, G: Any, unknowns: _Unknowns, c: Any, z: Ar
 
 
 def _modes(
-    tangent: SparseTangent, unknowns: _Unknowns, solve: Callable[[Array], Array], loading: Callable[[Array], Array],
+    tangent: SparseTangent, unknowns: _Unknowns, solve: RefinedOperator, loading: Callable[[Array], Array],
     symmetric: bool, shift: float, wanted: int, report: Report,
 ) -> BucklingModes:  # fmt: skip
     wanted = min(wanted, tangent.dynamics.numbering.nddof)
@@ -173,7 +173,7 @@ def _modes(
     values, vectors = dominant(operator, start, wanted, tangent.dynamics.numbering.nddof + unknowns.m)
     if symmetric:
         z = real_vectors(values, vectors)
-        theta = rayleigh(z, loading(z), operator(z))
+        theta = rayleigh(z, loading(z), -solve(loading(z), refined=True))
     else:
         # a double value is known to half of the digits
         real = np.abs(values.imag) <= np.sqrt(backward_error.rounding(len(vectors))) * np.abs(values)

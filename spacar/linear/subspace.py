@@ -12,6 +12,7 @@ Where a block of vectors contains the whole range of the operator its eigenvalue
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,14 @@ from spacar.arrays import Array
 
 Complex = NDArray[np.complex128]
 Operator = Callable[[Array], Array]
+
+
+class RefinedOperator(Protocol):
+    """An operator that also gives the image to all digits that its entries have."""
+
+    def __call__(self, x: Array, /, refined: bool = False) -> Array: ...
+
+
 CONVERGED = 1e-10  # |op(v) - theta v| / |theta| of the Ritz vectors v of norm 1
 SUFFICIENT = 1e-8  # accepted when it does not get better
 ROUGH = 1e-2  # for the choice of a shift

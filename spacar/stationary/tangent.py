@@ -212,15 +212,19 @@ class SparseTangent:
             return "condensed matrix; where its factors were not accurate, the mixed matrix"
         return f"{system.kind} matrix"
 
-    def displacement(self, system: LinearSystem, force: Array) -> Array:
-        """Coordinates (nx,) or (nx, k) that the force (nx,) or (nx, k) on F produces, the constraint rows kept."""
+    def displacement(self, system: LinearSystem, force: Array, refined: bool = False) -> Array:
+        """Coordinates (nx,) or (nx, k) that the force (nx,) or (nx, k) on F produces, the constraint rows kept.
+
+        `refined`: to all digits that the entries give, also in band storage; the force is (nx, k).
+        """
         x = np.zeros_like(force)
         if system.kind == "condensed":
             x[self.F] = cast("CondensedSystem", system).displacement(force[self.F])
             return x
         b = np.zeros((self.nf + self.ne, *force.shape[1:]))
         b[: self.nf] = force[self.F]
-        x[self.F] = system.solve(b)[: self.nf]
+        solve = cast("BandedSystem", system).refined if refined and system.kind == "banded" else system.solve
+        x[self.F] = solve(b)[: self.nf]
         return x
 
     def matrix(self, weights: dict[str, float]) -> Any:
