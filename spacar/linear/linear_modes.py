@@ -181,10 +181,12 @@ def stationary(
         singular = singular and _is_dead_point(run, solver, level, frame.t, store is None)
         frame.statistics = {"iterations": iterations, "residual": state.norm}
         if store is not None and descriptor:
-            if solver.sparse:
-                solver.sparse_tangent().sigma = state.sigma
-                frame.matrices.update(sparse_matrices(solver.sparse_tangent()))
-            store.add_sparse(frame, dynamics, state.xdd, state.sigma, 0.0)
+            tangent = solver.sparse_tangent() if solver.sparse else None
+            if tangent is not None:
+                tangent.sigma = state.sigma
+                frame.matrices.update(sparse_matrices(tangent))
+            modes = _sparse_vibration(run, tangent, wanted) if tangent is not None and store.wanted else None
+            store.add_sparse(frame, dynamics, state.xdd, state.sigma, 0.0, modes)
             yield LinearizedSolution(frame, dynamics, None, None, wanted, True, condition)
             continue
         if moving:

@@ -68,8 +68,11 @@ class StoredSystem:
         self.idle = IdleInputs(self.inputs)
         self._linearization: SparseLinearization | None = None
 
-    def add_sparse(self, frame: Frame, dynamics: Dynamics, xdd: Array, sigma: Array, t: float) -> None:
-        """The sparse form at the placed state, and its lowest modes. Raises AnalysisError for a singular mass."""
+    def add_sparse(
+        self, frame: Frame, dynamics: Dynamics, xdd: Array, sigma: Array, t: float, modes: Modes | None = None
+    ) -> None:
+        """The sparse form at the placed state, and its lowest modes where the symmetric tangent has not given them.
+        Raises AnalysisError for a singular mass."""
         if self._linearization is None:
             self._linearization = SparseLinearization(dynamics, self.inputs, self.outputs, self.may_move)
         system = self._linearization(coefficients(dynamics, xdd, sigma, t=t))
@@ -77,7 +80,7 @@ class StoredSystem:
         frame.state_space.update({f"{name.lower()}sp": table for name, table in system.entries().items()})
         if self.wanted:
             n = dynamics.numbering
-            modes = lowest_modes(system, n.nkddof, n.nx, self.run.report, min(self.wanted, n.nddof))
+            modes = modes or lowest_modes(system, n.nkddof, n.nx, self.run.report, min(self.wanted, n.nddof))
             frame.matrices["eigval"] = np.column_stack((modes.values.real, modes.values.imag))
             frame.matrices["eigvre"], frame.matrices["eigvim"] = modes.vectors.real, modes.vectors.imag
             frame.matrices.update(vibration_motions(modes))
