@@ -38,9 +38,6 @@ class LinearSystem(Protocol):
     def determinant_sign(self) -> float:
         """+1 or -1, of the determinant of the factored matrix in the caller's numbering."""
 
-    def negative(self) -> int | None:
-        """Negative eigenvalues of the symmetric matrix, of which none is zero; None where the factors do not tell."""
-
 
 def parity(permutation: Index) -> float:
     """+1 for an even permutation, -1 for an odd one."""
@@ -77,9 +74,6 @@ class DenseSystem:
 
     def solve_transposed(self, b: Array) -> Array:
         return self._solve(self.A.T, b)
-
-    def negative(self) -> None:
-        return None
 
     def determinant_sign(self) -> float:
         return float(np.linalg.slogdet(self.A)[0])

@@ -162,8 +162,3 @@ def _by_spectra(n: int, blocks: Array) -> tuple[int, int]:
             waiting = np.concatenate((waiting[~small], np.zeros(coupled)))
             waiting_coupling = np.vstack((waiting_coupling[~small], U[:, :coupled].T @ waiting_coupling[small]))
     return negative, len(waiting) + uncoupled
-
-
-def inertia(n: int, rows: Index, columns: Index, entries: Array) -> tuple[int, int]:
-    """Negative and zero eigenvalues of one matrix of order n."""
-    return Inertia(n, rows, columns)(entries)

@@ -46,9 +46,6 @@ class SparseSystem:
     def solve_transposed(self, b: Array) -> Array:
         return np.asarray(self.lu.solve(b, trans="T"))
 
-    def negative(self) -> None:
-        return None
-
     def determinant_sign(self) -> float:
         negative = int(np.sum(self.lu.U.diagonal() < 0.0))
         return parity(self.lu.perm_r) * parity(self.lu.perm_c) * (-1.0 if negative % 2 else 1.0)
