@@ -1,7 +1,10 @@
 """What C calls in Python goes away with the model, at once: no circle of references keeps its arrays."""
 
 import gc
+import subprocess
+import sys
 import weakref
+from pathlib import Path
 
 import pytest
 
@@ -71,3 +74,25 @@ def test_a_model_ends_without_capsules_too(path, monkeypatch):
     assert not ended
     del evaluator
     assert ended == [model]
+
+
+PAGES = """
+import sys, spacar
+mode, path = sys.argv[1:]
+deck = spacar.read_deck(path, int(mode))
+for k in range(10_000):
+    spacar.run(int(mode), deck, **({"duration": 1e-3, "n_steps": 2} if mode == "1" else {}))
+    if k in (999, 9_999):
+        print(open("/proc/self/statm").read().split()[1])
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="no /proc")
+@pytest.mark.parametrize(("mode", "name"), [("1", "crank"), ("7", "lateral4")])
+def test_ten_thousand_runs_leak_nothing(mode, name):
+    """Memory of C too. A run allocates more than 10 kB; one byte in forty of that would be found."""
+    path = Path(__file__).parents[2] / "data" / f"{name}.dat"
+    words = [sys.executable, "-c", PAGES, mode, str(path)]
+    first, last = map(int, subprocess.run(words, capture_output=True, text=True, check=True).stdout.split())
+    assert (last - first) * 4096 < 9_000 * 256
