@@ -41,14 +41,7 @@ def orthogonal(number: int, clamped: int = 2) -> Shapes:
     >>> orthogonal(2)(X, sp.Integer(1))
     (x**2, 6*x**3 - 5*x**2)
     """
-    xi = sp.Symbol("xi")
-    basis: list[sp.Poly] = []
-    for k in range(number):
-        p = sp.Poly(xi ** (clamped + k), xi)
-        for q in basis:
-            p = p - q * (_unit_integral(p * q) / _unit_integral(q * q))
-        basis.append(p.quo_ground(p.eval(1)))
-    return lambda x, L: tuple(sp.expand(p.as_expr().subs(xi, x / L)) for p in basis)
+    return _family(number, lambda xi, k: xi ** (clamped + k), lambda p: p.eval(1))
 
 
 def pinned(number: int) -> Shapes:
@@ -57,12 +50,12 @@ def pinned(number: int) -> Shapes:
     >>> pinned(1)(X, sp.Integer(1))
     (-4*x**2 + 4*x,)
     """
-    return _family(number, lambda xi, k: xi * (1 - xi) * xi**k, 1)
+    return _family(number, lambda xi, k: xi * (1 - xi) * xi**k, fixed=1)
 
 
 def guided(number: int) -> Shapes:
     """Polynomials with u(0) = u'(0) = u'(L) = 0: clamped at the root, the tip does not turn relative to the frame."""
-    return _family(number, lambda xi, k: xi ** (2 + k) * ((3 + k) - (2 + k) * xi), 2)
+    return _family(number, lambda xi, k: xi ** (2 + k) * ((3 + k) - (2 + k) * xi), fixed=2)
 
 
 def free(number: int) -> Shapes:
@@ -70,11 +63,18 @@ def free(number: int) -> Shapes:
 
     Nothing is fixed at the root, which is then the origin of the frame and no point of the beam; use `section(0)`.
     """
-    return _family(number, lambda xi, k: sp.legendre(k + 2, 2 * xi - 1), 0)
+    return _family(number, lambda xi, k: sp.legendre(k + 2, 2 * xi - 1), fixed=0)
 
 
-def _family(number: int, member: Callable[[sp.Symbol, int], sp.Expr], fixed: int) -> Shapes:
-    """Orthogonalized members; `fixed` derivatives vanish at the root."""
+def _largest(p: sp.Poly) -> sp.Expr:
+    return max(abs(p.eval(sp.Rational(i, 8))) for i in range(9))
+
+
+def _family(
+    number: int, member: Callable[[sp.Symbol, int], sp.Expr], size: Callable[[sp.Poly], sp.Expr] = _largest,
+    fixed: int | None = None,
+) -> Shapes:  # fmt: skip
+    """Orthogonalized members over their size; `fixed` derivatives vanish at the root, if the shapes do not say it."""
     xi = sp.Symbol("xi")
     basis: list[sp.Poly] = []
     for k in range(number):
@@ -82,12 +82,13 @@ def _family(number: int, member: Callable[[sp.Symbol, int], sp.Expr], fixed: int
         for q in basis:
             p = p - q * (_unit_integral(p * q) / _unit_integral(q * q))
         basis.append(p)
-    basis = [p * (1 / max(abs(p.eval(sp.Rational(i, 8))) for i in range(9))) for p in basis]
+    basis = [p * (1 / size(p)) for p in basis]
 
     def family(x: sp.Expr, L: sp.Expr) -> tuple[sp.Expr, ...]:
         return tuple(sp.expand(p.as_expr().subs(xi, x / L)) for p in basis)
 
-    family.fixed = fixed  # type: ignore[attr-defined]
+    if fixed is not None:
+        family.fixed = fixed  # type: ignore[attr-defined]
     return family
 
 
@@ -170,10 +171,6 @@ def _product(a: Powers, b: Powers) -> Powers:
     return tuple(total.items())
 
 
-def _rational(value: Fraction) -> sp.Rational:
-    return sp.Rational(value.numerator, value.denominator)
-
-
 @lru_cache(maxsize=4096)
 def _scaled(a: sp.Expr, b: sp.Expr, L: sp.Expr) -> sp.Expr:
     return a * b * L
@@ -185,7 +182,7 @@ def product_integral(f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Exp
     if a is None or b is None:
         return integral(f * g, x, L)
     number = sum((c * d / (n + m + 1) for n, c in a[1] for m, d in b[1]), Fraction(0))
-    return _rational(number) * _scaled(a[0], b[0], L)
+    return sp.Rational(number) * _scaled(a[0], b[0], L)
 
 
 def weighted_integral(weight: sp.Expr, f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:
@@ -200,7 +197,7 @@ def running_integral(f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr, end: sp.E
     a, b = _dimensionless(sp.sympify(f), x, L), _dimensionless(sp.sympify(g), x, L)
     if a is None or b is None:
         return integral(f * g, x, end)
-    primitive = sp.Add(*(_rational(c / (n + 1)) * (end / L) ** (n + 1) for n, c in _product(a[1], b[1])))
+    primitive = sp.Add(*(sp.Rational(c / (n + 1)) * (end / L) ** (n + 1) for n, c in _product(a[1], b[1])))
     return a[0] * b[0] * L * primitive
 
 

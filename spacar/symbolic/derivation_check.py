@@ -13,11 +13,11 @@ from __future__ import annotations
 import random
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 import numpy as np
 import sympy as sp
-from sympy.printing.pycode import MpmathPrinter
 
 from spacar.errors import AnalysisError, UsageError
 from spacar.symbolic.collect import definition_order
@@ -150,22 +150,17 @@ class _Evaluator:
         used = set().union(*(e.xreplace(rule).free_symbols for e in [*definitions.values(), *flat])) - known
         used |= {rule[s] for s in [*eq.coordinates, *eq.speeds]}
         self.names = sorted(s.name for s in used)
-        local = {s: sp.Symbol(f"v{k}") for k, s in enumerate([*sorted(used, key=str), *(rule[z] for z in order)])}
-        printer = MpmathPrinter({"fully_qualified_modules": False, "strict": False})
+        given = sorted(used, key=str)  # names of the model stay out of the text that is executed
+        local = {s: sp.Symbol(f"v{k}") for k, s in enumerate([*given, *(rule[z] for z in order)])}
 
-        def text(e: sp.Expr) -> str:
-            return printer.doprint(e.xreplace(rule).xreplace(local))
+        def plain(e: sp.Expr) -> sp.Expr:
+            return e.xreplace(rule).xreplace(local)
 
-        lines = ["def evaluate(" + ", ".join(local[s].name for s in sorted(used, key=str)) + "):"]
-        lines += [f"    {local[rule[z]]} = {text(e)}" for z, e in definitions.items()]
-        groups = (f"{k!r}: [{', '.join(map(text, group))}]" for k, group in wanted.items())
-        lines.append("    return {" + ", ".join(groups) + "}")
-        import mpmath
-
-        space: dict[str, Any] = {name: getattr(mpmath, name) for name in dir(mpmath) if not name.startswith("_")}
-        exec("\n".join(lines), space)
-        self.function = space["evaluate"]
+        steps = [(local[rule[z]], plain(e)) for z, e in definitions.items()]
+        arguments, results = [local[s] for s in given], [plain(e) for e in flat]
+        self.function = sp.lambdify(arguments, results, "mpmath", cse=lambda e: (steps, e))
+        self.sizes = {name: len(group) for name, group in wanted.items()}
 
     def __call__(self, point: Mapping[str, Any]) -> dict[str, list[Any]]:
-        result: dict[str, list[Any]] = self.function(*(point[name] for name in self.names))
-        return result
+        found = iter(self.function(*(point[name] for name in self.names)))
+        return {name: list(islice(found, size)) for name, size in self.sizes.items()}

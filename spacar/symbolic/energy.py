@@ -34,10 +34,8 @@ def potential_energy(eq: DerivedEquations) -> sp.Expr:
     for body in system.bodies:
         total -= body.mass * dot(system.gravity, position(system, body.point))
     for beam in system.beams:
-        rule = {f.function: f.value(X) for f in beam.fields}
-        if beam.shortening:
-            rule[beam.shortening.function] = beam.shortening.value(X)
-        offset: Vector = beam.offset.xreplace(rule).map(lambda c, beam=beam: integral(c * beam.mass, X, beam.length))
+        place = beam.offset.xreplace(beam.shape(X))
+        offset: Vector = place.map(lambda c, beam=beam: integral(c * beam.mass, X, beam.length))
         weight = dot(system.gravity, position(system, beam.root)) * beam.total_mass
         total -= weight + dot(system.gravity, offset)
         total += sp.Add(*(f.strain_energy(beam.length) for f in beam.fields))
@@ -76,10 +74,5 @@ def power(eq: DerivedEquations) -> sp.Expr:
 def _power_along(system: Description, load: DistributedLoad) -> sp.Expr:
     """∫ f·v dx of a force per length."""
     beam = load.beam
-    rule: dict[sp.Basic, sp.Expr] = {}
-    for f in beam.fields:
-        rule |= f.substitution(system.accelerations)
-    if beam.shortening:
-        rule |= beam.shortening.substitution(system.accelerations)
-    velocity = beam.root.velocity + system.ddt(system.N, beam.offset).xreplace(rule)
+    velocity = beam.root.velocity + system.ddt(system.N, beam.offset).xreplace(beam.assumed(system.accelerations))
     return integral(dot(load.vector, velocity), X, beam.length)

@@ -96,6 +96,10 @@ class HeldDerivation:
 
     # -- Z variables -------------------------------------------------------------------------------------------
 
+    def read(self, expression: sp.Expr) -> sp.Expr:
+        """A memory read, or the expression itself when recurrence is off."""
+        return self.table.read(expression) if self.recurrence else expression
+
     def remember(self, vector: Vector) -> Vector:
         """Measure numbers as Z variables, accelerations kept; only gathered when recurrence is off."""
         if not self.recurrence:
@@ -131,7 +135,7 @@ class HeldDerivation:
         )
         force = self.remember(-inertia) + (g - root) * beam.total_mass
         torque = self.remember(-spin) + cross(moment, g - root)
-        torque -= self.integrate(beam, self.section_momentum_rate(beam))
+        torque -= self.section_momentum_rate(beam).map(lambda c: integral(c, X, beam.length))
         return Wrench(beam.root.velocity, force, omega(self.system.N, beam.frame), torque)
 
     def distributed(self, load: DistributedLoad) -> Wrench:
@@ -146,14 +150,12 @@ class HeldDerivation:
 
     def lengths(self, beam: Beam) -> Integrals:
         """The integrals along a beam without its mass."""
-        read = self.table.read if self.recurrence else lambda expression: expression
-        return Integrals(read, beam, sp.S.One)
+        return Integrals(self.read, beam, sp.S.One)
 
     def integrals(self, beam: Beam) -> Integrals:
         """The integrals along a beam, memory reads when recurrence is on."""
         if beam not in self._integrals:
-            read = self.table.read if self.recurrence else lambda expression: expression
-            self._integrals[beam] = Integrals(read, beam)
+            self._integrals[beam] = Integrals(self.read, beam)
         return self._integrals[beam]
 
     def relative_acceleration(self, beam: Beam) -> list[VectorPart]:
@@ -183,20 +185,8 @@ class HeldDerivation:
             return ZERO
         twist, b1 = beam.kind("twist"), beam.frame[1]
         spin = dot(omega(self.system.N, beam.frame), b1) + (twist.function.diff(TIME) if twist else 0)
-        return self.assumed(beam, self.system.ddt(self.system.N, b1 * (beam.polar * spin)))
-
-    def assumed(self, beam: Beam, value: Vector) -> Vector:
-        """Put the assumed fields in for u(x, t) and its derivatives."""
-        rule: dict[sp.Basic, sp.Expr] = {}
-        for f in beam.fields:
-            rule |= f.substitution(self.system.accelerations)
-        if beam.shortening:
-            rule |= beam.shortening.substitution(self.system.accelerations)
-        return value.xreplace(rule)
-
-    @staticmethod
-    def integrate(beam: Beam, value: Vector) -> Vector:
-        return value.map(lambda c: integral(c, X, beam.length))
+        rate = self.system.ddt(self.system.N, b1 * (beam.polar * spin))
+        return rate.xreplace(beam.assumed(self.system.accelerations))
 
     # -- equations ---------------------------------------------------------------------------------------------
 
@@ -294,18 +284,15 @@ def derive_unevaluated(system: Description, recurrence: bool = True) -> Derivati
 
 
 def _boundary_terms(system: Description, held: dict[sp.Expr, sp.Expr], speed: sp.Expr) -> sp.Expr:
-    coordinate = {s: q for beam in system.beams for q, s in zip(beam.coordinates, beam.speeds, strict=True)}.get(speed)
-    if coordinate is None:
-        return sp.S.Zero
-    return sp.Add(*(held[p.speed] * p.gradient[coordinate] for p in system.pseudo if coordinate in p.gradient))
+    of = [q for q, s in system.field_speeds.items() if s == speed]
+    return sp.Add(*(held[p.speed] * p.gradient[q] for p in system.pseudo for q in of if q in p.gradient))
 
 
 def _finisher(system: Description, steps: HeldDerivation, cosines: DirectionCosines) -> Callable[[sp.Expr], sp.Expr]:
     """Dots to cosines, pseudo-coordinates and -speeds to field values, the result a memory read."""
-    field_speed = {q: s for beam in system.beams for q, s in zip(beam.coordinates, beam.speeds, strict=True)}
     values: dict[sp.Expr, sp.Expr] = {}
     for p in system.pseudo:
-        velocity = sp.Add(*(gather_scalars(g) * field_speed[q] for q, g in p.gradient.items()))
+        velocity = sp.Add(*(gather_scalars(g) * system.field_speeds[q] for q, g in p.gradient.items()))
         values[p.coordinate] = _named(steps, p.coordinate, gather_scalars(p.value))
         values[p.speed] = _named(steps, p.speed, gather_scalars(velocity))
     steps.values = values
@@ -314,7 +301,7 @@ def _finisher(system: Description, steps: HeldDerivation, cosines: DirectionCosi
         dots = sorted(expression.atoms(UnevaluatedDot), key=str)
         rule = {atom: cosines.value(atom).xreplace(values) for atom in dots}
         expression = gather_scalars(expression.xreplace(rule).xreplace(values))
-        return steps.table.read(expression) if steps.recurrence else expression
+        return steps.read(expression)
 
     return finish
 
@@ -327,9 +314,9 @@ def _pseudo_relations(system: Description, finish: Callable[[sp.Expr], sp.Expr])
     """T and t of (ṡ, dφ̇, ṡ') = T (ṡ, dφ̇) + t."""
     n = len(system.speeds)
     T, t = sp.eye(n).row_insert(n, sp.zeros(len(system.pseudo), n)), sp.zeros(n + len(system.pseudo), 1)
-    speed = {q: s for beam in system.beams for q, s in zip(beam.coordinates, beam.speeds, strict=True)}
+    speed = system.field_speeds
     for row, p in enumerate(system.pseudo, n):
         for q, g in p.gradient.items():
             T[row, system.speeds.index(speed[q])] = finish(g)
-        t[row] = finish(sp.Add(*(g.diff(r) * speed[q] * speed[r] for q, g in p.gradient.items() for r in speed)))
+        t[row] = finish(p.bias(speed))
     return T, t

@@ -5,7 +5,6 @@ Errors name the file, the table, the key, and what was expected. Keys: `model_ta
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 import sys
 from pathlib import Path
@@ -19,6 +18,7 @@ else:
 from spacar.errors import InputError, Message, UsageError
 from spacar.symbolic.model_tables import KINDS, REFERENCES, SINGLE, TABLES, Key
 from spacar.symbolic.name_rules import control_character, is_name
+from spacar.symbolic.scalar_reader import meant
 
 
 class ModelFile:
@@ -49,16 +49,27 @@ class ModelFile:
         for name in tables:
             if (name not in TABLES and name not in SINGLE) or name == "coordinate":
                 known = [*(t for t in TABLES if t != "coordinate"), "parameters", "coordinates", "outputs"]
-                near = difflib.get_close_matches(name, known, n=1)
-                self.fail(f"unknown table '{name}'" + (f", did you mean '{near[0]}'?" if near else ""))
+                self.fail(f"unknown table '{name}'{meant(name, known)}")
         return tables
 
-    def single(self, tables: dict[str, Any], name: str) -> dict[str, Any]:
+    def table(self, tables: dict[str, Any], name: str) -> dict[str, Any]:
+        """The one table of this name, empty without it."""
         self.place = f"[{name}]"
         row = tables.get(name, {})
         if not isinstance(row, dict):
             self.fail(f"must be one table, written [{name}]")
-        return self.checked(row, TABLES[name])
+        return row
+
+    def numbers(self, row: dict[str, Any], key: str, count: int) -> list[float]:
+        """The list of so many numbers under a key, empty without it."""
+        given = row.get(key, [])
+        wrong = [v for v in given if isinstance(v, bool) or not isinstance(v, (int, float))]
+        if wrong or len(given) not in (0, count):
+            self.fail(f"key '{key}' must be a list of {count} numbers, not {given!r}")
+        return list(map(float, given))
+
+    def single(self, tables: dict[str, Any], name: str) -> dict[str, Any]:
+        return self.checked(self.table(tables, name), TABLES[name])
 
     def rows(self, tables: dict[str, Any], name: str) -> list[dict[str, Any]]:
         rows = tables.get(name, [])
@@ -73,11 +84,7 @@ class ModelFile:
     def checked(self, row: dict[str, Any], keys: dict[str, Key]) -> dict[str, Any]:
         for key in row:
             if key not in keys:
-                near = difflib.get_close_matches(key, keys, n=1)
-                self.fail(
-                    f"unknown key '{key}', "
-                    + (f"did you mean '{near[0]}'?" if near else f"expected one of {', '.join(keys)}")
-                )
+                self.fail(f"unknown key '{key}'" + (meant(key, keys) or f", expected one of {', '.join(keys)}"))
         for key, rule in keys.items():
             if key not in row:
                 if rule.required:

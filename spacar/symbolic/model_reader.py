@@ -58,11 +58,11 @@ class _TomlReader(ModelFile):
 
     def read(self) -> SymbolicModel:
         tables = self.tables()
-        values = self._parameters(tables.get("parameters", {}))
+        values = self._parameters(self.table(tables, "parameters"))
         system_table = self.single(tables, "system")
         system = self.system = MultibodySystem(title=system_table.get("title", self.path.stem))
         system.parameters_declared = self.symbols
-        start = self._coordinates(tables.get("coordinates", {}))
+        start = self._coordinates(self.table(tables, "coordinates"))
         self.place = "[system] gravity"
         system.gravity = self._vector(system_table.get("gravity", [0, 0, 0]), system.N)
         start |= self._speeds(self.rows(tables, "speed"))
@@ -78,7 +78,7 @@ class _TomlReader(ModelFile):
                 self.place = label_of(table, row, number)
                 self.guarded(make, row, number)
         settings = self.single(tables, "simulate") | ({"guess": self.guess} if self.guess else {})
-        outputs = self._outputs(tables.get("outputs", {}))
+        outputs = self._outputs(self.table(tables, "outputs"))
         declared = frozenset(tables.get("parameters", {}))
         return SymbolicModel(self.path, system, values, start, settings, outputs, declared, self.sha256)
 
@@ -97,10 +97,7 @@ class _TomlReader(ModelFile):
 
     # -- scalars -----------------------------------------------------------------------------------------------
 
-    def _parameters(self, table: Any) -> dict[str, float]:
-        self.place = "[parameters]"
-        if not isinstance(table, dict):
-            self.fail("must be one table, written [parameters]")
+    def _parameters(self, table: dict[str, Any]) -> dict[str, float]:
         values: dict[str, float] = {}
         for name, value in table.items():
             self.place = f"[parameters] {name}"
@@ -113,11 +110,8 @@ class _TomlReader(ModelFile):
             values[name] = float(value)
         return values
 
-    def _coordinates(self, table: Any) -> dict[str, float]:
+    def _coordinates(self, table: dict[str, Any]) -> dict[str, float]:
         start: dict[str, float] = {}
-        self.place = "[coordinates]"
-        if not isinstance(table, dict):
-            self.fail("must be one table, written [coordinates]")
         for name, row in table.items():
             self.place = f"[coordinates] {name}"
             if not isinstance(row, dict):
@@ -160,11 +154,7 @@ class _TomlReader(ModelFile):
                 for name in names:
                     self.claim(name, self.place)
                 made.append([make(name) for name in names])
-                numbers = row.get(values, [])
-                wrong = [v for v in numbers if isinstance(v, bool) or not isinstance(v, (int, float))]
-                if wrong or len(numbers) not in (0, len(names)):
-                    self.fail(f"key '{values}' must be a list of {len(names)} numbers, not {numbers!r}")
-                start |= dict(zip(names, map(float, numbers), strict=False))
+                start |= dict(zip(names, self.numbers(row, values, len(names)), strict=False))
             self.turning[row["name"]] = made
         return start
 
@@ -274,11 +264,8 @@ class _TomlReader(ModelFile):
             options["bends"] = tuple(row["bends"]) if isinstance(row["bends"], list) else row["bends"]
         beam = self.system.beam(row["name"], self.frame_of(row, "frame"), self.point_of(row, "root"), **options)
         for key, states in (("start", beam.coordinates), ("speed_start", beam.speeds)):
-            numbers = row.get(key, [])
-            wrong = [v for v in numbers if isinstance(v, bool) or not isinstance(v, (int, float))]
-            if wrong or len(numbers) not in (0, len(states)):
-                self.fail(f"key '{key}' must be a list of {len(states)} numbers, not {numbers!r}")
-            self.beam_start |= {str(s.func): float(v) for s, v in zip(states, numbers, strict=False)}
+            numbers = self.numbers(row, key, len(states))
+            self.beam_start |= {str(s.func): v for s, v in zip(states, numbers, strict=False)}
         tip = f"{row['name']}.tip"
         self.frames[tip] = self.points[tip] = beam.tip
 
@@ -366,10 +353,7 @@ class _TomlReader(ModelFile):
 
     # -- outputs -----------------------------------------------------------------------------------------------
 
-    def _outputs(self, table: Any) -> dict[str, sp.Expr]:
-        self.place = "[outputs]"
-        if not isinstance(table, dict):
-            self.fail("must be one table, written [outputs]")
+    def _outputs(self, table: dict[str, Any]) -> dict[str, sp.Expr]:
         result = {}
         for name, value in table.items():
             self.place = f"[outputs] {name}"

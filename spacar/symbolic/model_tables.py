@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 
@@ -11,8 +12,8 @@ class Key:
     """One key: accepted types in words (`kind`), required or not, what it is."""
 
     kind: str
-    required: bool
     help: str
+    required: bool = True
 
 
 KINDS: dict[str, tuple[str, Any]] = {
@@ -29,15 +30,8 @@ KINDS: dict[str, tuple[str, Any]] = {
 }  # fmt: skip
 
 
-def _key(kind: str, help: str, required: bool = True) -> Key:
-    return Key(kind, required, help)
-
-
-def _may(kind: str, help: str) -> Key:
-    return Key(kind, False, help)
-
-
-_NAME = _key("name", "name")
+_may = partial(Key, required=False)
+_NAME = Key("name", "name")
 _IN = _may("name", "frame of the measure numbers (N)")
 
 TABLES: dict[str, dict[str, Key]] = {
@@ -54,28 +48,28 @@ TABLES: dict[str, dict[str, Key]] = {
         "speed_start": _may("number", "speed at t = 0"),
     },
     "speed": {"name": _NAME, "start": _may("number", "value at t = 0")},
-    "kinematic": {"coordinate": _key("name", "coordinate"), "rate": _key("expression", "its derivative")},
+    "kinematic": {"coordinate": Key("name", "coordinate"), "rate": Key("expression", "its derivative")},
     "frame": {
-        "name": _NAME, "parent": _key("name", "frame or section"),
-        "axis": _key("turn", "axis of the parent, 1 to 3, or a sequence of moving axes"),
-        "angle": _key("angles", "angle [rad], a list for a sequence"),
+        "name": _NAME, "parent": Key("name", "frame or section"),
+        "axis": Key("turn", "axis of the parent, 1 to 3, or a sequence of moving axes"),
+        "angle": Key("angles", "angle [rad], a list for a sequence"),
         "symbol": _may("text", "letter of its unit vectors"),
     },
     "attitude": {
-        "name": _NAME, "parent": _key("name", "frame or section"),
-        "quaternion": _key("name", "letter of four coordinates: e makes e0, e1, e2, e3"),
-        "speed": _key("name", "letter of three speeds: w makes w1, w2, w3, the angular velocity in the frame [rad/s]"),
+        "name": _NAME, "parent": Key("name", "frame or section"),
+        "quaternion": Key("name", "letter of four coordinates: e makes e0, e1, e2, e3"),
+        "speed": Key("name", "letter of three speeds: w makes w1, w2, w3, the angular velocity in the frame [rad/s]"),
         "start": _may("list", "quaternion at t = 0, scaled to length one (1, 0, 0, 0)"),
         "speed_start": _may("list", "angular velocity at t = 0 [rad/s]"),
         "symbol": _may("text", "letter of its unit vectors"),
     },
     "point": {
-        "name": _NAME, "base": _key("name", "point"), "offset": _key("vector", "vector from the base [m]"), "in": _IN,
+        "name": _NAME, "base": Key("name", "point"), "offset": Key("vector", "vector from the base [m]"), "in": _IN,
     },
     "beam": {
-        "name": _NAME, "frame": _key("name", "frame, axis 1 along the beam"), "root": _key("name", "point"),
-        "length": _key("expression", "length [m]"),
-        "mass": _key("expression", "mass per length [kg/m], may depend on x"),
+        "name": _NAME, "frame": Key("name", "frame, axis 1 along the beam"), "root": Key("name", "point"),
+        "length": Key("expression", "length [m]"),
+        "mass": Key("expression", "mass per length [kg/m], may depend on x"),
         "EI": _may("stiffness", "bending stiffness [N m²], may depend on x"),
         "bends": _may("axes", "unit vectors of deflection"), "field": _may("shapes", "assumed field"),
         "damping": _may("expression", "γ [N s]"),
@@ -87,23 +81,23 @@ TABLES: dict[str, dict[str, Key]] = {
         "start": _may("list", "amplitudes of all shapes at t = 0"), "speed_start": _may("list", "their rates at t = 0"),
     },
     "body": {
-        "name": _NAME, "at": _key("name", "point of the mass centre"), "mass": _key("expression", "mass [kg]"),
+        "name": _NAME, "at": Key("name", "point of the mass centre"), "mass": Key("expression", "mass [kg]"),
         "frame": _may("name", "frame in which it is fixed (none: particle)"),
         "inertia": _may("expressions", "I11, I22, I33[, I12, I23, I31] [kg m²]"),
     },
     "force": {
-        "name": _may("name", "input"), "at": _key("name", "point"), "vector": _key("vector", "force [N]"), "in": _IN,
+        "name": _may("name", "input"), "at": Key("name", "point"), "vector": Key("vector", "force [N]"), "in": _IN,
     },
     "distributed": {
-        "beam": _key("name", "beam"), "vector": _key("vector", "force per length [N/m], may depend on x"), "in": _IN,
+        "beam": Key("name", "beam"), "vector": Key("vector", "force per length [N/m], may depend on x"), "in": _IN,
     },
     "torque": {
-        "name": _may("name", "input"), "frame": _key("name", "frame or section"),
-        "reaction": _may("name", "frame or section of the reaction"), "vector": _key("vector", "torque [N m]"),
+        "name": _may("name", "input"), "frame": Key("name", "frame or section"),
+        "reaction": _may("name", "frame or section of the reaction"), "vector": Key("vector", "torque [N m]"),
         "in": _IN,
     },
     "spring": {
-        "from": _key("name", "point"), "to": _key("name", "point"), "stiffness": _key("expression", "stiffness [N/m]"),
+        "from": Key("name", "point"), "to": Key("name", "point"), "stiffness": Key("expression", "stiffness [N/m]"),
         "length": _may("expression", "length without force [m]"), "damping": _may("expression", "damping [N s/m]"),
     },
     "constraint": {
@@ -113,7 +107,7 @@ TABLES: dict[str, dict[str, Key]] = {
         "name": _may("name", "constraint; NAME_force is its force"),
     },
     "close": {
-        "from": _key("name", "point"), "to": _key("name", "point that coincides with it"),
+        "from": Key("name", "point"), "to": Key("name", "point that coincides with it"),
         "directions": _may("list", "axes of the frame along which they coincide (1, 2, 3)"), "in": _IN,
         "name": _may("name", "loop; NAME_force or NAME_1_force … are its forces"),
     },

@@ -93,6 +93,11 @@ class OrderedProgram:
         return self.accelerations + (self.constraints.forces if self.constraints else ())
 
     @property
+    def inertia(self) -> sp.Matrix:
+        """I in full."""
+        return symmetric(self.mass, self.n)
+
+    @property
     def system(self) -> list[sp.Expr]:
         """I (upper triangle), f, J and γ."""
         return [*self.mass, *self.rhs, *(self.constraints.equations if self.constraints else [])]
@@ -141,11 +146,7 @@ class OrderedProgram:
 
         for s, expression in [*self.once, *self.step]:
             known[s] = number(expression)
-        upper = iter(number(e) for e in self.mass)
-        I = sp.zeros(self.n, self.n)
-        for i in range(self.n):
-            for j in range(i, self.n):
-                I[i, j] = I[j, i] = next(upper)
+        I = symmetric(map(number, self.mass), self.n)
         f = sp.Matrix([number(e) for e in self.rhs])
         if self.outputs_need_accelerations:
             known |= self._solved(I, f, number)
@@ -162,6 +163,15 @@ class OrderedProgram:
         g = sp.Matrix([number(e) for e in self.constraints.bias])
         both = sp.BlockMatrix([[I, -J.T], [J, sp.zeros(self.m)]]).as_explicit()
         return dict(zip(self.unknowns, both.LUsolve(f.col_join(-g)), strict=True))
+
+
+def symmetric(upper: Iterable[sp.Expr], n: int) -> sp.Matrix:
+    """The symmetric matrix of an upper triangle, row by row."""
+    entries, found = iter(upper), sp.zeros(n, n)
+    for i in range(n):
+        for j in range(i, n):
+            found[i, j] = found[j, i] = next(entries)
+    return found
 
 
 def _ops(expression: sp.Expr) -> int:

@@ -93,11 +93,7 @@ def _names(program: OrderedProgram, constant: tuple[sp.Symbol, ...]) -> NameSour
 def jacobian_of(program: OrderedProgram) -> Jacobian:
     """Differentiate g = f − I a and q̇ with respect to the state, then share common subexpressions; once a program."""
     accelerations = program.accelerations
-    n, upper = program.n, iter(program.mass)
-    I = sp.zeros(n, n)
-    for i in range(n):
-        for j in range(i, n):
-            I[i, j] = I[j, i] = next(upper)
+    n, I = program.n, program.inertia
     g = [program.rhs[i] - sum(I[i, j] * accelerations[j] for j in range(n)) for i in range(n)]
     h: list[sp.Expr] = []
     if c := program.constraints:

@@ -9,6 +9,7 @@ Beams: `recursive_beam.py`. Source: `symbolic.md`, section 4.4.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
@@ -58,6 +59,18 @@ class Sums:
         if value != 0:
             self.mass.setdefault((i, j), []).append(value)
 
+    def add_squares(
+        self, partials: dict[sp.Expr, Column], momentum: Callable[[Column], Column]
+    ) -> dict[sp.Expr, Column]:
+        """Add momentum(V_r)·V_k of all pairs of speeds; the momenta."""
+        momenta = {}
+        for r, V in partials.items():
+            momenta[r] = momentum(V)
+            for k, U in partials.items():
+                if self.speeds.index(k) >= self.speeds.index(r):
+                    self.add_mass(r, k, momenta[r].dot(U))
+        return momenta
+
     def add_force(self, r: sp.Expr, value: sp.Expr) -> None:
         if value != 0:
             self.force.setdefault(self.speeds.index(r), []).append(value)
@@ -71,24 +84,17 @@ class Recursion:
         self.table = ZTable(forbidden=system.accelerations.values())
         self.cosines = DirectionCosines(self.table)
         self.at_rest = dict.fromkeys(system.accelerations.values(), sp.S.Zero)
-        self.field_speed = {q: s for b in system.beams for q, s in zip(b.coordinates, b.speeds, strict=True)}
+        self.field_speed = system.field_speeds
         self.values: dict[sp.Expr, sp.Expr] = {}
         self.slopes: dict[sp.Expr, dict[sp.Expr, sp.Expr]] = {}
         self.slope_rates: dict[sp.Symbol, sp.Expr] = {}
         for p in system.pseudo:
             gradient = {self.field_speed[q]: self.read(g) for q, g in p.gradient.items()}
             speed = sp.Add(*(g * s for s, g in gradient.items()))
-            bias = sp.Add(
-                *(
-                    g.diff(q) * self.field_speed[r] * s
-                    for r, g in p.gradient.items()
-                    for q, s in self.field_speed.items()
-                )
-            )
             self.values[p.coordinate] = self.table.read(gather_scalars(p.value), name=str(p.coordinate.func))
             self.values[p.speed] = self.table.read(speed, name=str(p.speed.func))
             self.slopes[p.speed] = gradient
-            self.slope_rates[system.accelerations[p.speed]] = self.read(bias)
+            self.slope_rates[system.accelerations[p.speed]] = self.read(p.bias(self.field_speed))
         self.frames = {system.N: FrameMotion({}, NOTHING, NOTHING)}
         gravity = self.cosines.components(system.gravity, system.N)
         self.points: dict[tuple[GeometricPoint, ReferenceFrame], PointMotion] = {
@@ -258,24 +264,15 @@ class Recursion:
     def body(self, body: RigidBody, sums: Sums) -> None:
         frame = body.frame or self._home(body.point)
         at = self.point(body.point, frame)
-        m = body.mass
-        for r, V in at.partials.items():
-            mV = self.reads(m * V)
-            for k, U in at.partials.items():
-                if sums.speeds.index(k) >= sums.speeds.index(r):
-                    sums.add_mass(r, k, mV.dot(U))
+        for r, mV in sums.add_squares(at.partials, lambda V: self.reads(body.mass * V)).items():
             sums.add_force(r, -mV.dot(at.bias))
         if body.frame is None or not body.inertia:
             return
         turning = self.frame(frame)
         J = self._inertia(body, frame)
-        torque = J * turning.bias + turning.velocity.cross(self.reads(J * turning.velocity))
-        torque = self.reads(torque)
+        torque = self.reads(J * turning.bias + turning.velocity.cross(self.reads(J * turning.velocity)))
+        sums.add_squares(turning.partials, lambda W: self.reads(J * W))
         for r, W in turning.partials.items():
-            JW = self.reads(J * W)
-            for k, U in turning.partials.items():
-                if sums.speeds.index(k) >= sums.speeds.index(r):
-                    sums.add_mass(r, k, JW.dot(U))
             sums.add_force(r, -W.dot(torque))
 
     def _inertia(self, body: RigidBody, frame: ReferenceFrame) -> sp.Matrix:

@@ -11,7 +11,8 @@ from __future__ import annotations
 import ast
 import difflib
 import math
-from collections.abc import Callable, Mapping
+import operator
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import sympy as sp
@@ -31,14 +32,9 @@ MAX_EXPONENT = 64
 MAX_MAGNITUDE = sp.Integer(10) ** 300
 
 _BINARY: dict[type, Callable[[Any, Any], Any]] = {
-    ast.Add: lambda a, b: a + b,
-    ast.Sub: lambda a, b: a - b,
-    ast.Mult: lambda a, b: a * b,
-    ast.Div: lambda a, b: a / b,
-    ast.Pow: lambda a, b: a**b,
-}
-
-
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}  # fmt: skip
 _COMPARE: dict[type, Callable[[Any, Any], Any]] = {ast.Lt: sp.Lt, ast.LtE: sp.Le, ast.Gt: sp.Gt, ast.GtE: sp.Ge}
 
 
@@ -64,6 +60,12 @@ def read_expression(
     except (RecursionError, MemoryError):
         raise UsageError(f"cannot read expression: nested deeper than {MAX_DEPTH}", "syntax") from None
     return _ExpressionReader(text.strip(), known, unknown).read(tree.body, 0)
+
+
+def meant(word: str, known: Iterable[str]) -> str:
+    """The question whether the nearest of the known words was meant; "" without one."""
+    near = difflib.get_close_matches(word, list(known), n=1)
+    return f", did you mean '{near[0]}'?" if near else ""
 
 
 def read_number(value: float) -> sp.Rational:
@@ -118,8 +120,7 @@ class _ExpressionReader:
             return CONSTANTS[name]
         if self.unknown is not None and name not in FUNCTIONS:
             return self.unknown(name)
-        near = difflib.get_close_matches(name, [*self.known, *CONSTANTS], n=1)
-        raise UsageError(f"unknown name '{name}'" + (f", did you mean '{near[0]}'?" if near else ""), "name")
+        raise UsageError(f"unknown name '{name}'{meant(name, (*self.known, *CONSTANTS))}", "name")
 
     def _binary(self, node: ast.BinOp, depth: int) -> sp.Expr:
         left, right = self.read(node.left, depth + 1), self.read(node.right, depth + 1)
@@ -134,8 +135,7 @@ class _ExpressionReader:
 
     def _call(self, node: ast.Call, name: str, depth: int) -> sp.Expr:
         if name not in FUNCTIONS:
-            near = difflib.get_close_matches(name, FUNCTIONS, n=1)
-            hint = f", did you mean '{near[0]}'?" if near else f" (known: {', '.join(FUNCTIONS)})"
+            hint = meant(name, FUNCTIONS) or f" (known: {', '.join(FUNCTIONS)})"
             if name.startswith("_"):
                 raise UsageError(f'"{self._source(node)}" is not allowed in an expression', "forbidden")
             raise UsageError(f"unknown function '{name}'{hint}", "name")

@@ -10,6 +10,7 @@ import hashlib
 import runpy
 from dataclasses import dataclass, field
 from pathlib import Path
+from traceback import extract_tb
 from typing import Any
 
 import sympy as sp
@@ -47,8 +48,8 @@ def read_script(path: Path) -> SymbolicModel:
     except SpacarError as error:
         raise InputError([Message("error", path.name, None, "", str(error))]) from None
     except BY_USERS as error:
-        lines = _lines_of(error, path)
-        line = lines[-1] if lines else None
+        calls = extract_tb(error.__traceback__)
+        line = next((call.lineno for call in reversed(calls) if call.filename == str(path)), None)
         raise InputError([Message("error", path.name, line, "", type_and_text(error))]) from None
     system = names.get("system")
     if not isinstance(system, MultibodySystem):
@@ -58,12 +59,3 @@ def read_script(path: Path) -> SymbolicModel:
         dict(names.get(key) or {}) for key in ("values", "start", "settings", "outputs")
     )
     return SymbolicModel(path, system, values, start, settings, outputs, sha256=digest)
-
-
-def _lines_of(error: BaseException, path: Path) -> list[int]:
-    lines, trace = [], error.__traceback__
-    while trace is not None:
-        if trace.tb_frame.f_code.co_filename == str(path):
-            lines.append(trace.tb_lineno)
-        trace = trace.tb_next
-    return lines

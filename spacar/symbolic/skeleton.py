@@ -22,7 +22,7 @@ from spacar.symbolic.reference_frames import ReferenceFrame
 from spacar.symbolic.simulated_motion import SimulatedMotion
 from spacar.symbolic.system import MultibodySystem
 from spacar.symbolic.system_parts import Beam, CrossSection, GeometricPoint
-from spacar.symbolic.transform import DirectionCosines, transform
+from spacar.symbolic.transform import DirectionCosines, transform, turn_matrix
 from spacar.symbolic.unit_vectors import TIME
 from spacar.symbolic.vectors import Vector
 
@@ -125,10 +125,7 @@ def _middle_line(parts: _Parts, beam: Beam) -> None:
     nodes, turns = [], []
     for k in range(PIECES + 1):
         x = beam.length * k / PIECES
-        rule = {f.function: f.value(x) for f in beam.fields} | {X: x}
-        if beam.shortening:
-            rule[beam.shortening.function] = beam.shortening.value(x)
-        offset = beam.offset.xreplace(rule)
+        offset = beam.offset.xreplace(beam.shape(x) | {X: x})
         at_root = k == 0 and all(c == 0 for c in parts.cosines.components(offset, beam.frame))
         tip = parts.point(beam.tip) if k == PIECES else None
         nodes.append(start if at_root else tip if tip is not None else parts.place(root + offset))
@@ -137,21 +134,13 @@ def _middle_line(parts: _Parts, beam: Beam) -> None:
             if f.kind != "stretch":
                 slope = f.value(x, 1) if f.kind == "bending" else f.value(x)
                 axis, angle = (1, slope) if f.kind == "twist" else (3, slope) if f.direction == 2 else (2, -slope)
-                section = section * _turned(axis, angle)
+                section = section * turn_matrix(axis, sp.cos(angle), sp.sin(angle))
         parts.orientations.append(parts.known(section))
         turns.append(len(parts.orientations) - 1)
     kind = "beam" if beam.fields else "rigid"
     for k in range(PIECES):
         ends, sections = (nodes[k], nodes[k + 1]), (turns[k], turns[k + 1])
         parts.lines.append(_SkeletonLine(kind, ends, sections, sp.Matrix([1, 0, 0])))
-
-
-def _turned(axis: int, angle: sp.Expr) -> sp.Matrix:
-    c, s, i, j = sp.cos(angle), sp.sin(angle), axis % 3, (axis + 1) % 3
-    R = sp.eye(3)
-    R[i, i] = R[j, j] = c
-    R[i, j], R[j, i] = -s, s
-    return R
 
 
 @dataclass(frozen=True)

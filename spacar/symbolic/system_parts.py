@@ -45,10 +45,12 @@ class Pseudo:
         return sp.Add(*(g * speeds[q] for q, g in self.gradient.items()))
 
     def acceleration(self, speeds: dict[sp.Expr, sp.Expr], accelerations: dict[sp.Expr, sp.Symbol]) -> sp.Expr:
-        """ṡ' = Σ g_k dφ̇_k + Σ ∂g_k/∂φ_j dφ_j dφ_k."""
-        own = [g * accelerations[speeds[q]] for q, g in self.gradient.items()]
-        bias = [g.diff(r) * speeds[q] * speeds[r] for q, g in self.gradient.items() for r in speeds]
-        return sp.Add(*own, *bias)
+        """ṡ' = Σ g_k dφ̇_k + bias."""
+        return sp.Add(*(g * accelerations[speeds[q]] for q, g in self.gradient.items()), self.bias(speeds))
+
+    def bias(self, speeds: dict[sp.Expr, sp.Expr]) -> sp.Expr:
+        """Σ ∂g_k/∂φ_j dφ_j dφ_k, the part of ṡ' without accelerations."""
+        return sp.Add(*(g.diff(r) * speeds[q] * speeds[r] for q, g in self.gradient.items() for r in speeds))
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +102,19 @@ class Beam:
     @property
     def bending(self) -> tuple[Field, ...]:
         return tuple(f for f in self.fields if f.kind == "bending")
+
+    @property
+    def parts(self) -> tuple[Field | Foreshortening, ...]:
+        """What is assumed along it: fields, and their foreshortening."""
+        return (*self.fields, self.shortening) if self.shortening else self.fields
+
+    def assumed(self, accelerations: dict[sp.Expr, sp.Symbol]) -> dict[sp.Basic, sp.Expr]:
+        """The assumed fields in the place of u(x, t) and its derivatives."""
+        return {symbol: value for part in self.parts for symbol, value in part.substitution(accelerations).items()}
+
+    def shape(self, x: sp.Expr) -> dict[sp.Basic, sp.Expr]:
+        """The values of the fields at x in the place of u(x, t)."""
+        return {part.function: part.value(x) for part in self.parts}
 
     def kind(self, kind: str) -> Field | None:
         return next((f for f in self.fields if f.kind == kind), None)

@@ -42,25 +42,18 @@ class DirectionCosines:
         return self._known[a, b]
 
     def _from_parent(self, a: ReferenceFrame, b: ReferenceFrame) -> sp.Matrix:
-        if a in (line := _ancestors(b)):
+        if a in (line := b.chain):
             if b.attitude is not None:
                 return self._product(self.matrix(a, b.attitude.parent), b.attitude.matrix.applyfunc(self._read))
             base, axis, angle = merged_rotation(b, stop=a, everything=self.table is None)
-            return self._product(self.matrix(a, base), self._turn(axis, angle))
-        common = next((f for f in _ancestors(a) if f in line), None)
+            before, turns = self.matrix(a, base), (sp.cos(angle), sp.sin(angle))
+            return self._product(before, turn_matrix(axis, *map(self._read, turns)))
+        common = next((f for f in a.chain if f in line), None)
         if common is None:
             raise UsageError(
                 f"the orientation of frame {b.name} relative to {a.name} is not known: use ReferenceFrame.turned"
             )
         return self._product(self.matrix(common, a).T, self.matrix(common, b))
-
-    def _turn(self, axis: int, angle: sp.Expr) -> sp.Matrix:
-        c, s = self._read(sp.cos(angle)), self._read(sp.sin(angle))
-        i, j = axis % 3, (axis + 1) % 3
-        turn = sp.eye(3)
-        turn[i, i] = turn[j, j] = c
-        turn[i, j], turn[j, i] = -s, s
-        return turn
 
     def _product(self, a: sp.Matrix, b: sp.Matrix) -> sp.Matrix:
         return (a * b).applyfunc(self._read)
@@ -90,11 +83,13 @@ class DirectionCosines:
         return self.matrix(frame, key.frame)[:, key.index - 1]
 
 
-def _ancestors(frame: ReferenceFrame) -> list[ReferenceFrame]:
-    line = [frame]
-    while (step := line[-1].rotation or line[-1].attitude) is not None:
-        line.append(step.parent)
-    return line
+def turn_matrix(axis: int, c: sp.Expr, s: sp.Expr) -> sp.Matrix:
+    """Direction cosines of a turn about an axis 1, 2 or 3 with this cosine and sine."""
+    i, j = axis % 3, (axis + 1) % 3
+    turn = sp.eye(3)
+    turn[i, i] = turn[j, j] = c
+    turn[i, j], turn[j, i] = -s, s
+    return turn
 
 
 def merged_rotation(

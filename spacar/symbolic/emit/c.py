@@ -33,21 +33,12 @@ static inline double power_4(double x) {{ return (x*x)*(x*x); }}
 """
 
 _ACCEL = """\
-void accel(const double *p, const double *y, const double *u, double *M, double *f)
-{
+void accel(const double *p, const double *y, const double *u, double *M, double *f{more})
+{{
     double c[NC + 1];
     eom_once(p, c);
-    eom_step(c, p, y, u, M, f);
-}
-"""
-
-_ACCEL_CONSTRAINED = """\
-void accel(const double *p, const double *y, const double *u, double *M, double *f, double *J, double *h)
-{
-    double c[NC + 1];
-    eom_once(p, c);
-    eom_step(c, p, y, u, M, f, J, h);
-}
+    eom_step(c, p, y, u, M, f{filled});
+}}
 """
 
 _LDL = """\
@@ -80,7 +71,7 @@ static int accelerations(const double *c, const double *p, const double *y, cons
 {{
     double M[N*N]{arrays};
     eom_step(c, p, y, u, M, a{filled});
-    return {solve};
+{solve}
 }}
 
 /* inputs without a law are taken from u, the others are computed */
@@ -147,18 +138,17 @@ def _solving(program: OrderedProgram, jacobian: bool) -> list[str]:
     tied = program.m > 0
     filled = ", J_, h" if tied else ""
     arrays = ", J_[NM*N], h[NM]" if tied else ""
-    solve = "solve(M, a, 1)"
+    solve = "    return solve(M, a, 1);"
     if tied:
-        solve = "constrained(M, J_, a, h, 1);\n    for (int i = 0; i < NM; i++) a[N + i] = h[i];\n    return bad"
-        solve = solve.replace("constrained", "bad = constrained", 1)
+        solve = "    int bad = constrained(M, J_, a, h, 1);\n    for (int i = 0; i < NM; i++) a[N + i] = h[i];"
+        solve += "\n    return bad;"
     out = "    eom_outputs(c, p, y, u, out);\n    return 0;\n"
     if program.outputs_need_accelerations:
         out = "    double a[N + NM];\n    int bad = accelerations(c, p, y, u, a);\n"
         out += "    eom_outputs(c, p, y, u, a, out);\n    return bad;\n"
     rhs = _RHS.format(arrays=arrays, filled=filled, solve=solve, outputs=out)
-    if tied:
-        rhs = rhs.replace("    return bad = ", "    int bad = ", 1)
-    parts = [_ACCEL_CONSTRAINED if tied else _ACCEL, solvers.C if tied else _LDL, rhs, _MANY]
+    accel = _ACCEL.format(more=", double *J, double *h" if tied else "", filled=", J, h" if tied else "")
+    parts = [accel, solvers.C if tied else _LDL, rhs, _MANY]
     if jacobian:
         many = "constrained(M, J_, K + NQ*NY, K + NY*NY, NY)" if tied else "solve(M, K + NQ*NY, NY)"
         parts.append(_JAC.format(arrays=arrays, filled=filled, solve=many))
@@ -173,9 +163,6 @@ def _function(program: OrderedProgram, r: Routine) -> str:
     lines = [f"{'static ' if r.internal else ''}void eom_{r.name}({arguments})", "{"]
     lines += [f"    const double {w.add(s)} = {a}[{i}];" for a, i, s in r.reads]
     lines += [f"    const double {w.add(s)} = {w(e)};" for s, e in r.body]
-    unused = [a for a in r.arguments if a not in r.changed and a != "t" and a not in {x for x, _, _ in r.reads}]
-    unused += ["t"] if "t" in r.arguments and not r.uses_time else []
-    unused += [a for a in r.changed if not any(x == a for x, _, _ in r.results)]
-    lines += [f"    (void){a};" for a in unused]
+    lines += [f"    (void){a};" for a in r.unused]
     lines += [f"    {a}[{i}] = {w(e)};" for a, i, e in r.results]
     return "\n".join([*lines, "}", ""])

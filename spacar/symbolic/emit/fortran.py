@@ -78,11 +78,8 @@ def _subroutine(r: Routine, sizes: dict[str, int]) -> list[str]:
     lines += [_declare(a, "inout" if a in r.changed else "in", sizes) for a in r.arguments]
     local = [w.names[s] for s in r.known]
     lines += [f"    real(dp) :: {', '.join(local[i : i + 8])}" for i in range(0, len(local), 8)]
-    unused = [a for a in r.arguments if a not in r.changed and a != "t" and a not in {x for x, _, _ in r.reads}]
-    unused += ["t"] if "t" in r.arguments and not r.uses_time else []
-    unused += [a for a in r.changed if not any(x == a for x, _, _ in r.results)]
-    if unused:  # an argument that this model does not need; the interface stays the same for all models
-        lines += ["    associate (" + ", ".join(f"unused_{a} => {a}" for a in unused) + ")", "    end associate"]
+    if r.unused:
+        lines += ["    associate (" + ", ".join(f"unused_{a} => {a}" for a in r.unused) + ")", "    end associate"]
     lines += [f"    {w.names[s]} = {a}({i + 1})" for a, i, s in r.reads]
     lines += [f"    {w.names[s]} = {w(e)}" for s, e in r.body]
     lines += [f"    {a}({i + 1}) = {w(e)}" for a, i, e in r.results]

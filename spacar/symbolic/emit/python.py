@@ -117,13 +117,6 @@ def _array(w: Writer, entries: object, columns: int) -> str:
     return "[" + ", ".join(f"[{', '.join(row)}]" for row in rows) + "]"
 
 
-def _full(program: OrderedProgram) -> list[sp.Expr]:
-    """I row by row."""
-    n, upper = program.n, iter(program.mass)
-    entry = {(i, j): next(upper) for i in range(n) for j in range(i, n)}
-    return [entry[min(i, j), max(i, j)] for i in range(n) for j in range(n)]
-
-
 def _solve(w: Writer, program: OrderedProgram) -> list[str]:
     """I a = f by LDLᵀ without pivoting: I is positive definite, a pivot that is not positive is an error."""
     n, c = program.n, program.constraints
@@ -131,22 +124,19 @@ def _solve(w: Writer, program: OrderedProgram) -> list[str]:
     if c is not None:
         forces = "".join(f"force_{i}, " for i in range(program.m))
         return [
-            f"        M, J = np.array({_array(w, _full(program), n)}), np.array({_array(w, c.matrix, n)})",
+            f"        M, J = np.array({_array(w, program.inertia, n)}), np.array({_array(w, c.matrix, n)})",
             f"        f, h = np.array([{_tuple(w, program.rhs)}]), np.array([{_tuple(w, c.bias)}])",
             "        a, force = constrained(M, f, J, h)",
             f"        ({unknowns}), ({forces}) = a.tolist(), force.tolist()",
         ]
     if n > UNROLLED:
-        return [
-            f"        {unknowns} = np.linalg.solve({_array(w, _full(program), n)}, [{_tuple(w, program.rhs)}]).tolist()"
-        ]
-    lines = []
-    upper = iter(program.mass)
-    entry = {(i, j): w(next(upper)) for i in range(n) for j in range(i, n)}
+        I = _array(w, program.inertia, n)
+        return [f"        {unknowns} = np.linalg.solve({I}, [{_tuple(w, program.rhs)}]).tolist()"]
+    lines, inertia = [], program.inertia
     for j in range(n):
         for i in range(j, n):  # v_ij = l_ij d_j
             parts = "".join(f" - v_{i}_{k}*l_{j}_{k}" for k in range(j))
-            lines.append(f"        v_{i}_{j} = {entry[j, i]}{parts}")
+            lines.append(f"        v_{i}_{j} = {w(inertia[j, i])}{parts}")
         lines.append(f"        if not v_{j}_{j} > 0.0:")
         name = program.speeds[j].name
         lines.append(f"            raise ArithmeticError('mass matrix is not positive definite at {name}')")
@@ -168,7 +158,7 @@ def _jac(w: Writer, program: OrderedProgram) -> list[str]:
     if program.m:
         lines.append(f"        low, _ = constrained(M, low, J, np.array({_array(w, J.dh, size)}))")
     else:
-        lines.append(f"        low = np.linalg.solve({_array(w, _full(program), program.n)}, low)")
+        lines.append(f"        low = np.linalg.solve({_array(w, program.inertia, program.n)}, low)")
     return [*lines, f"        return np.vstack(({_array(w, J.drates, size)}, low))"]
 
 
@@ -176,7 +166,7 @@ def _manifold(w: Writer, program: OrderedProgram) -> list[str]:
     c = program.constraints
     assert c is not None
     needed = program.order([*program.mass, *c.matrix, *c.residual, *c.turning])
-    shapes = (_array(w, _full(program), program.n), _array(w, c.matrix, program.n))
+    shapes = (_array(w, program.inertia, program.n), _array(w, c.matrix, program.n))
     turning = _array(w, c.turning, program.n)
     return [
         *_inputs(w, program),

@@ -36,8 +36,13 @@ class Routine:
         return [*(s for _, _, s in self.reads), *(s for s, _ in self.body)]
 
     @property
-    def uses_time(self) -> bool:
-        return any(TIME in e.free_symbols for e in [*(e for _, e in self.body), *(e for _, _, e in self.results)])
+    def unused(self) -> list[str]:
+        """Arguments that this model does not need: the interface is the same for all models."""
+        read, written = ({a for a, _, _ in rows} for rows in (self.reads, self.results))
+        timed = any(TIME in e.free_symbols for e in [*(e for _, e in self.body), *(e for _, _, e in self.results)])
+        found = [a for a in self.arguments if a not in self.changed and a != "t" and a not in read]
+        found += ["t"] if "t" in self.arguments and not timed else []
+        return found + [a for a in self.changed if a not in written]
 
 
 def compiled_routines(program: OrderedProgram, jacobian: bool = False) -> tuple[Assignments, list[Routine]]:
@@ -47,13 +52,8 @@ def compiled_routines(program: OrderedProgram, jacobian: bool = False) -> tuple[
     """
     once = jacobian_of(program).once if jacobian else program.once
     places = _places(program, once)
-    n, ny = program.n, len(program.state)
-    upper = iter(program.mass)
-    mass = {}
-    for i in range(n):
-        for j in range(i, n):
-            mass[i, j] = mass[j, i] = next(upper)
-    system: Results = tuple(("M", i * n + j, mass[i, j]) for i in range(n) for j in range(n))
+    ny = len(program.state)
+    system: Results = tuple(("M", i, e) for i, e in enumerate(program.inertia))
     system += tuple(("f", i, e) for i, e in enumerate(program.rhs))
     c = program.constraints
     filled: tuple[str, ...] = ("M", "f")
