@@ -15,7 +15,6 @@ from spacar.errors import AnalysisError, UsageError
 from spacar.linear.node_compliance import compliance_of, planar_maps, spatial_maps
 from spacar.modes import find_mode
 from spacar_formats.locate import notes, open_result
-from spacar_formats.sbf import SbfFile
 from spacar_formats.sparse_system import descriptor_beside
 
 SINGULAR = "the stiffness is singular (critical load or rigid motion): there is no compliance"
@@ -49,28 +48,28 @@ def node_compliance(
     step or a result without dx (OUTLEVEL 0 1), AnalysisError when the stiffness is singular.
     """
     with open_result(name, "sbd") as sbd, open_result(Path(sbd.path).with_suffix(".sbm"), "sbm") as sbm:
-        lnp, ln = _array(sbd, "lnp").astype(int), _array(sbd, "ln").astype(int)
-        nxp, nep = (_array(sbd, k).ravel().astype(int) for k in ("nxp", "nep"))
+        lnp, ln = sbd.array("lnp").astype(int), sbd.array("ln").astype(int)
+        nxp, nep = (sbd.array(k).ravel().astype(int) for k in ("nxp", "nep"))
         partner = _orientation(lnp, ln, node) if orientation is None else orientation
         for number, what in ((node, "position"), (partner, "orientation")):
             if not 1 <= number <= len(lnp) or not lnp[number - 1, 0] or _kind(lnp, number) != what:
                 raise UsageError(f"node {number} is no {what} node of {sbd.path}", "compliance.node")
         x_columns = nxp[2] + np.arange(nxp[3])
         columns = np.r_[x_columns, nxp[2] + nxp[3] + nep[2] + np.arange(nep[3])]
-        if find_mode(int(np.ravel(sbd.header["MODE"])[0])).takes_setpoints:  # the prescribed ones have the matrices
+        if find_mode(sbd.count("MODE")).takes_setpoints:  # the prescribed ones have the matrices
             columns = np.arange(nxp[2] + nep[2])
         planar = lnp[partner - 1, 3] == 0
         rows = np.r_[lnp[node - 1, : 2 if planar else 3], lnp[partner - 1, : 1 if planar else 4]] - 1
-        x = _array(sbd, "x", step).ravel()
-        t = float(_array(sbd, "T", step)[0, 0])
+        x = sbd.array("x", step).ravel()
+        t = sbd.time(step)
         warnings = [*notes(sbd), *notes(sbm)]
         if sbm.has("ktan"):  # of a large model
-            compliance = _sparse(_array(sbm, "ktan", step), nxp, rows)
+            compliance = _sparse(sbm.array("ktan", step), nxp, rows)
         elif not sbm.has("k0"):
             compliance = _of_system(Path(sbm.path), step, nxp, rows)
         else:
-            transfer = _array(sbd, "dx", step)
-            K = sum(_array(sbm, k, step) for k in ("k0", "n0", "g0"))
+            transfer = sbd.array("dx", step)
+            K = sum(sbm.array(k, step) for k in ("k0", "n0", "g0"))
             if max(columns, default=-1) >= transfer.shape[1] or np.shape(K) != (len(columns), len(columns)):
                 raise UsageError(f"{sbd.path} and {sbm.path} do not fit together", "compliance.size")
             if not (np.isfinite(K).all() and np.isfinite(transfer).all() and np.isfinite(x).all()):
@@ -78,10 +77,6 @@ def node_compliance(
             compliance = compliance_of(np.asarray(K), transfer[:, columns][rows])
     fixed, body = (planar_maps if planar else spatial_maps)(x[lnp[partner - 1, : 1 if planar else 4] - 1])
     return NodeCompliance(t, node, partner, fixed @ compliance @ fixed.T, body @ compliance @ body.T), warnings
-
-
-def _array(file: SbfFile, ident: str, step: int | None = None) -> np.ndarray:
-    return np.asarray(file.get(ident, step), float)
 
 
 def _kind(lnp: np.ndarray, node: int) -> str:

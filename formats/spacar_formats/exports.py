@@ -22,6 +22,15 @@ Arrays = Mapping[str, np.ndarray]
 NUMBERS_AT_ONCE = 100_000  # of steps that are written to a csv file
 
 
+def export_to(target: Path, writers: Mapping[str, Callable[[], object]]) -> None:
+    """Call the writer of the extension of a file. Raises UsageError for another extension."""
+    if target.suffix.lower() not in writers:
+        *others, last = writers
+        text = f"cannot export to {target}: the extension must be {', '.join(others)} or {last}"
+        raise UsageError(text, "files.export")
+    writers[target.suffix.lower()]()
+
+
 def to_mat(arrays: Arrays, target: Path) -> None:
     """A MATLAB 5 file. Numbers become double, the class that MATLAB computes with; text a char matrix, a row
     a line; shapes stay (a vector of one step is a column, several steps have the step as first index).
@@ -123,17 +132,17 @@ def export_file(
 
 def _export(file: SbfFile, target: Path, ids: tuple[str, ...]) -> list[Path]:
     """Write the variables `ids` of an open file; a `.csv` holds the steps, `NAME.header.csv` the header."""
-    suffix = target.suffix.lower()
-    if suffix == ".csv":
-        header = target.with_suffix(".header.csv")
+    header = target.with_suffix(".header.csv")
+
+    def csv_files() -> None:
         steps_to_csv(file, ids, target)
         to_csv(header_table(file, ids), header)
-        return [target, header]
-    writers: dict[str, Callable[[Arrays, Path], None]] = {".mat": to_mat, ".npz": to_npz}
-    if suffix not in writers:
-        raise UsageError(f"cannot export to {target}: the extension must be .mat, .npz or .csv", "files.export")
-    writers[suffix](named_arrays(file, ids), target)
-    return [target]
+
+    export_to(target, {
+        ".mat": lambda: to_mat(named_arrays(file, ids), target),
+        ".npz": lambda: to_npz(named_arrays(file, ids), target), ".csv": csv_files,
+    })  # fmt: skip
+    return [target, header] if target.suffix.lower() == ".csv" else [target]
 
 
 def _column_names(record: Record, kind: str) -> list[str]:

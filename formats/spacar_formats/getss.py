@@ -13,9 +13,9 @@ import numpy as np
 
 from spacar.errors import UsageError
 from spacar.linear.descriptor import DescriptorSystem, of_frame
-from spacar_formats.exports import to_mat, to_npz
+from spacar_formats.exports import export_to, to_mat, to_npz
 from spacar_formats.locate import open_result
-from spacar_formats.safety import replacing
+from spacar_formats.safety import write_text
 from spacar_formats.sbf import SbfFile
 from spacar_formats.signal_names import state_names
 from spacar_formats.sparse_system import descriptor_of, is_sparse
@@ -123,7 +123,7 @@ def getss(name: str | os.PathLike[str], step: int = 1) -> StateSpaceStep:
         else:
             a, b, c = (_matrix(file, ident, step) for ident in "ABC")
             d = _matrix(file, "D", step) if _has_feedthrough(file) else None
-        t = _time(file, step)
+        t = file.time(step)
         (nx, nu), ny = b.shape, c.shape[0]
         if a.shape != (nx, nx) or c.shape[1] != nx or (d is not None and d.shape != (ny, nu)):
             raise UsageError(f"the sizes of A, B, C, D in {file.path} do not fit together", "files.size")
@@ -149,26 +149,18 @@ def linear_system(name: str | os.PathLike[str], step: int = 1) -> StateSpaceStep
     with open_result(name, "ltv") as file:
         if is_sparse(file):
             system = descriptor_of(file, step)
-            return SparseStep(system, _time(file, step), _names(file, "UNAMES", "u", system.B.shape[1]),
+            return SparseStep(system, file.time(step), _names(file, "UNAMES", "u", system.B.shape[1]),
                               _names(file, "YNAMES", "y", system.C.shape[0]))  # fmt: skip
     return getss(name, step)
 
 
-def _time(file: SbfFile, step: int) -> float:
-    """t of the step [s]; nan where the file has none."""
-    return float(np.ravel(file.get("T", step))[0]) if file.has("T") else float("nan")
-
-
 def export_getss(system: StateSpaceStep, target: Path) -> None:
     """Write A, B, C (and D) to a `.mat`, `.npz` or `.json` file. Raises UsageError for another extension."""
-    suffix = target.suffix.lower()
-    if suffix == ".json":
-        with replacing(target) as side:
-            side.write_text(json.dumps(as_json(system)) + "\n", encoding="utf-8")
-    elif suffix in (".mat", ".npz"):
-        (to_mat if suffix == ".mat" else to_npz)(system.arrays(), target)
-    else:
-        raise UsageError(f"cannot export to {target}: the extension must be .mat, .npz or .json", "files.export")
+    arrays = system.arrays()
+    export_to(target, {
+        ".mat": lambda: to_mat(arrays, target), ".npz": lambda: to_npz(arrays, target),
+        ".json": lambda: write_text(target, json.dumps(as_json(system)) + "\n"),
+    })  # fmt: skip
 
 
 def as_json(system: StateSpaceStep) -> dict[str, object]:

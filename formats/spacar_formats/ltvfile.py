@@ -35,8 +35,8 @@ def read_ltv(name: str | os.PathLike[str]) -> tuple[TimeVarying, list[str]]:
         data = TimeVarying(
             name=file.path.name,
             t=np.ravel(file.get("T")).astype(float),
-            n_nominal=_number(file, "NNOM"),
-            n_rigid=_number(file, "NRBM"),
+            n_nominal=file.count("NNOM") if file.has("NNOM") else 0,
+            n_rigid=file.count("NRBM") if file.has("NRBM") else 0,
             second_rows=np.ravel(file.header["NYSI"]).astype(np.int64) - 1
             if file.has("NYSI")
             else np.zeros(0, np.int64),
@@ -47,12 +47,13 @@ def read_ltv(name: str | os.PathLike[str]) -> tuple[TimeVarying, list[str]]:
         full: dict[str, Any] = {}
         if is_sparse(file):
             matrices = dense_steps((descriptor_of(file, k) for k in range(1, count + 1)), count)
-            full = {**matrices, "D": matrices["D"] if _number(file, "DFT") else None}  # else only rounding
+            has_d = file.has("DFT") and file.count("DFT")
+            full = {**matrices, "D": matrices["D"] if has_d else None}  # else only rounding
         found: dict[str, Any] = {name: _matrices(file, ident, count) for ident, name in STEPS.items()}
         found |= {name: _vectors(file, ident, count) for ident, name in VECTORS.items()}
         second = _matrices(file, "G", count)
         if second is not None:
-            n = _number(file, "NX") // 2
+            n = file.count("NX") // 2
             second = second.reshape(count, second.shape[1], n, n).swapaxes(-1, -2)
         return replace(data, second=second, **(found | full)), warnings
 
@@ -91,10 +92,6 @@ def _texts(file: SbfFile, ident: str) -> tuple[str, ...]:
     return tuple(found) if isinstance(found, list) else ()
 
 
-def _number(file: SbfFile, ident: str) -> int:
-    return int(np.ravel(file.header[ident])[0]) if file.has(ident) else 0
-
-
 def _plain(value: Any) -> Any:
     """A header value in the form in which the writer takes it: one line of text as text, one number as a number."""
     if isinstance(value, list):
@@ -107,7 +104,7 @@ def _matrices(file: SbfFile, ident: str, count: int) -> np.ndarray | None:
     if not file.has(ident):
         return None
     record = file.variable(ident)
-    flat = np.asarray(file.get(ident), float)
+    flat = file.array(ident)
     if count == 1:
         return flat.reshape(1, record.rows, record.cols)
     return flat.reshape(count, record.cols, record.rows).swapaxes(1, 2)
@@ -115,4 +112,4 @@ def _matrices(file: SbfFile, ident: str, count: int) -> np.ndarray | None:
 
 def _vectors(file: SbfFile, ident: str, count: int) -> np.ndarray | None:
     """(steps, length), None when the file does not have the variable."""
-    return np.asarray(file.get(ident), float).reshape(count, -1) if file.has(ident) else None
+    return file.array(ident).reshape(count, -1) if file.has(ident) else None

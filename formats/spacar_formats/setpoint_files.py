@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
@@ -66,7 +66,7 @@ def find_setpoints(source: Path, name: str | None = None) -> Nominal:
 def _read(path: Path) -> tuple[Nominal, str | None]:
     """The nominal motion of a result, and the sentence that says it is stale."""
     with SbfFile(path) as file:
-        mode = int(np.ravel(file.header["MODE"])[0]) if "MODE" in file.header else None
+        mode = file.count("MODE") if "MODE" in file.header else None
         if mode not in MODES or not MODES[mode].nominal:
             before = backup_path(path)
             kept = f" ({before.name} is the one before: name it with --setpoints)" if before.is_file() else ""
@@ -74,19 +74,12 @@ def _read(path: Path) -> tuple[Nominal, str | None]:
         if not file.complete:
             raise UsageError("it is incomplete", "files.incomplete")
         fixed, _, prescribed = np.ravel(file.header["NEP"])[:3].astype(int)
+        arrays: dict[str, Any] = {name: _rows(file, name) for name in ("x", "xd", "xdd", "e", "ed", "edd", "sig")}
+        arrays |= {name: np.asarray(file.header[name]).astype(np.int64) for name in ("lnp", "le", "ln")}
         nominal = Nominal(
             name=path.name,
-            t=np.ravel(file.get("T")).astype(float),
-            x=_rows(file, "x"),
-            xd=_rows(file, "xd"),
-            xdd=_rows(file, "xdd"),
-            e=_rows(file, "e"),
-            ed=_rows(file, "ed"),
-            edd=_rows(file, "edd"),
-            sig=_rows(file, "sig"),
-            lnp=_table(file, "lnp"),
-            le=_table(file, "le"),
-            ln=_table(file, "ln"),
+            t=file.array("T").ravel(),
+            **arrays,
             keywords=tuple(str(k) for k in file.header["ETYPE"]),
             n_fixed=int(fixed),
             n_given=int(fixed + prescribed),
@@ -106,9 +99,5 @@ def _inputs(path: Path, steps: int) -> Array | None:
         return None
 
 
-def _table(file: SbfFile, name: str) -> NDArray[np.int64]:
-    return np.asarray(file.header[name]).astype(np.int64)
-
-
 def _rows(file: SbfFile, name: str) -> Array:
-    return np.array(file.get(name), dtype=float).reshape(file.steps, -1)
+    return file.array(name).reshape(file.steps, -1)

@@ -26,10 +26,9 @@ import numpy as np
 
 import spacar
 from spacar.deck import ELEMENT_TYPES
-from spacar.errors import UsageError
 from spacar.expressions import NONE, Dimensions, Unit, unit_text
 from spacar_formats.claim import Claim
-from spacar_formats.exports import to_csv, to_mat, to_npz
+from spacar_formats.exports import export_to, to_csv, to_mat, to_npz
 from spacar_formats.sbf import SbfError, SbfFile, SbfWriter
 
 if TYPE_CHECKING:
@@ -142,7 +141,7 @@ def read_table(file: SbfFile) -> SignalTable | None:
     if not (file.has("SIGNAL") and file.has("SIGNAME")):
         return None
     lines = [str(line).partition("\t") for line in file.header["SIGNAME"]]
-    values = np.asarray(file.get("SIGNAL"), float).reshape(file.steps, -1)
+    values = file.array("SIGNAL").reshape(file.steps, -1)
     if len(lines) != values.shape[1]:
         raise _damaged(file, f"has {values.shape[1]} signals and {len(lines)} names")
     panels = [
@@ -193,20 +192,14 @@ def export_signals(arrays: Mapping[str, np.ndarray], target: Path) -> None:
 
     Raises UsageError for another extension or a file that cannot be written.
     """
-    suffix = target.suffix.lower()
-    if suffix in (".npz", ".mat"):
-        (to_npz if suffix == ".npz" else to_mat)({_name(k): np.asarray(v) for k, v in arrays.items()}, target)
-    elif suffix == ".csv":
-        table = {}
-        for name, value in arrays.items():
-            columns = np.asarray(value)
-            if columns.ndim == 1:
-                table[name] = columns
-            else:
-                table |= {f"{name}_{k + 1}": column for k, column in enumerate(columns.T)}
-        to_csv(table, target)
-    else:
-        raise UsageError(f"cannot export to {target}: the extension must be .npz, .mat or .csv", "files.export")
+    plain = {_name(k): np.asarray(v) for k, v in arrays.items()}
+    table: dict[str, np.ndarray] = {}
+    for name, value in arrays.items():
+        columns = np.asarray(value)
+        many = {name: columns} if columns.ndim == 1 else {f"{name}_{k}": c for k, c in enumerate(columns.T, 1)}
+        table |= many
+    export_to(target, {".npz": lambda: to_npz(plain, target), ".mat": lambda: to_mat(plain, target),
+                       ".csv": lambda: to_csv(table, target)})  # fmt: skip
 
 
 def _name(text: str) -> str:

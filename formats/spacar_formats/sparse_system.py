@@ -21,11 +21,11 @@ def is_sparse(file: SbfFile) -> bool:
 
 def descriptor_of(file: SbfFile, step: int) -> DescriptorSystem:
     """The system of a step (from 1). Raises SbfError for places or numbers that cannot be."""
-    tables = {name: np.asarray(file.get(ident, step), float) for name, ident in IDENTS.items() if file.has(ident)}
+    tables = {name: file.array(ident, step) for name, ident in IDENTS.items() if file.has(ident)}
     try:
         if not all(np.isfinite(table).all() for table in tables.values()):
             raise ValueError("numbers that are not finite")
-        return DescriptorSystem.of_entries(tables, *(int(np.ravel(file.header[k])[0]) for k in ("NX", "NU", "NY")))
+        return DescriptorSystem.of_entries(tables, *map(file.count, ("NX", "NU", "NY")))
     except (ValueError, KeyError) as error:
         raise SbfError(f"{file.path} is damaged: the sparse system of step {step} has {error}") from None
 

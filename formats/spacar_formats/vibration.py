@@ -105,7 +105,7 @@ def read_vibrations(name: str | os.PathLike[str], lowest: int = WANTED) -> tuple
         numbers = range(1, file.steps + 1)
         if sparse:
             found = [modes_of_sparse_system(file, k, report, lowest) for k in numbers]
-            steps = [Vibration(_time(file, k), m.values, m.vectors) for k, m in zip(numbers, found, strict=True)]
+            steps = [Vibration(file.time(k), m.values, m.vectors) for k, m in zip(numbers, found, strict=True)]
             report.add(f"the {lowest} lowest modes of the sparse equations; --lowest N asks for N of them")
         else:
             steps = [_stored(file, k) if stored else _computed(file, k, report) for k in numbers]
@@ -128,7 +128,7 @@ def names_beside(path: Path) -> list[str]:
         x_start, e_start = int(nxp[:2].sum()), int(nep[0])
         x = [_coordinate(lnp, i) for i in range(x_start + 1, x_start + nxp[2:].sum() + 1)]
         e = [_deformation(le, list(keywords), i) for i in range(e_start + 1, e_start + nep[2:].sum() + 1)]
-        mode = int(np.ravel(file.header["MODE"])[0])
+        mode = file.count("MODE")
     if mode == 3:  # all degrees of freedom are prescribed and states
         return x + e
     x, e = x[nxp[2] :], e[nep[2] :]
@@ -156,42 +156,34 @@ def _deformation(le: np.ndarray, keywords: list[str], i: int) -> str:
     return f"element {element + 1} ({keyword}) e{k + 1}{what}"
 
 
-def _matrix(file: SbfFile, ident: str, step: int) -> np.ndarray:
-    return np.asarray(file.get(ident, step), float)
-
-
-def _time(file: SbfFile, step: int) -> float:
-    return float(_matrix(file, "T", step)[0, 0])
-
-
 def _stored(file: SbfFile, step: int) -> Vibration:
-    values = _matrix(file, "eigval", step)
-    vectors = _matrix(file, "eigvre", step) + 1j * _matrix(file, "eigvim", step)
-    return Vibration(_time(file, step), values[:, 0] + 1j * values[:, 1], vectors)
+    values = file.array("eigval", step)
+    vectors = file.array("eigvre", step) + 1j * file.array("eigvim", step)
+    return Vibration(file.time(step), values[:, 0] + 1j * values[:, 1], vectors)
 
 
 def modes_of_stored_matrices(file: SbfFile, step: int, report: Report) -> Modes:
     """Modes of the matrices of a step. Raises SbfError when they hold numbers that are not finite."""
-    M, C, D, K, N, G = (_matrix(file, k, step) for k in ("m0", "c0", "d0", "k0", "n0", "g0"))
+    M, C, D, K, N, G = (file.array(k, step) for k in ("m0", "c0", "d0", "k0", "n0", "g0"))
     if not all(np.isfinite(part).all() for part in (M, C, D, K, N, G)):
         raise SbfError(f"{file.path} is damaged: a matrix of step {step} holds numbers that are not finite")
     n, ns = K.shape
-    kinematic = (_matrix(file, "ak0", step), _matrix(file, "bk0", step)) if file.has("ak0") else None
+    kinematic = (file.array("ak0", step), file.array("bk0", step)) if file.has("ak0") else None
     ak0, bk0 = kinematic or (np.eye(ns, n), np.zeros((ns, ns)))
     return modes_of_matrices(M, C + D, K + N + G, ak0, bk0, report)
 
 
 def _of_sparse_run(file: SbfFile) -> bool:
-    return int(np.ravel(file.header["MODE"])[0]) in (4, 9) and file.path.with_suffix(".ltv").is_file()
+    return file.count("MODE") in (4, 9) and file.path.with_suffix(".ltv").is_file()
 
 
 def modes_of_sparse_system(file: SbfFile, step: int, report: Report, wanted: int = WANTED, nx: int = 0) -> Modes:
     """Lowest modes of a large model of modes 4 and 9 from the `.ltv` beside; nx: the coordinates whose motions are
     wanted. Raises UsageError when there is no such file or it has no sparse system."""
-    system, velocities = descriptor_beside(file.path, step), int(np.ravel(file.header["NDDOF"])[0])
+    system, velocities = descriptor_beside(file.path, step), file.count("NDDOF")
     return lowest_modes(system, system.n_states - velocities, nx, report, min(wanted, velocities))
 
 
 def _computed(file: SbfFile, step: int, report: Report) -> Vibration:
     modes = modes_of_stored_matrices(file, step, report)
-    return Vibration(_time(file, step), modes.values, modes.vectors)
+    return Vibration(file.time(step), modes.values, modes.vectors)

@@ -12,9 +12,8 @@ from spacar.deck.mode_blocks import Purpose, facts
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement
 from spacar.deck.statement_index import StatementIndex
-from spacar.deck.table_types import BlockKind
+from spacar.deck.table_types import ELEMENT_CLASSES, NODE_CLASSES, BlockKind
 
-CLASS_KEYWORDS = {"node": ("FIX", "INPUTX", "DYNX", "KINX"), "element": ("RLSE", "INPUTE", "DYNE", "KINE")}
 Classes = dict[tuple[int, int], tuple[str, Sequence[Statement], int]]
 """(node, coordinate) or (element, mode) -> class, and the statement that says so: some statements and its place."""
 
@@ -50,8 +49,8 @@ class CheckMaterial:
 
     def doubtful(self, what: str, number: int) -> bool:
         """Whether a statement that gives a class to this node or element could not be read."""
-        broken = self.outline.broken
-        return bool(broken) and any((name, number) in broken for name in CLASS_KEYWORDS[what])
+        broken, names = self.outline.broken, NODE_CLASSES if what == "node" else ELEMENT_CLASSES
+        return bool(broken) and any((name, number) in broken for name in names)
 
     def class_of(self, what: str, number: int, index: int) -> str:
         """Class of a coordinate ("node") or deformation ("element")."""

@@ -7,9 +7,8 @@ from collections.abc import Callable, Mapping
 from spacar.deck.check_material import CheckMaterial, Classes
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
+from spacar.deck.table_types import ELEMENT_CLASSES, NODE_CLASSES
 
-COORDINATE_CLASSES = {"FIX": "fixed", "INPUTX": "prescribed", "DYNX": "dynamic", "KINX": "kinematic"}
-DEFORMATION_CLASSES = {"RLSE": "calculable", "INPUTE": "prescribed", "DYNE": "dynamic", "KINE": "kinematic"}
 _DONE = {
     "fixed": "fixed", "prescribed": "prescribed", "dynamic": "declared dynamic", "kinematic": "declared kinematic",
     "calculable": "released",
@@ -19,8 +18,8 @@ _DONE = {
 def classify(scene: CheckMaterial) -> None:
     """Fill the classes of the scene; one thing in two classes is an error, twice in one class a warning."""
     outline = scene.outline
-    _put(scene, "coordinate", outline.independent, COORDINATE_CLASSES, scene.coordinates)
-    _put(scene, "mode", outline.classed, DEFORMATION_CLASSES, scene.deformations)
+    _put(scene, "coordinate", outline.independent, NODE_CLASSES, scene.coordinates)
+    _put(scene, "mode", outline.classed, ELEMENT_CLASSES, scene.deformations)
     _check_euler_parameters(scene)
     _check_kinematic(scene)
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import partialmethod
 
 from spacar.deck.statement import Statement
 from spacar.errors import Message
@@ -23,21 +25,16 @@ class Findings:
     def add(self, severity: str, line: int | None, keyword: str, text: str, code: str) -> None:
         self.messages.append(Message(severity, self.file, line, _clean(keyword), _clean(text), f"input.{code}"))
 
-    def error(self, statement: Statement, index: int | None, text: str, code: str, bare: bool = False) -> None:
-        """Error at the value `index` of a statement (None: at its keyword); `bare` names the keyword only."""
-        self.about("error", statement, index, text, code, bare)
-
-    def warning(self, statement: Statement, index: int | None, text: str, code: str) -> None:
-        self.about("warning", statement, index, text, code)
-
-    def information(self, statement: Statement, index: int | None, text: str, code: str) -> None:
-        self.about("information", statement, index, text, code)
-
     def about(
         self, severity: str, statement: Statement, index: int | None, text: str, code: str, bare: bool = False
     ) -> None:
+        """A message at the value `index` of a statement (None: at its keyword); `bare` names the keyword only."""
         line = statement.line if index is None or index >= len(statement.lines) else statement.lines[index]
         self.add(severity, line, statement.keyword if bare else statement.subject, text, code)
+
+    error = partialmethod(about, "error")
+    warning = partialmethod(about, "warning")
+    information = partialmethod(about, "information")
 
     @property
     def errors(self) -> list[Message]:
@@ -56,15 +53,20 @@ def ordinal(index: int) -> str:
     return _ORDINALS[index] if index < len(_ORDINALS) else f"{index + 1}th"
 
 
+def runs(numbers: Iterable[int], to: str) -> list[str]:
+    """Numbers that follow each other as one text: "1", or, with " to " between them, "3 to 7"."""
+    found: list[list[int]] = []
+    for n in sorted(set(numbers)):
+        if found and found[-1][1] == n - 1:
+            found[-1][1] = n
+        else:
+            found.append([n, n])
+    return [str(a) if a == b else f"{a}{to}{b}" for a, b in found]
+
+
 def ranges(numbers: list[int] | set[int], most: int = 8) -> str:
     """Numbers as ranges: "1-3, 7"; "none" when there are none, shortened after `most` ranges."""
-    runs: list[list[int]] = []
-    for n in sorted(numbers):
-        if runs and runs[-1][1] == n - 1:
-            runs[-1][1] = n
-        else:
-            runs.append([n, n])
-    parts = [str(a) if a == b else f"{a}-{b}" for a, b in runs]
+    parts = runs(numbers, "-")
     if len(parts) > most:
         parts = [*parts[:most], "..."]
     return ", ".join(parts) or "none"

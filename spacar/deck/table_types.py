@@ -17,6 +17,11 @@ def coordinates_of(role: str, planar: bool) -> int:
     return COORDINATES[role][0 if planar else 1]
 
 
+NODE_CLASSES = {"FIX": "fixed", "INPUTX": "prescribed", "DYNX": "dynamic", "KINX": "kinematic"}
+ELEMENT_CLASSES = {"RLSE": "calculable", "INPUTE": "prescribed", "DYNE": "dynamic", "KINE": "kinematic"}
+"""Statement of the kinematics block -> the class that it gives to coordinates, or to deformations."""
+
+
 @cache
 def independent_of(role: str, planar: bool) -> tuple[int, ...]:
     """Coordinates of a node with this role that a statement without coordinate numbers means: all, but of Euler

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from spacar.deck.findings import runs
 from spacar.errors import UsageError
 
 MOST = 6  # ranges that a message lists
@@ -15,17 +16,9 @@ NODE, ELEMENT = ("node", "coordinate"), ("element", "deformation mode")
 
 def listed(numbers: Iterable[int]) -> str:
     """`1 to 6, 8, 10 to 12`; at most six ranges, then the last number."""
-    ordered = sorted(set(map(int, numbers)))
-    ranges: list[list[int]] = []
-    for n in ordered:
-        if ranges and n == ranges[-1][1] + 1:
-            ranges[-1][1] = n
-        else:
-            ranges.append([n, n])
-    texts = [str(a) if a == b else f"{a} to {b}" for a, b in ranges]
-    if len(texts) > MOST:
-        texts = [*texts[: MOST - 1], "...", str(ordered[-1])]
-    return ", ".join(texts)
+    known = [*map(int, numbers)]
+    texts = runs(known, " to ")
+    return ", ".join(texts if len(texts) <= MOST else [*texts[: MOST - 1], "...", str(max(known))])
 
 
 def place(table: NDArray[np.int64], number: int, k: int, words: tuple[str, str]) -> int:

@@ -18,13 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
-from spacar.deck.table_types import ElementType
+from spacar.deck.table_types import ELEMENT_CLASSES, NODE_CLASSES, ElementType, independent_of
 from spacar.mechanism.element_rows import ElementRows
 
 X_ORDER = ("fixed", "calculable", "input", "dynamic", "kinematic")
 E_ORDER = ("fixed", "input", "dynamic", "kinematic", "calculable")
-X_STATEMENTS = {"FIX": "fixed", "INPUTX": "input", "DYNX": "dynamic", "KINX": "kinematic"}
-E_STATEMENTS = {"RLSE": "calculable", "INPUTE": "input", "DYNE": "dynamic", "KINE": "kinematic"}
 ABSENT = len(X_ORDER) + len(E_ORDER)
 ROLES = ("", "position", "orientation", "warping")  # of nodes; their places are the codes of `ClassCodes.roles`
 
@@ -37,8 +35,9 @@ def _e(name: str) -> int:
     return len(X_ORDER) + E_ORDER.index(name)
 
 
-_X_CODE = {keyword: _x(name) for keyword, name in X_STATEMENTS.items()}
-_E_CODE = {keyword: _e(name) for keyword, name in E_STATEMENTS.items()}
+NAMES = {"prescribed": "input"}  # where the class of a statement is called otherwise here
+_X_CODE = {keyword: _x(NAMES.get(name, name)) for keyword, name in NODE_CLASSES.items()}
+_E_CODE = {keyword: _e(NAMES.get(name, name)) for keyword, name in ELEMENT_CLASSES.items()}
 _AS_INPUT = bytes.maketrans(bytes([_x("dynamic"), _e("dynamic")]), bytes([_x("input"), _e("input")]))
 _TYPE_CODE = {keyword: code for code, keyword in enumerate(ELEMENT_TYPES, 1)}
 
@@ -97,11 +96,9 @@ def _coordinates(planar: bool) -> NDArray[np.uint8]:
 
 
 @cache
-def _independent(planar: bool) -> list[range]:
-    """Coordinates that a statement without coordinate numbers is about: lambda0 follows from the normalization."""
-    firsts = [2 if role == "orientation" and not planar else 1 for role in ROLES[1:]]
-    ends = [1 + coordinates_of(role, planar) for role in ROLES[1:]]
-    return [range(0), *map(range, firsts, ends)]
+def _independent(planar: bool) -> list[tuple[int, ...]]:
+    """Coordinates that a statement without coordinate numbers is about."""
+    return [(), *[independent_of(role, planar) for role in ROLES[1:]]]
 
 
 @cache

@@ -36,9 +36,12 @@ def model_tables(mechanism: Mechanism) -> dict[str, Any]:
     tables |= _elements(mechanism)
     wider = WIDER if n.warped else {}
     for name, keyword, width in PARAMETERS:
-        tables[name] = _parameters(mechanism, keyword, wider.get(name, width))
+        tables[name] = _parameters(mechanism, keyword, len(n.le), wider.get(name, width))
     tables["einit"] = _initial_deformations(mechanism, wider.get("einit", 6))
-    return tables | {"x0": mechanism.x0, "xm": _node_masses(mechanism), "grav": _gravity(mechanism)}
+    masses, gravity = _parameters(mechanism, "XM", len(n.lnp), 6), np.zeros(3)
+    for given in mechanism.deck.index.rows("GRAVITY", 2):
+        gravity[: len(given)] = given
+    return tables | {"x0": mechanism.x0, "xm": masses, "grav": gravity}
 
 
 def counts(n: Numbering) -> dict[str, int]:
@@ -67,31 +70,13 @@ def _elements(mechanism: Mechanism) -> dict[str, Array]:
     return {"kdform": kdform, "rxyz": frame_p, "rxyzq": frame_q, "dr0": data, "rl0": length}
 
 
-def _parameters(mechanism: Mechanism, keyword: str, width: int) -> Array:
-    """(highest element, width): the values of a dynamics statement behind the element number."""
-    table = np.zeros((len(mechanism.numbering.le), width))
-    for s in mechanism.deck.of(keyword, block=2):
-        values = s.values[1 : 1 + width]
-        table[int(s.values[0]) - 1, : len(values)] = values
+def _parameters(mechanism: Mechanism, keyword: str, rows: int, width: int) -> Array:
+    """(rows, width): the values of a dynamics statement behind its element or node number, those of the last one."""
+    table = np.zeros((rows, width))
+    for number, *values in mechanism.deck.index.rows(keyword, 2):
+        values = values[:width]
+        table[int(number) - 1, : len(values)] = values
     return table
-
-
-def _node_masses(mechanism: Mechanism) -> Array:
-    """(highest node, 6): the values of XM behind the node number, those of the last one for a node."""
-    table = np.zeros((len(mechanism.numbering.lnp), 6))
-    for s in mechanism.deck.of("XM", block=2):
-        values = [float(v) for v in s.values[1:7]]
-        table[int(s.values[0]) - 1, : len(values)] = values
-    return table
-
-
-def _gravity(mechanism: Mechanism) -> Array:
-    """(3,) the acceleration of GRAVITY, zero without it."""
-    found = np.zeros(3)
-    for s in mechanism.deck.of("GRAVITY", block=2):
-        values = [float(v) for v in s.values[:3]]
-        found[: len(values)] = values
-    return found
 
 
 def _initial_deformations(mechanism: Mechanism, width: int) -> Array:

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from math import isfinite, nan
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -199,9 +199,7 @@ class UserLaw:
 
     def anew(self) -> UserLaw:
         """The same for another case: a function that remembers something remembers it for each. Raises InputError."""
-        function = self.function.anew() if isinstance(self.function, Loaded) else self.function
-        breaks = function.breaks if isinstance(function, Loaded) else self.breaks
-        return replace(self, function=function, breaks=breaks)  # places that were looked up are those of all
+        return _anew(self)  # places that were looked up are those of all
 
     @property
     def _function(self) -> Callable[..., Any]:
@@ -310,6 +308,17 @@ class Answering:
         return lost
 
 
+Law = TypeVar("Law", UserLaw, "UserDrive")
+
+
+def _anew(law: Law) -> Law:
+    """The same with its function loaded once more, where it came from a file."""
+    if not isinstance(law.function, Loaded):
+        return law
+    function = law.function.anew()
+    return replace(law, function=function, breaks=function.breaks)
+
+
 @dataclass(frozen=True)
 class UserDrive:
     """Prescribed motion from a user function; inputs that it does not mention follow `base`."""
@@ -331,9 +340,7 @@ class UserDrive:
 
     def anew(self, base: Polynomial) -> UserDrive:
         """The same for another case, see `UserLaw.anew`. Raises InputError."""
-        function = self.function.anew() if isinstance(self.function, Loaded) else self.function
-        breaks = function.breaks if isinstance(function, Loaded) else self.breaks
-        return UserDrive(function, self.name, self.numbering, base, self.interval, breaks)
+        return _anew(replace(self, base=base))
 
     def at(self, t: float) -> DriveState:
         e_rows, x_rows = call(self.function, self.name, t, round(t / self.interval))

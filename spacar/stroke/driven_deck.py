@@ -19,10 +19,10 @@ from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.deck.rewrite.rebuild import rebuilt
 from spacar.deck.statement import Statement, Value
+from spacar.deck.table_types import ELEMENT_CLASSES, NODE_CLASSES, independent_of
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import UsageError
 from spacar.kinematics.transfer import moved_along
-from spacar.mechanism.class_codes import E_STATEMENTS, X_STATEMENTS
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stroke.stroke_move import StrokeMove, move_of, parse_move
 
@@ -62,8 +62,8 @@ def driven(deck: Deck, mechanism: Mechanism, move: StrokeMove, end: float, loads
     loads   rows of the dynamics block (XF) that act from the beginning. Raises UsageError when the drive is fixed or
     no degree of freedom moves it.
     """
-    wanted = "dynamic" if move.pushed else "input"
-    classes = E_STATEMENTS if move.deformation else X_STATEMENTS
+    wanted = "dynamic" if move.pushed else "prescribed"
+    classes = ELEMENT_CLASSES if move.deformation else NODE_CLASSES
     names = {name: keyword for keyword, name in classes.items()}
     freed = _replaced(mechanism, move)
     about = [("e" if move.deformation else "x", move.number, move.place), *([freed[0]] if freed else [])]
@@ -139,26 +139,15 @@ def _start_of(s: Statement) -> Place | None:
 def _without(s: Statement, mechanism: Mechanism, dropped: Sequence[Place]) -> list[Row]:
     """A statement of the kinematics block as rows that give no class to the `dropped` places."""
     n = mechanism.numbering
-    if s.keyword in X_STATEMENTS:
-        kind, every = "x", _independent(mechanism, s.integer(0))
-    elif s.keyword in E_STATEMENTS:
-        kind, every = "e", list(ELEMENT_TYPES[n.keyword[s.integer(0)]].classed)
-    else:
-        return [(s.keyword, *s.values)]
-    given = list(s.integers(1)) or every
-    kept = [k for k in given if (kind, s.integer(0), k) not in dropped]
+    kind, given = "", s.integers(1)
+    if s.keyword in NODE_CLASSES:
+        kind, given = "x", given or independent_of(n.kind.get(s.integer(0), "orientation"), n.planar)
+    elif s.keyword in ELEMENT_CLASSES:
+        kind, given = "e", given or ELEMENT_TYPES[n.keyword[s.integer(0)]].classed
+    kept = tuple(k for k in given if (kind, s.integer(0), k) not in dropped) if kind else given
     if kept == given:
         return [(s.keyword, *s.values)]
     return [(s.keyword, s.integer(0), *kept)] if kept else []
-
-
-def _independent(mechanism: Mechanism, node: int) -> list[int]:
-    """Coordinates of a node to which a class statement without numbers applies."""
-    n = mechanism.numbering
-    kind = n.kind.get(node)
-    if kind == "position":
-        return [1, 2] if n.planar else [1, 2, 3]
-    return [1] if n.planar or kind == "warping" else [2, 3, 4]
 
 
 def _replaced(mechanism: Mechanism, move: StrokeMove) -> tuple[Place, str] | None:

@@ -161,6 +161,18 @@ class SbfFile:
         values = raw.view(DTYPES[record.type])
         return values.astype(values.dtype.newbyteorder("="), copy=False)
 
+    def array(self, name: str, step: int | None = None) -> np.ndarray:
+        """As `get`, of numbers as reals."""
+        return np.asarray(self.get(name, step), float)
+
+    def count(self, name: str) -> int:
+        """The whole number of a header variable; KeyError without it."""
+        return int(np.ravel(self.header[name])[0])
+
+    def time(self, step: int) -> float:
+        """t of a step [s], or its load step; nan where the file has none."""
+        return float(np.ravel(self.get("T", step))[0]) if self.has("T") else float("nan")
+
     def step_indices(self, steps: int | Iterable[int] | None = None) -> np.ndarray:
         """Zero-based indices of the given steps; one that is negative counts from the end.
 
