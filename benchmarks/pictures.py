@@ -14,9 +14,8 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from spacar_drawing.mechanism_picture import Extras
+from spacar_drawing.mechanism_picture import Extras, picture, series
 from spacar_drawing.picture_source import PictureSource, source_of_result
-from spacar_drawing.step_pictures import picture, series
 
 from spacar.deck.deck import parse
 from spacar.mechanism import build

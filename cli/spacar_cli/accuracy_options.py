@@ -10,7 +10,7 @@ import click
 from spacar.errors import UsageError
 from spacar.modes import Mode
 from spacar_cli import vocabulary as words
-from spacar_cli.number_types import TOLERANCE
+from spacar_cli.vocabulary import TOLERANCE
 
 MEASURE = ""  # the value of --accuracy without a target
 

@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 from spacar_drawing.files import FILM, FILM_DPI, check_name, evenly, film, save
 from spacar_drawing.history import TimeLine, beside
-from spacar_drawing.mechanism_picture import Extras
+from spacar_drawing.mechanism_picture import Extras, chosen_steps, picture, series
 from spacar_drawing.picture_source import open_source
-from spacar_drawing.step_pictures import chosen_steps, picture, series
 
 from spacar_cli.drawing_options import Choices, check_elements
 from spacar_cli.environment import Environment
-from spacar_cli.frame_progress import frame_progress
+from spacar_cli.progress import frame_progress
 
 
 def draw(
@@ -47,7 +46,7 @@ def draw(
         shown = series(changed, extras, chosen_steps(changed, at, None, True), nodes, initial)
         for path in films:
             pictures, count = shown.thinned(frames)
-            with frame_progress(environment.shows_progress, count, path.name) as tick:
+            with frame_progress(environment, count, path.name) as tick:
                 moving = shown.moving()
                 if table is not None:
                     line = beside(moving.figure, table, np.ravel(source.get("t")), table.panels)

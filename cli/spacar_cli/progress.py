@@ -1,13 +1,18 @@
-"""A progress bar on terminals, for runs that last: simulated time, speed, expected end."""
+"""A progress bar on terminals, for runs and animations that last: simulated time or pictures, speed, expected end."""
 
 from __future__ import annotations
 
 import time
-from typing import Any
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
 from spacar.frame import Frame
 from spacar.stream import Run
 from spacar_cli.environment import Environment
+
+if TYPE_CHECKING:
+    from spacar_drawing.files import Tick
 
 PATIENCE = 0.5  # seconds before a bar appears; a shorter run never imports rich
 REFRESH = 0.1
@@ -78,3 +83,18 @@ class Progress:
 
     def finish(self, error: BaseException | None) -> None:
         self._bar.close()
+
+
+@contextmanager
+def frame_progress(environment: Environment, count: int, label: str) -> Iterator[Tick]:
+    """A function to be told the number of finished pictures of an animation."""
+    bar, begun = Bar(environment), time.perf_counter()
+
+    def tick(done: int) -> None:
+        if bar.due:
+            bar.show(done, count, f"{label}  {done}/{count}  {done / (time.perf_counter() - begun):.1f} frames/s")
+
+    try:
+        yield tick
+    finally:
+        bar.close()

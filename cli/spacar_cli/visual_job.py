@@ -27,7 +27,7 @@ from spacar.errors import UsageError
 from spacar.modes import find_mode
 from spacar_cli.drawing_options import Choices, check_elements
 from spacar_cli.environment import Environment
-from spacar_cli.frame_progress import frame_progress
+from spacar_cli.progress import frame_progress
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ def _mode(
         pictures, bounds = mode_pictures(source.scene, x, settings, extras, mode, factor, rest)
         camera = camera_of(source.scene, choices.view)
         for path in (p for p in outputs if p.suffix.lower() in FILM):
-            with frame_progress(environment.shows_progress, PHASES, path.name) as tick:
+            with frame_progress(environment, PHASES, path.name) as tick:
                 moving = MovingFigure.create(bounds, camera)
                 film(moving, pictures, PHASES, path, choices.fps, min(choices.dpi, FILM_DPI), tick)
         if choices.show:
@@ -169,7 +169,7 @@ def _constraints(source: PictureSource, choices: Choices, step: int) -> list[str
 
 
 def _stresses(source: PictureSource, choices: Choices, step: int, wish: StressWish) -> list[str]:
-    from spacar_drawing.step_pictures import step_text
+    from spacar_drawing.mechanism_picture import step_text
     from spacar_drawing.stress_picture import diagram_still, stress_still
 
     stress, diagram = wish.stress, wish.diagram

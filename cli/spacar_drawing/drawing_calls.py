@@ -20,9 +20,8 @@ from spacar.result import Result
 from spacar.sources import Source, deck_of, has_interval
 from spacar_drawing.defaults import plain
 from spacar_drawing.files import FILM_DPI, film, save
-from spacar_drawing.mechanism_picture import Extras
+from spacar_drawing.mechanism_picture import Extras, chosen_steps, picture, series
 from spacar_drawing.picture_source import PictureSource, open_source, source_of_result
-from spacar_drawing.step_pictures import chosen_steps, picture, series
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -1,4 +1,7 @@
-"""A mechanism at one or more steps in one picture: shapes of all that is asked for, and the figure around them."""
+"""A mechanism at one or more steps in one picture: shapes of all that is asked for, and the figure around them.
+
+Steps of a result as one picture or as an animation: which steps, what stands above them, how much room they need.
+"""
 
 from __future__ import annotations
 
@@ -7,18 +10,24 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from spacar_formats.getfrsbf import step_numbers
 
 from spacar.arrays import Array
+from spacar.errors import UsageError
 from spacar_drawing import look as colours
 from spacar_drawing.bodies import beam_lines, together
+from spacar_drawing.defaults import plain
 from spacar_drawing.drawn_shapes import Faces, Line, Shape, merge_bounds
 from spacar_drawing.element_pictures import element_shapes
-from spacar_drawing.look import Look, look_of
+from spacar_drawing.files import MovingFigure, Pictures, evenly
+from spacar_drawing.look import GHOST, Look, look_of
 from spacar_drawing.paint import paint
+from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.scene import ROUND, Pose, Scene
 from spacar_drawing.settings import PictureSettings
 from spacar_drawing.stage import Camera, new_figure, view_angles
 from spacar_drawing.supports import node_marks, number_labels, support_shapes, trace_lines
+from spacar_drawing.symbols import Symbols, magnified, start_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -133,3 +142,152 @@ def corner_note(axes: Axes, text: str) -> None:
     """A line in the lower left corner of the picture."""
     if text:
         axes.text(0.005, 0.01, text, transform=axes.transAxes, fontsize=7.5, color="#4d565e", zorder=31)
+
+
+REST = "#9aa4ac"  # of the position without deflection
+SAMPLES = 60  # configurations that decide the range of an animation
+
+
+def chosen_steps(source: PictureSource, steps: str | int | None, strobe: int | None, moving: bool) -> list[int]:
+    """Step numbers from 1. Raises UsageError for steps that do not exist."""
+    if strobe:
+        return evenly(1, source.steps, strobe)
+    if steps is None:
+        if moving:
+            return list(range(1, source.steps + 1))
+        return [source.steps if source.scene.analysis.stationary else 1]
+    steps = str(steps)
+    if steps.strip().lower() == "all":
+        return list(range(1, source.steps + 1))
+    found = step_numbers(steps, source.steps)
+    numbers = [found] if isinstance(found, int) else found
+    wrong = [k for k in numbers if not 1 <= k <= source.steps]
+    if wrong:
+        raise UsageError(f"step {wrong[0]} does not exist: {source.name} has steps 1 to {source.steps}", "files.step")
+    return numbers
+
+
+def configurations(source: PictureSource, numbers: Sequence[int]) -> Array:
+    """(steps, nx) coordinates, reading only these steps."""
+    if len(numbers) == source.steps:
+        return source.x()
+    return np.stack([source.x(k) for k in numbers])
+
+
+def step_text(source: PictureSource, k: int) -> str:
+    """What stands above the picture of a step."""
+    t = source.time(k)
+    if source.scene.analysis.stationary:
+        return f"{source.scene.title}   load step {k}" if source.steps > 1 else source.scene.title
+    return f"{source.scene.title}   t = {t:.6g} s" if source.steps > 1 else source.scene.title
+
+
+@plain
+def picture(
+    source: PictureSource, extras: Extras, numbers: Sequence[int], nodes: Sequence[int], initial: bool
+) -> Figure:
+    """The steps `numbers` in one figure, with paths of `nodes` and, if `initial`, the outline of the first step."""
+    title = extras.title
+    if title is None:
+        title = step_text(source, numbers[-1])
+        if len(numbers) > 1:
+            span = f"t = {source.time(numbers[0]):.4g} to {source.time(numbers[-1]):.4g} s"
+            if source.scene.analysis.stationary:
+                span = f"load steps {numbers[0]} to {numbers[-1]}"
+            title = f"{source.scene.title}   {len(numbers)} steps, {span}"
+    place = _Placed(source, extras.scale)
+    symbols = Symbols.of(source, extras.symbols, numbers[-1:]) if extras.symbols else None
+    xs = np.stack([place(x) for x in configurations(source, numbers)])
+    every = np.stack([place(x) for x in source.x()]) if nodes else None
+    look = look_of(source.scene, xs if every is None else every, source.settings)
+    return draw_steps(
+        source.scene, xs, source.settings, replace(extras, title=place.title(title)), every_step=every, traces=nodes,
+        behind=place(source.x(1)) if initial else None, look=look,
+        more=[*place.undeformed(look), *(symbols.shapes(numbers[-1], xs[-1], look) if symbols else [])],
+        note=symbols.legend if symbols else "",
+    )  # fmt: skip
+
+
+class _Placed:
+    """Configurations as they are drawn: with their deflections from the start enlarged, if that is wanted."""
+
+    def __init__(self, source: PictureSource, scale: float) -> None:
+        self.scene, self.scale = source.scene, scale
+        self.start = start_of(source) if scale != 1.0 else None
+
+    def __call__(self, x: Array) -> Array:
+        return x if self.start is None else magnified(self.scene, self.start, x, self.scale)
+
+    def title(self, text: str) -> str:
+        return text if self.start is None else f"{text}   deflections \N{MULTIPLICATION SIGN} {self.scale:g}"
+
+    def undeformed(self, look: Look) -> list[Shape]:
+        """The start in thin grey, behind enlarged deflections."""
+        if self.start is None:
+            return []
+        lines = outline_shapes(self.scene, self.start, look, REST)
+        return [replace(s, dashes=(), width=0.9) for s in lines if isinstance(s, Line)]
+
+
+@dataclass(frozen=True)
+class Series:
+    """The steps `numbers` to be shown one after the other in one view; `still` shapes stay in all of them."""
+
+    source: PictureSource
+    extras: Extras
+    numbers: Sequence[int]
+    camera: Camera
+    bounds: tuple[Array, Array]
+    still: Sequence[Shape]
+    pictures: Pictures
+    note: str = ""
+
+    def thinned(self, count: int) -> tuple[Pictures, int]:
+        """At most `count` of them, evenly spread, and how many there are."""
+        few = evenly(0, len(self.numbers) - 1, count)
+        return (lambda i: self.pictures(few[i])), len(few)
+
+    def whole(self, i: int) -> tuple[Sequence[Shape], str]:
+        """Picture i with what stays, for figures whose axes are made anew (a window in which the view is turned)."""
+        shapes, title = self.pictures(i)
+        return [*self.still, *shapes], title
+
+    @plain
+    def moving(self) -> MovingFigure:
+        """A figure for them, with what stays already in it."""
+        moving = MovingFigure.create(self.bounds, self.camera, self.still)
+        corner_note(moving.axes, self.note)
+        return moving
+
+
+def series(
+    source: PictureSource, extras: Extras, numbers: Sequence[int], nodes: Sequence[int], initial: bool
+) -> Series:
+    """The steps as a series, with room for all of them and for the paths of `nodes`."""
+    scene, place = source.scene, _Placed(source, extras.scale)
+    some = [numbers[i] for i in evenly(0, len(numbers) - 1, SAMPLES)]
+    sample = np.stack([place(x) for x in configurations(source, some)])
+    look = look_of(scene, sample, source.settings)
+    low, high = series_bounds(scene, sample, look, extras, SAMPLES)
+    symbols = Symbols.of(source, extras.symbols, numbers) if extras.symbols else None
+    for k, x in zip(some, sample, strict=True) if symbols else ():
+        around = merge_bounds(symbols.shapes(k, x, look)) if symbols else None
+        if around is not None:
+            low, high = np.minimum(low, around[0]), np.maximum(high, around[1])
+    still: list[Shape] = trace_lines(scene, np.stack([place(x) for x in source.x()]), nodes) if nodes else []
+    still += place.undeformed(look)
+    if initial:
+        still += outline_shapes(scene, place(source.x(1)), look, source.settings.initial_colour or GHOST)
+    box = merge_bounds(still)
+    if box is not None:
+        low, high = np.minimum(low, box[0]), np.maximum(high, box[1])
+
+    def show(i: int) -> tuple[Sequence[Shape], str]:
+        k = numbers[i]
+        title = extras.title if extras.title is not None else place.title(step_text(source, k))
+        x = place(source.x(k))
+        more = symbols.shapes(k, x, look) if symbols else []
+        return [*mechanism_shapes(scene, x, look, extras), *more], title
+
+    note = symbols.legend if symbols else ""
+    return Series(source, extras, numbers, camera_of(scene, extras.view), (low, high), still, show, note)

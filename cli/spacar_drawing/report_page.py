@@ -17,7 +17,7 @@ from spacar_drawing.defaults import plain
 from spacar_drawing.files import evenly
 from spacar_drawing.history import axis_text, history_figure
 from spacar_drawing.look import SYMBOL, look_of
-from spacar_drawing.mechanism_picture import Extras, draw_steps
+from spacar_drawing.mechanism_picture import Extras, draw_steps, picture
 from spacar_drawing.mode_picture import constraint_still, mode_still
 from spacar_drawing.mode_shapes import (
     buckling_modes,
@@ -28,7 +28,6 @@ from spacar_drawing.mode_shapes import (
     vibration_modes,
 )
 from spacar_drawing.page_parts import html_figure, html_table, number_text, page
-from spacar_drawing.step_pictures import picture
 
 if TYPE_CHECKING:
 

@@ -11,10 +11,9 @@ from spacar.stroke import Flexure
 from spacar.stroke.flexure_results import Column
 from spacar_drawing.defaults import plain
 from spacar_drawing.files import evenly
-from spacar_drawing.mechanism_picture import Extras
+from spacar_drawing.mechanism_picture import Extras, picture
 from spacar_drawing.page_parts import folded, html_figure, html_table, page
 from spacar_drawing.picture_source import PictureSource, source_of_result
-from spacar_drawing.step_pictures import picture
 from spacar_drawing.stress_picture import stress_still
 from spacar_drawing.stroke_figures import all_figures, cell_text, matters, shown_column, stroke_tables, symbols
 

@@ -31,11 +31,10 @@ from spacar.errors import UsageError
 from spacar_drawing.drawn_shapes import merge_bounds
 from spacar_drawing.files import evenly
 from spacar_drawing.look import attachments, look_of
-from spacar_drawing.mechanism_picture import Extras, mechanism_shapes
+from spacar_drawing.mechanism_picture import Extras, mechanism_shapes, step_text
 from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.scene import Scene, positions
 from spacar_drawing.stage import view_angles
-from spacar_drawing.step_pictures import step_text
 from spacar_drawing.stress_picture import colour_range, courses
 from spacar_drawing.stresses import QUANTITIES
 from spacar_drawing.viewer_mesh import Draw, TriangleMesh, mesh_of

@@ -225,8 +225,8 @@ def test_plot_csv_to_a_file_and_to_the_output(results):
 
 def test_only_the_step_that_is_drawn_is_read(made, monkeypatch):
     """10 000 steps: the checksums of all other blocks stay unread (they are verified on reading)."""
+    from spacar_drawing.mechanism_picture import chosen_steps, configurations
     from spacar_drawing.picture_source import open_source
-    from spacar_drawing.step_pictures import chosen_steps, configurations
     from spacar_formats.sbf import SbfFile
 
     asked = []

@@ -8,13 +8,12 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from spacar_drawing.bodies import beam_lines
 from spacar_drawing.drawn_shapes import Faces, Line, Mark, convex_pieces, disc_outline, solid
 from spacar_drawing.files import MovingFigure
-from spacar_drawing.mechanism_picture import Extras, draw_steps
+from spacar_drawing.mechanism_picture import Extras, draw_steps, series
 from spacar_drawing.paint import paint
 from spacar_drawing.scene import Pose
 from spacar_drawing.sections import outline
 from spacar_drawing.settings import SectionShape
 from spacar_drawing.stage import Camera, new_figure
-from spacar_drawing.step_pictures import series
 
 from .models import result_source
 

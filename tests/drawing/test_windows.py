@@ -33,8 +33,7 @@ def test_show_without_display_is_refused(results, monkeypatch):
 
 
 def test_slider_shows_the_step(no_screen):
-    from spacar_drawing.mechanism_picture import Extras
-    from spacar_drawing.step_pictures import series
+    from spacar_drawing.mechanism_picture import Extras, series
 
     from .models import result_source
 

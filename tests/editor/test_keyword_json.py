@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from spacar_cli.commands.keywords import command
-from spacar_cli.keyword_json import keywords_json, textmate_grammar
+from spacar_cli.keyword_help import keywords_json, textmate_grammar
 
 from spacar.deck import parse_deck
 from spacar.deck.keyword_table import ALIASES, ELEMENT_TYPES, KEYWORDS

@@ -7,7 +7,7 @@ import sys
 
 SCRIPT = """
 import signal, sys, time
-from spacar_cli.interruption import lasting
+from spacar_cli.environment import lasting
 
 class Swallows:
     def __del__(self):

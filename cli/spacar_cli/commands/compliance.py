@@ -9,8 +9,8 @@ import click
 from spacar.deck.length_unit import shown_in
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
-from spacar_cli.number_types import Whole
 from spacar_cli.status import tell_notes
+from spacar_cli.vocabulary import Whole
 
 
 @words.command("compliance")

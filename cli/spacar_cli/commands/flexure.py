@@ -11,9 +11,9 @@ from spacar.errors import UsageError
 from spacar.options import BEAMS
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
-from spacar_cli.number_types import Whole
 from spacar_cli.row_output import put_rows
 from spacar_cli.status import tell, tell_messages, tell_notes
+from spacar_cli.vocabulary import Whole
 
 if TYPE_CHECKING:
     from spacar.stroke import Flexure

@@ -10,8 +10,8 @@ import click
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
-from spacar_cli.number_types import StepNumber
 from spacar_cli.status import tell_notes
+from spacar_cli.vocabulary import StepNumber
 
 
 @words.command("getss")

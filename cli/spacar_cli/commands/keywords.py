@@ -21,7 +21,7 @@ def command(environment: Environment, name: str | None, formats: str | None) -> 
     The blocks of a simulation (.sim files) are listed and explained too.
     """
     if formats is not None:
-        from spacar_cli.keyword_json import keywords_json, textmate_grammar
+        from spacar_cli.keyword_help import keywords_json, textmate_grammar
 
         if name is not None:
             raise UsageError("--to writes the whole table: without NAME", "usage")

@@ -20,9 +20,9 @@ from spacar_cli import accuracy_options
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 from spacar_cli.input_files import PIPED, STANDARD_INPUT, input_file, parse_piped, piped_text, result_stem
-from spacar_cli.number_types import Whole
 from spacar_cli.progress import Progress
 from spacar_cli.status import ExitStatus, tell, tell_error, tell_messages, tell_notes
+from spacar_cli.vocabulary import Whole
 
 if TYPE_CHECKING:
     from spacar_drawing.window import LivePlot

@@ -11,9 +11,9 @@ import click
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
-from spacar_cli.number_types import Whole
 from spacar_cli.row_output import put_rows
 from spacar_cli.status import tell
+from spacar_cli.vocabulary import Whole
 
 if TYPE_CHECKING:
     from spacar_drawing.picture_source import PictureSource

@@ -14,8 +14,8 @@ import click
 from spacar.errors import SpacarError, UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
-from spacar_cli.number_types import Real, Whole
 from spacar_cli.status import tell
+from spacar_cli.vocabulary import Real, Whole
 
 if TYPE_CHECKING:
     from spacar.symbolic.script import SymbolicModel

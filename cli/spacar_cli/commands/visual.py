@@ -10,7 +10,7 @@ from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.drawing_options import Choices, common
 from spacar_cli.environment import Environment
-from spacar_cli.number_types import Whole
+from spacar_cli.vocabulary import Whole
 
 QUANTITIES = ("N", "Qy", "Qz", "T", "My", "Mz", "B", "mises", "normal", "shear")
 

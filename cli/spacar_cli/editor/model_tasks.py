@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 from spacar_drawing.live_picture import free_motions, motion_model, motion_of_freedom, start_model, start_source
+from spacar_drawing.mechanism_picture import chosen_steps
 from spacar_drawing.mode_shapes import ModeShape, buckling_modes, open_matrices, vibration_modes
 from spacar_drawing.picture_source import PictureSource, open_source
-from spacar_drawing.step_pictures import chosen_steps
 from spacar_drawing.viewer_page import view_model
 from spacar_formats.safety import part_path
 

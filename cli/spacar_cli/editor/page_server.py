@@ -24,7 +24,7 @@ from spacar_drawing.viewer_page import STYLE, script_text, stage_html
 from spacar.errors import SpacarError
 from spacar_cli.editor.page_calls import PageCalls
 from spacar_cli.environment import Environment
-from spacar_cli.keyword_json import keywords_json
+from spacar_cli.keyword_help import keywords_json
 
 HOST = "127.0.0.1"
 LARGEST = 32_000_000  # bytes of a call
