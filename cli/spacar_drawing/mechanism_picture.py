@@ -13,7 +13,6 @@ import numpy as np
 from spacar_formats.getfrsbf import step_numbers
 
 from spacar.arrays import Array
-from spacar.errors import UsageError
 from spacar_drawing import look as colours
 from spacar_drawing.bodies import beam_lines, together
 from spacar_drawing.defaults import plain
@@ -161,9 +160,8 @@ def chosen_steps(source: PictureSource, steps: str | int | None, strobe: int | N
         return list(range(1, source.steps + 1))
     found = step_numbers(steps, source.steps)
     numbers = [found] if isinstance(found, int) else found
-    wrong = [k for k in numbers if not 1 <= k <= source.steps]
-    if wrong:
-        raise UsageError(f"step {wrong[0]} does not exist: {source.name} has steps 1 to {source.steps}", "files.step")
+    for k in numbers:
+        source.require(k)
     return numbers
 
 

@@ -89,6 +89,11 @@ class PictureSource:
             raise UsageError(f"{self.name}: coordinates of {step} are not finite or beyond 1e100", "draw.finite")
         return value
 
+    def require(self, k: int) -> None:
+        """Raises UsageError for a step that there is not."""
+        if not 1 <= k <= self.steps:
+            raise UsageError(f"step {k} does not exist: {self.name} has steps 1 to {self.steps}", "files.step")
+
     def time(self, k: int) -> float:
         return float(np.ravel(self.get("t", k))[0])
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES
+from spacar.errors import UsageError
 from spacar.modes import Mode, find_mode
 
 Flags = NDArray[np.bool_]
@@ -103,6 +104,18 @@ class Scene:
                 warping = tuple(int(self.ln[i, c]) for c in kind.warping)
                 found.append(Element(i + 1, keyword, kind.shape, p, p_turn, q, q_turn, warping))
         return tuple(found)
+
+    @cached_property
+    def bars(self) -> dict[int, Element]:
+        """Beams and trusses by number."""
+        return {e.number: e for e in self.elements if e.shape in ("beam", "truss")}
+
+    def bar(self, number: int, asked: str = "", code: str = "stress.element") -> Element:
+        """One of `bars`. Raises UsageError for another number; `asked` stands before its text."""
+        if number not in self.bars:
+            known = ", ".join(map(str, self.bars)) or "none"
+            raise UsageError(f"{asked}element {number} is no beam or truss; these are {known}", code)
+        return self.bars[number]
 
     @cached_property
     def ends(self) -> dict[int, list[tuple[Element, str]]]:

@@ -9,8 +9,7 @@ places of its points. A largest stress has the derivative of the point where it 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 from spacar_formats.sinks.result_header import sbd_header
@@ -24,7 +23,7 @@ from spacar.mechanism import Mechanism
 from spacar.modes import find_mode
 from spacar.stream import Run
 from spacar_drawing.picture_source import PictureSource
-from spacar_drawing.scene import Element, Scene
+from spacar_drawing.scene import Scene
 from spacar_drawing.sections import moments
 from spacar_drawing.settings import SectionShape, parse_settings
 from spacar_drawing.stresses import (
@@ -32,7 +31,6 @@ from spacar_drawing.stresses import (
     RESULTANTS,
     STRESSES,
     Resultants,
-    along,
     resultants,
     section_points,
     stress_field,
@@ -137,16 +135,10 @@ def stress_results(
     """
     chosen = list(range(1, source.steps + 1)) if steps is None else [int(k) for k in steps]
     for k in chosen:
-        if not 1 <= k <= source.steps:
-            raise UsageError(f"step {k} does not exist: {source.name} has steps 1 to {source.steps}", "files.step")
+        source.require(k)
     if points < 2:
         raise UsageError(f"{points} places along an element; at least 2 are needed", "stress.points")
-    bars = {e.number: e for e in source.scene.elements if e.shape in ("beam", "truss")}
-    wanted = list(bars) if elements is None else [int(n) for n in elements]
-    for number in wanted:
-        if number not in bars:
-            known = ", ".join(map(str, bars)) or "none"
-            raise UsageError(f"element {number} is no beam or truss; these are {known}", "stress.element")
+    wanted = [source.scene.bar(int(n)) for n in (source.scene.bars if elements is None else elements)]
     if not wanted:
         raise UsageError(f"{source.name} has no beams or trusses", "stress.element")
     shape = (len(chosen), len(wanted), points)
@@ -154,15 +146,11 @@ def stress_results(
     values |= {name: np.full(shape, np.nan) for name in STRESSES}
     places = {name: np.full((*shape, 2), np.nan) for name in STRESSES}
     states = [(np.ravel(source.get("sig", k)), np.ravel(source.get("e", k))) for k in chosen]
-    for m, number in enumerate(wanted):
-        element = bars[number]
-        found = [resultants(source.scene, element, sig, e, points) for sig, e in states]
-        every = _joined([r for r in found if r is not None])
+    for m, element in enumerate(wanted):
+        every = Resultants.joined([resultants(source.scene, element, sig, e, points) for sig, e in states])
         for name in RESULTANTS:
-            of_all = along(name, every, None)
-            assert of_all is not None
-            values[name][:, m] = of_all.reshape(len(chosen), points)
-        section = source.settings.section(number, element.shape == "truss")
+            values[name][:, m] = every.of(name).reshape(len(chosen), points)
+        section = source.settings.section(element.number, element.shape == "truss")
         if section is None or moments(section) is None:
             continue
         y, z = section_points(section)
@@ -170,34 +158,15 @@ def stress_results(
         parts = [
             [worst(name, *field) for name in STRESSES]
             for first in range(0, len(every.N), size)
-            for field in [stress_field(section, part_of(every, slice(first, first + size)))]
+            for field in [stress_field(section, every.part(slice(first, first + size)))]
         ]
         for j, name in enumerate(STRESSES):
             value, point = (np.concatenate([part[j][i] for part in parts]) for i in range(2))
             values[name][:, m] = value.reshape(len(chosen), points)
             places[name][:, m] = np.stack((y[point], z[point]), axis=-1).reshape(len(chosen), points, 2)
     t = np.array([float(np.ravel(source.get("t", k))[0]) for k in chosen])
-    return StressResults(np.array(chosen), t, np.array(wanted), np.linspace(0.0, 1.0, points), values, places)
-
-
-def _joined(parts: Sequence[Resultants]) -> Resultants:
-    """Resultants of several steps as those of one long element."""
-
-    def together(name: str) -> Any:
-        given = [getattr(r, name) for r in parts]
-        return None if given[0] is None else np.concatenate(given)
-
-    return Resultants(**{f.name: together(f.name) for f in fields(Resultants)})
-
-
-def part_of(r: Resultants, places: slice) -> Resultants:
-    """The resultants at some of their places."""
-
-    def part(name: str) -> Any:
-        value = getattr(r, name)
-        return None if value is None else value[places]
-
-    return Resultants(**{f.name: part(f.name) for f in fields(r)})
+    numbers = np.array([element.number for element in wanted])
+    return StressResults(np.array(chosen), t, numbers, np.linspace(0.0, 1.0, points), values, places)
 
 
 class StressDerivatives:
@@ -209,7 +178,6 @@ class StressDerivatives:
         self.scene = Scene.of_header(sbd_header(Run(find_mode(mode), mechanism)), deck.source)
         self.scenes = [_directed(self.scene, m) for m in directions]
         self.sections = [_sections(m) for m in directions]
-        self.bars = {e.number: e for e in self.scene.elements if e.shape in ("beam", "truss")}
 
     def __call__(
         self, name: str, numbers: Sequence[int], sigma: Array, e: Array, dsigma: Sequence[Array], de: Sequence[Array]
@@ -221,12 +189,15 @@ class StressDerivatives:
 
         Raises UsageError for elements, places and sections that there are not.
         """
-        element = self._bar(name, numbers)
+        element = self.scene.bar(numbers[0], f"{name}[{numbers[0]}]: ", "sensitivity.quantity")
+        if len(numbers) > 1 and numbers[1] > POINTS:
+            text = f"{name}[{numbers[0]},{numbers[1]}]: places along an element are 1 to {POINTS}, from p to q"
+            raise UsageError(text, "sensitivity.quantity")
         section = self.settings.section(element.number, element.shape == "truss")
-        r = _given(resultants(self.scene, element, sigma, e, POINTS))
+        r = resultants(self.scene, element, sigma, e, POINTS)
         point = np.zeros(POINTS, int)
         if name in RESULTANTS:
-            values = _along(name, r)
+            values = r.of(name)
         elif section is None or moments(section) is None:
             text = f"{name}[{element.number}]: the element has no cross-section; give BEAMSEC, BEAMVIS or CROSSTYPE"
             raise UsageError(text, "sensitivity.quantity")
@@ -235,45 +206,21 @@ class StressDerivatives:
         place = numbers[1] - 1 if len(numbers) > 1 else int(np.argmax(np.abs(values)))
         rates = []
         for scene, sections, ds, d in zip(self.scenes, self.sections, dsigma, de, strict=True):
-            r = _given(resultants(scene, element, sigma + 1j * STEP * ds, e + 1j * STEP * d, POINTS))
+            r = resultants(scene, element, sigma + 1j * STEP * ds, e + 1j * STEP * d, POINTS)
             if name in RESULTANTS:
-                moved = _along(name, r)[place]
+                moved = r.of(name)[place]
             else:
                 assert section is not None
                 moved = _stress(name, sections.get(element.number, section), r, place, int(point[place]))
             rates.append(moved.imag / STEP)
         return float(values[place]), np.array(rates)
 
-    def _bar(self, name: str, numbers: Sequence[int]) -> Element:
-        found = self.bars.get(numbers[0])
-        if found is None:
-            known = ", ".join(map(str, self.bars)) or "none"
-            text = f"{name}[{numbers[0]}]: element {numbers[0]} is no beam or truss; these are {known}"
-            raise UsageError(text, "sensitivity.quantity")
-        if len(numbers) > 1 and numbers[1] > POINTS:
-            text = f"{name}[{numbers[0]},{numbers[1]}]: places along an element are 1 to {POINTS}, from p to q"
-            raise UsageError(text, "sensitivity.quantity")
-        return found
-
-
-def _given(found: Resultants | None) -> Resultants:
-    assert found is not None  # beams and trusses have resultants
-    return found
-
-
-def _along(name: str, r: Resultants) -> Array:
-    found = along(name, r, None)
-    assert found is not None
-    return found
-
 
 def _stress(name: str, section: SectionShape, r: Resultants, place: int, point: int) -> complex:
     """At one place along an element and one point of its section."""
     y, z = section_points(section)
-    whole: dict[str, Any] = {f.name: getattr(r, f.name) for f in fields(r)}
-    part: dict[str, Any] = {k: None if v is None else v[place : place + 1] for k, v in whole.items()}
-    here = Resultants(**part)
-    normal, shear = (complex(a[0, 0]) for a in stress_field(section, here, (y[[point]], z[[point]])))
+    field = stress_field(section, r.part(slice(place, place + 1)), (y[[point]], z[[point]]))
+    normal, shear = (complex(a[0, 0]) for a in field)
     if name == "normal":
         return normal
     return shear if name == "shear" else (normal * normal + 3.0 * shear * shear) ** 0.5

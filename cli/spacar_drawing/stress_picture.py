@@ -27,7 +27,6 @@ from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.sections import inside, moments, outline
 from spacar_drawing.settings import PictureSettings, SectionShape
 from spacar_drawing.stage import INK, blank, dress, new_figure
-from spacar_drawing.stress_numbers import part_of
 from spacar_drawing.stresses import QUANTITIES, STRESSES, Resultants, along, of_quantity, resultants, stress_field
 
 if TYPE_CHECKING:
@@ -66,24 +65,18 @@ def section_stress(source: PictureSource, step: int, element: int, xi: float) ->
 
     Raises UsageError for steps and elements that there are not, and for one without a cross-section.
     """
-    if not 1 <= step <= source.steps:
-        raise UsageError(f"step {step} does not exist: {source.name} has steps 1 to {source.steps}", "files.step")
-    bars = {e.number: e for e in source.scene.elements if e.shape in ("beam", "truss")}
-    if element not in bars:
-        known = ", ".join(map(str, bars)) or "none"
-        raise UsageError(f"element {element} is no beam or truss; these are {known}", "stress.element")
+    source.require(step)
+    e = source.scene.bar(element)
     if not 0.0 <= xi <= 1.0:
         raise UsageError(f"place {xi:g} is not on the element: from 0 at p to 1 at q", "stress.place")
-    e = bars[element]
     section = source.settings.section(element, e.shape == "truss")
     if section is None or moments(section) is None:
         raise UsageError(
             f"element {element} has no cross-section: give BEAMSEC, BEAMVIS or CROSSTYPE", "stress.section"
         )
     every = resultants(source.scene, e, np.ravel(source.get("sig", step)), np.ravel(source.get("e", step)), PLACES)
-    assert every is not None
     i = round(xi * (PLACES - 1))
-    return SectionStress(section, part_of(every, slice(i, i + 1)), step, element, i / (PLACES - 1))
+    return SectionStress(section, every.part(slice(i, i + 1)), step, element, i / (PLACES - 1))
 
 
 @plain
@@ -143,10 +136,10 @@ def courses(scene: Scene, sig: Array, e: Array, settings: PictureSettings, quant
     """The quantity along every element that has it, in the unit of the scene. Raises UsageError when no element has."""
     found = []
     factor = shown_in(QUANTITIES[quantity][1], scene.metre)[0]
-    for element in scene.elements:
-        r = resultants(scene, element, sig, e, n)
-        if r is None or element.number in settings.hidden:
+    for element in scene.bars.values():
+        if element.number in settings.hidden:
             continue
+        r = resultants(scene, element, sig, e, n)
         values = along(quantity, r, settings.section(element.number, element.shape == "truss"))
         if values is not None:
             found.append(Course(element, factor * values))
@@ -198,12 +191,12 @@ def _surfaces(
     planar beams, around the outline of spatial ones."""
     found: list[tuple[Element, Array, Array, Array | None]] = []
     factor = shown_in(QUANTITIES[quantity][1], scene.metre)[0]
-    for element in scene.elements:
+    for element in scene.bars.values():
         section = settings.section(element.number, element.shape == "truss")
-        r = resultants(scene, element, sig, e, n)
         contour = outline(section, 40) if section is not None else None
-        if r is None or section is None or contour is None or element.number in settings.hidden:
+        if section is None or contour is None or element.number in settings.hidden:
             continue
+        r = resultants(scene, element, sig, e, n)
         points, y, z = (v[0] for v in beam_lines(scene, pose, [element], n))
         around = _finer(contour) if not scene.planar else _across(contour)
         middle = 0.5 * (around + np.roll(around, -1, axis=0)) if not scene.planar else 0.5 * (around[:-1] + around[1:])

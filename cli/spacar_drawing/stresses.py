@@ -31,7 +31,9 @@ Mises sqrt(sigma_x^2 + 3 tau^2). Points: a grid over the section, its outline in
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -74,6 +76,23 @@ class Resultants:
     Mz: Array
     B: Array | None = None
     Ts: Array | None = None
+
+    def of(self, name: str) -> Array:
+        """(n,) one of RESULTANTS."""
+        value: Array | None = getattr(self, name)
+        return np.zeros_like(self.N) if value is None else value
+
+    def part(self, places: slice) -> Resultants:
+        """Those at some of the places."""
+        found: dict[str, Any] = {name: None if v is None else v[places] for name, v in vars(self).items()}
+        return Resultants(**found)
+
+    @classmethod
+    def joined(cls, parts: Sequence[Resultants]) -> Resultants:
+        """Those of several steps as those of one long element."""
+        every = {name: [getattr(r, name) for r in parts] for name in vars(parts[0])}
+        found: dict[str, Any] = {k: None if v[0] is None else np.concatenate(v) for k, v in every.items()}
+        return cls(**found)
 
 
 def planar_end_moments(scene: Scene, e: Element, s: Array, deformation: Array) -> tuple[float, float]:
@@ -121,10 +140,8 @@ def section_forces(scene: Scene, e: Element, s: Array, d: Array, ends: tuple[flo
     return np.stack((force + part * (twice + once), force + part * (twice - once)), axis=1)
 
 
-def resultants(scene: Scene, e: Element, sig: Array, e_values: Array, n: int) -> Resultants | None:
-    """Stress resultants of a beam or truss at n places from p to q; None for other elements. sig, e_values (ne,)."""
-    if e.shape not in ("beam", "truss"):
-        return None
+def resultants(scene: Scene, e: Element, sig: Array, e_values: Array, n: int) -> Resultants:
+    """Stress resultants of a beam or truss at n places from p to q. sig, e_values (ne,)."""
     rows = scene.le[e.number - 1]
     s = np.where(rows > 0, sig[np.maximum(rows - 1, 0)], 0.0)
     l0 = scene.length[e.number - 1]
@@ -238,8 +255,7 @@ def _i_shear(section: SectionShape, m: Moments, y: Array, z: Array) -> tuple[Arr
 def along(quantity: str, r: Resultants, section: SectionShape | None) -> Array | None:
     """(n,) a quantity of QUANTITIES along an element; None when it needs a cross-section that is not given."""
     if quantity in RESULTANTS:
-        value: Array | None = getattr(r, quantity)
-        return np.zeros_like(r.N) if value is None else value
+        return r.of(quantity)
     if section is None or moments(section) is None:
         return None
     normal, shear = stress_field(section, r)

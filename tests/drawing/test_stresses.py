@@ -49,7 +49,7 @@ def test_spatial_cantilever_has_the_textbook_resultants():
 
 def test_hinges_have_no_resultants():
     source = result_source("finger", 0)
-    assert resultants(source.scene, source.scene.elements[1], np.zeros(20), np.zeros(20), 3) is None
+    assert source.scene.elements[1].number not in source.scene.bars
 
 
 @pytest.mark.parametrize("section", ALL_SECTIONS, ids=lambda s: s.shape)
