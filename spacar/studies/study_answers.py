@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from spacar.deck import Deck
 from spacar.registry import registered
 from spacar.studies.policies.trade import Entry, Reference
 from spacar.studies.runs.rows import Row
@@ -54,8 +55,10 @@ class SweepRows(list[Row]):
 class TradeAnswer:
     """What `spacar.trade` found.
 
-    best       the cheapest setting within `target`: `error`, `seconds`, `label`; None without one
-    options    of `spacar.run` for it;  command  the same on the command line, "" without one
+    best       the cheapest setting within `reached`: `error`, `seconds`, `label`; without one the most accurate
+    options    of `spacar.run` for it, on the model `deck`;  command  the same on the command line, "" where `deck` is
+               simpler than the model that was given
+    reached    `target`, or the error that could be reached within the budget
     entries    all settings that were tried;  reference  what they were compared with, and its own `error`
     skipped    settings that the budget left no time for
     """
@@ -69,15 +72,20 @@ class TradeAnswer:
     skipped: int = 0
     title: str = ""
     stationary: bool = False
+    reached: float = 0.0
+    deck: Deck | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         lines = [f"Trade for an error of {self.target:.3g} (that of the reference: {self.reference.error:.2e})"]
         shown = sorted((e for e in self.entries if not e.reason), key=lambda e: e.seconds)
         for entry in shown[:SHOWN]:
-            mark = "->" if entry is self.best else "  "
+            mark = "->" if entry == self.best else "  "
             how = " ".join(filter(None, entry.label))
             lines.append(f"{mark} {how:<40} error {entry.error:.2e} {entry.seconds:.4g} s")
-        return "\n".join([*lines, self.command or "none of the settings is accurate enough"])
+        if self.reached > self.target or (self.best and self.best.error > self.target):
+            lines.append("none of the settings is known to be accurate enough")
+        how = f"spacar.run({self.deck.mode}, answer.deck, **answer.options)" if self.deck else ""
+        return "\n".join([*lines, self.command or how])
 
     def plot(self, path: str | Path | None = None) -> Any:
         """The work-precision diagram, a matplotlib figure, also written to `path`."""

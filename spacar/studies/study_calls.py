@@ -16,10 +16,9 @@ from spacar.sources import Source, deck_of, has_interval
 from spacar.studies.assignments import Axis, combine, setting
 from spacar.studies.assignments import values as listed_values
 from spacar.studies.batched_cases import in_batches, is_motion, reason
-from spacar.studies.policies.budget import command_line, run_options, search
+from spacar.studies.policies.simplification import cheapest, command_line, run_options, simpler_deck
 from spacar.studies.policies.sweep import Batch, Study
 from spacar.studies.policies.sweep import sweep as swept
-from spacar.studies.policies.trade import recommend
 from spacar.studies.runs.quantities import quantity
 from spacar.studies.runs.rows import Row, Rows
 from spacar.studies.runs.setting import Trade, default_variables
@@ -92,7 +91,7 @@ def trade(
     source: Source, target: float = 1e-4, *, budget: float = 60.0, mode: int | None = None,
     variables: str | Sequence[str] = (), repeats: int = 3, **options: Any,
 ) -> TradeAnswer:  # fmt: skip
-    """The cheapest setting of the integration, or of the mesh in the stationary modes, whose error is within `target`.
+    """The cheapest model and setting of mesh and integration whose error is within `target`.
 
     source     path of the input file, a Deck or a Model
     target     error over the amplitude of the variables;  budget  seconds for everything
@@ -118,19 +117,15 @@ def trade(
     require_beams(deck, number)
     texts = (variables,) if isinstance(variables, str) else tuple(variables)
     chosen = tuple(map(quantity, texts)) or default_variables(number, deck)
-    asked = Trade(number, deck, chosen, repeats, options)
-    found = search(asked, target, budget)
+    asked = Trade(number, deck, chosen, repeats, options, named=bool(texts))
+    found, _ = cheapest(asked, target, budget)
     assert found.reference is not None  # search has said why otherwise
-    entries = found.entries
-    best = recommend(entries, target, found.reference)
-    command = ""
-    given: dict[str, Any] = {}
-    if best is not None and best.setup is not None:
-        command = command_line(asked, best.setup, deck.source)
-        given = run_options(asked, best.setup)
+    best, simpler = found.best, simpler_deck(asked, found.best)
+    given = {} if best is None or best.setup is None else run_options(asked, best.setup)
+    command = command_line(number, given, deck.source) if given and simpler is None else ""
     return TradeAnswer(
-        target, best, given, command, tuple(entries), found.reference, found.skipped,
-        f"{deck.source}, mode {number}", asked.stationary,
+        target, best, given, command, tuple(found.entries), found.reference, found.skipped,
+        f"{deck.source}, mode {number}", asked.stationary, found.goal, simpler or deck,
     )  # fmt: skip
 
 

@@ -14,7 +14,8 @@ from spacar.deck.rewrite.coarser import merged
 from spacar.deck.rewrite.refine import refine
 from spacar.deck.rewrite.simpler import rigid
 from spacar.errors import UsageError
-from spacar.studies.policies.simplification import prices
+from spacar.studies.policies.budget import TradeSearch
+from spacar.studies.policies.simplification import simplify, variations
 from spacar.studies.policies.trade import Reference
 from spacar.studies.runs.quantities import quantity
 from spacar.studies.runs.setting import Setup, Trade
@@ -44,28 +45,32 @@ def asked(text, variable, mode=7):
     deck = parse_deck(text, mode=mode)
     trade = Trade(mode, deck, (quantity(variable),), repeats=1)
     values = np.array([quantity(variable).series(spacar.run(mode, refine(deck, 8), beams="angle"))])
-    return trade, Reference(values, np.abs(values).max(axis=1), 0.0, "")
+    ref = Reference(values, np.abs(values).max(axis=1), 0.0, "")
+    found = TradeSearch(trade, 0.1, reference=ref, goal=0.1, tried=[Setup()])
+    found.run(Setup(), 60.0, 1)
+    return found
 
 
 def test_the_stiff_beam_is_named_and_the_soft_one_is_needed():
     """Deflection of the tip: without beam 1 it falls by some 1e-5 of itself, without beam 2 by all."""
-    trade, ref = asked(ARM, "x[5,2]")
-    found = {p.what: p for p in prices(trade, Setup(), ref, lambda: 60.0)}
-    one = spacar.run(7, rigid(trade.deck, (1,))).node(5, 2)
+    study = asked(ARM, "x[5,2]")
+    found, ref = {p.what: p for p in simplify(study)}, study.reference
+    one = spacar.run(7, rigid(study.trade.deck, (1,))).node(5, 2)
     error = np.abs(one - ref.values[0]).max() / ref.amplitude[0]
     assert found["the flexibility of beam 1"].error == pytest.approx(error)
-    assert found["the flexibility of beam 1"].line(0.1, 1.0).startswith("not needed for 0.1: the flexibility of beam 1")
-    assert found["the flexibility of beam 2"].line(0.1, 1.0).startswith("needed: the flexibility of beam 2")
+    assert found["the flexibility of beam 1"].line(0.1).startswith("not needed for 0.1: the flexibility of beam 1")
+    assert found["the flexibility of beam 2"].line(0.1).startswith("needed: the flexibility of beam 2")
 
 
 def test_rigid_beams_have_no_flexibility_to_leave_out():
-    trade, ref = asked(ARM, "x[5,2]")
-    assert list(prices(trade, Setup(beams="rigid"), ref, lambda: 60.0)) == []
+    study = asked(ARM, "x[5,2]")
+    assert list(variations(study.trade, Setup(beams="rigid"))) == []
 
 
 def test_nothing_is_looked_at_when_the_time_is_used():
-    trade, ref = asked(ARM, "x[5,2]")
-    assert list(prices(trade, Setup(), ref, lambda: 0.0)) == []
+    study = asked(ARM, "x[5,2]")
+    study.budget = 0.0
+    assert simplify(study) == []
 
 
 def test_merging_undoes_refinement(deck):

@@ -21,7 +21,7 @@ from spacar_cli.studying import ROWS, common, counted, say_table
 
 TABLES, DIAGRAMS = (".csv", ".json"), (".png", ".svg", ".pdf")
 CODES, TOLERANCES, JUDGES = "0,155,853", "1e-3:1e-9:7:log", "853,0"  # where only some of the lists are given
-STOPPED = "stopped after"  # in the reason of a setting that the budget ended
+STOPPED = "stopped"  # how the reason of a run begins that a cheaper one has ended
 HEADER = ("model", "integration", "error", "processor time [s]", "right-hand sides", "note")
 
 
@@ -38,9 +38,7 @@ HEADER = ("model", "integration", "error", "processor time [s]", "right-hand sid
 @words.option("target", default=1e-6)
 @words.option("repeats", default=3)
 @words.option("judges", "Default: 853,0; without lists, what suits the model.")
-@words.option(
-    "budget", ", when no settings are given as lists (-i, -t, --reference ...).", default=60.0
-)
+@words.option("budget", ", when no settings are given as lists (-i, -t, --reference ...).", default=60.0)
 @words.option("compiled", default=None)
 @words.option(
     "output", ": the table as .csv or .json, of which what is finished is kept in FILE.rows.jsonl and not run again; "
@@ -72,11 +70,11 @@ def command(
     if compiled is not None:
         options["compiled"] = compiled
     chosen = tuple(map(quantity, variables)) or default_variables(number, deck)
-    trade = Trade(number, deck, chosen, repeats, options)
+    trade = Trade(number, deck, chosen, repeats, options, named=bool(variables))
     require_beams(deck, number)
     lists = (integrators, tolerances, meshes, judges)
     if all(v is None for v in lists) and not (rigid or linear or perturbation) and jobs in (None, 1):
-        return _within_budget(environment, trade, target, budget, source.name, output, as_json)
+        return _within_budget(environment, trade, target, budget, source, output, as_json)
     integrators, tolerances = integrators or CODES, tolerances or TOLERANCES
     divided = _whole(meshes or "1", "--elements")
     cases = setups(
@@ -90,53 +88,62 @@ def command(
     ref = reference(trade, rows, against)
     entries = assess(trade, rows, cases, ref)
     best = recommend(entries, target, ref)
-    return _told(environment, trade, source.name, output, as_json, target, ref, entries, best)
+    return _told(environment, trade, source.name, output, as_json, (target, target), ref, entries, best)
 
 
 def _within_budget(
-    environment: Environment, trade: Any, target: float, budget: float, name: str, output: tuple[Path, ...],
+    environment: Environment, trade: Any, target: float, budget: float, source: Path, output: tuple[Path, ...],
     as_json: bool,
 ) -> ExitStatus:  # fmt: skip
     """The settings that suit the model, cheapest first, until the time is used; the recommendation as a command."""
-    from spacar.studies.policies.budget import command_line, search, unneeded
-    from spacar.studies.policies.trade import recommend
+    from spacar.studies.policies.simplification import cheapest, command_line, run_options, simpler_deck
 
     def tick(what: str, left: float) -> None:
         if environment.shows_progress:
             print(f"\r\x1b[K{what}, at most {left:.0f} s to go ", end="", file=environment.stderr, flush=True)
 
     try:
-        found = search(trade, target, budget, tick)
-        prices = unneeded(found, target, tick)
+        found, prices = cheapest(trade, target, budget, tick)
     finally:
         if environment.shows_progress:
             print("\r\x1b[K", end="", file=environment.stderr, flush=True)
     assert found.reference is not None  # search has said why otherwise
-    best = recommend(found.entries, target, found.reference)
-    command = "" if best is None or best.setup is None else command_line(trade, best.setup, name)
+    best, name, command = found.best, source.name, ""
+    simpler = simpler_deck(trade, best)
+    if simpler is not None:
+        name = _written(source, simpler.text)
+    if best is not None and best.setup is not None:
+        command = command_line(trade.mode, run_options(trade, best.setup), name)
     skipped = f"{found.skipped} settings were not tried: the budget of {budget:g} s is used (--budget)"
     lines = [skipped] if found.skipped else []
     lines += [
         f"the error of the mesh of beam {beam} is not known: it cannot be divided: {why}"
         for beam, why in found.undivided.items()
     ]
-    lines += [price.line(target, best.seconds if best is not None else math.nan) for price in prices]
+    lines += [price.line(found.goal) for price in prices]
+    lines += [command] if command else []
     more = {
         "command": command or None,
+        "reached": found.goal,
         "prices": [vars(p) | {"error": p.error if math.isfinite(p.error) else None} for p in prices],
         "undivided": {str(beam): why for beam, why in found.undivided.items()},
     }
-    lines += [command] if command else []
+    goals = target, found.goal
     return _told(
-        environment, trade, name, output, as_json, target, found.reference, found.entries, best, lines, more
+        environment, trade, source.name, output, as_json, goals, found.reference, found.entries, best, lines, more
     )
 
 
 def _told(
-    environment: Environment, trade: Any, name: str, output: tuple[Path, ...], as_json: bool, target: float, ref: Any,
-    entries: Any, best: Any, lines: Sequence[str] = (), more: Mapping[str, Any] = {},
+    environment: Environment, trade: Any, name: str, output: tuple[Path, ...], as_json: bool,
+    goals: tuple[float, float], ref: Any, entries: Any, best: Any, lines: Sequence[str] = (),
+    more: Mapping[str, Any] = {},
 ) -> ExitStatus:  # fmt: skip
-    """Write the files, print the table and the recommendation with further lines, or the document with more in it."""
+    """Write the files, print the table and the recommendation with further lines, or the document with more in it.
+
+    goals   the error that is asked for, and that for which the answer is given
+    """
+    target, goal = goals
     for path in output:
         if path.suffix.lower() in TABLES:
             _write(path, entries, ref, target, best)
@@ -150,13 +157,26 @@ def _told(
         environment.say(json.dumps(_document(entries, ref, target, best) | dict(more)))
     elif not environment.quiet:
         say_table(environment, HEADER, [_cells(e) for e in entries], None if best is None else entries.index(best))
-        reference = f"reference: {ref.text}; its estimated error is {ref.error:.2e}"
-        for line in (reference, _sentence(best, target, ref), *lines):
+        environment.say(f"reference: {ref.text}; its estimated error is {ref.error:.2e}")
+        if goal > target:
+            environment.say(f"{target:.3g} is not reached: within its time the reference has that error only")
+        if best is not None and best.error + ref.error > goal:
+            environment.say(f"no setting reaches {goal:.3g}; the most accurate one:")
+        for line in (_sentence(best, goal, ref), *lines):
             environment.say(line)
     for entry in entries:
-        if entry.reason and STOPPED not in entry.reason:
+        if entry.reason and not entry.reason.startswith(STOPPED):
             tell(environment, "warning", f"{' '.join(filter(None, entry.label))}: {entry.reason}")
     return ExitStatus.DONE
+
+
+def _written(source: Path, text: str) -> str:
+    """Name of the file, beside the given one, that has the recommended model."""
+    from spacar_formats.safety import write_text
+
+    path = source.with_name(f"{source.stem}.trade.dat")
+    write_text(path, text)
+    return path.name
 
 
 def _numbers(text: str) -> tuple[float, ...]:
@@ -196,9 +216,9 @@ def _rows(environment: Environment, trade: Any, wanted: list[Any], output: Path 
 
 
 def _cells(entry: Any) -> tuple[str, ...]:
-    note = "failed" if entry.reason else ""
-    if STOPPED in entry.reason or entry.estimate is not None:
-        note = "stopped" if STOPPED in entry.reason else f"estimates {entry.estimate:.2e}"
+    note = STOPPED if entry.reason.startswith(STOPPED) else "failed" if entry.reason else ""
+    if not note and entry.estimate is not None:
+        note = f"estimates {entry.estimate:.2e}"
     error = "" if math.isnan(entry.error) else f"{entry.error:.2e}"
     seconds = "" if math.isnan(entry.seconds) else f"{entry.seconds:.4g}"
     return (*entry.label, error, seconds, "" if entry.rhs is None else str(entry.rhs), note)

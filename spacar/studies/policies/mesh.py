@@ -32,7 +32,7 @@ from spacar.studies.runs.error_norm import distance
 from spacar.studies.runs.mesh_ladder import Found, difference, extrapolated, stalled
 from spacar.studies.runs.quantities import Quantity
 from spacar.studies.runs.record import Attempt, Computed, compute
-from spacar.studies.runs.tolerance_ladder import STIFF, TIGHTEST, ToleranceLadder
+from spacar.studies.runs.tolerance_ladder import EXPENSIVE, STIFF, TIGHTEST, ToleranceLadder
 from spacar.studies.runs.user_nodes import UserNodes
 
 GROUPS = {True: 12, False: 4}  # most groups that are divided one by one: stationary solutions, motions
@@ -68,6 +68,8 @@ class MeshSearch:
     variables: tuple[Quantity, ...] = ()
     meshes: list[Computed] = field(default_factory=list)
     attempts: list[Attempt] = field(default_factory=list)
+    end: float = np.inf  # as in `ToleranceLadder`, and the next
+    most_steps: float = EXPENSIVE
     in_time: float | None = None  # error that the integration may have; None: the settings of the file
 
     def __post_init__(self) -> None:
@@ -82,9 +84,12 @@ class MeshSearch:
         view = None if own is None else partial(_view, UserNodes(given, mechanism, parts), own.frames or ())
         run = Run(self.run.mode, mechanism)
         if self.run.mode.stationary:
-            found = compute(run, Attempt(0, None), self.variables, view=view, shown=given)
+            found = compute(run, Attempt(0, None), self.variables, view=view, shown=given, end=self.end)
         else:
-            found = self._integrated(ToleranceLadder(run, self.variables, self.attempts, view, given, hold=True), own)
+            ladder = ToleranceLadder(
+                run, self.variables, self.attempts, view, given, hold=True, end=self.end, most_steps=self.most_steps
+            )
+            found = self._integrated(ladder, own)
         found.pieces = pieces
         self.meshes.append(found)
         return found

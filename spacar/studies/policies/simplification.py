@@ -2,45 +2,50 @@
 
     rigid beams      all, and each one by itself: their dynamic deformations fixed
     linear strain    LDEFORM for every flexible beam
-    merged nodes     pairs of alike beams in one line as one, when they need not be divided
+    merged nodes     pairs of alike beams in one line as one
     transfer output  OUTLEVEL 0 0, where the file asks for transfer functions
 
-All with the mesh, measure and integration of a chosen setting, against the reference of the study.
+All with the mesh, measure and integration of the cheapest setting, against the reference of the study. What is not
+needed is left out, one after the other; the methods are tried again on the model that is left, which may have lost its
+fastest vibrations. It is recommended where it saves time.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from shlex import quote
 from typing import Any
 
 import numpy as np
 
+from spacar.calls import frames
 from spacar.deck import Deck
-from spacar.deck.rewrite.coarser import merged
-from spacar.deck.rewrite.refine import divisible_beams, flexible_beams
-from spacar.deck.rewrite.simpler import linear_strain, rigid
+from spacar.deck.rewrite.refine import flexible_beams
 from spacar.errors import SpacarError
-from spacar.studies.policies.trade import Reference
-from spacar.studies.runs.compared import GENERAL
-from spacar.studies.runs.error_norm import distance
-from spacar.studies.runs.setting import Setup, Trade, setup_options, timed_values, variant
+from spacar.studies.policies.budget import Tick, TradeSearch, search
+from spacar.studies.policies.trade import Entry
+from spacar.studies.runs.setting import Setup, Trade, variant
 
 MOST_BEAMS = 6  # of a model whose beams are looked at one by one
+LONGEST = 10.0  # times the cheapest setting: what is dearer saves nothing
+SAVED = 0.95  # time over that of the cheapest setting, at most, of what is left out
 
 
 @dataclass(frozen=True)
 class Price:
-    """A variation: its error in the norm of the study [amplitudes], its time [s] and how it is written."""
+    """A variation: its error in the norm of the study [amplitudes], its time and that of the setting itself [s], and
+    how it is written."""
 
     what: str
     how: str
     error: float
     seconds: float
+    instead: float
 
-    def line(self, target: float, seconds: float) -> str:
-        """A sentence; `seconds` of the setting itself."""
-        times = f"{self.seconds:.3g} s instead of {seconds:.3g} s"
+    def line(self, target: float) -> str:
+        """A sentence."""
+        times = f"{self.seconds:.3g} s instead of {self.instead:.3g} s"
         if self.error <= target:
             return f"not needed for {target:.3g}: {self.what}; without, error {self.error:.2e}, {times}: {self.how}"
         if not np.isfinite(self.error):
@@ -48,54 +53,137 @@ class Price:
         return f"needed: {self.what}; without, error {self.error:.2e}, {times}"
 
 
-def prices(
-    trade: Trade, setup: Setup, ref: Reference, left: Callable[[], float], tick: Callable[[str], None] = lambda _: None
-) -> Iterator[Price]:
-    """Every variation that the model has and that runs, while time is `left()` [s]."""
-    base = variant(trade.deck, setup)
-    options = setup_options(trade, setup, base)
-    for what, how, make, extra in _variations(trade, setup):
-        if left() <= 0.0:
-            return
-        tick(what)
-        try:
-            deck = make(trade.deck)
-            deck = variant(deck, setup) if divisible_beams(deck)[0] else deck
-            values, seconds = timed_values(trade, setup, deck, options | extra, left(), ref.names)
-        except SpacarError:
-            continue  # the model has no such variation, or cannot be computed with it
-        there = np.asarray(np.isfinite(values).all(axis=1))
-        if not there.any():
-            continue
-        error = distance(values[there], ref.values[there], ref.amplitude[there])
-        lost = [name for name, has in zip(ref.names, there.tolist(), strict=False) if not has]
-        if any(word in name for name in lost for word in GENERAL):
-            error = np.inf  # a missing node is no loss, a missing frequency is one
-        yield Price(what, how, error, seconds)
+def cheapest(
+    trade: Trade, target: float, budget: float, tick: Tick = lambda _what, _left: None
+) -> tuple[TradeSearch, list[Price]]:
+    """The search of all settings within `budget` seconds, and the prices of what the cheapest one has. Raises as
+    `search` does."""
+    found = search(trade, target, budget, tick)
+    prices = simplify(found)
+    without_compiler(found)
+    return found, prices
 
 
-Variation = tuple[str, str, Callable[[Deck], Deck], dict[str, Any]]
+def simplify(found: TradeSearch) -> list[Price]:
+    """The prices of what the cheapest setting has, as far as the budget goes; `found` is searched on without what is
+    not needed."""
+    best, ref = found.best, found.reference
+    if best is None or best.setup is None or ref is None:
+        return []
+    prices: list[Price] = []
+    simpler: list[tuple[float, Setup]] = []
+    for what, how, setup in variations(found.trade, best.setup):
+        if found.left() <= 0.1:
+            return prices
+        row = found.run(setup, min(found.left(), LONGEST * best.seconds * found.trade.repeats), found.trade.repeats)
+        if row["status"] == "done":
+            price = Price(what, how, found.error(row) - ref.error, row["seconds"], best.seconds)
+            prices.append(price)
+            if price.error + ref.error <= found.goal:
+                simpler.append((price.seconds, setup))
+    chosen = best.setup
+    for _, setup in sorted(simpler, key=lambda one: one[0]):
+        both = _both(chosen, setup, best.setup)
+        row = found.run(both, min(found.left(), LONGEST * best.seconds * found.trade.repeats), found.trade.repeats)
+        if row["status"] == "done" and found.error(row) <= found.goal:
+            chosen = both
+            if row["seconds"] < SAVED * best.seconds:
+                found.tried.append(both)
+    if chosen is not best.setup and not found.trade.stationary:
+        model = replace(chosen, integrator=None, tolerance=None)
+        ladders = [[s for s in ladder if s != chosen] for ladder in found.ladders([model])]
+        found.climb([ladder for ladder in ladders if ladder], SAVED * best.seconds, 1.0)
+    return prices
 
 
-def _variations(trade: Trade, setup: Setup) -> Iterator[Variation]:
+def without_compiler(found: TradeSearch) -> None:
+    """The cheapest setting with equations in NumPy, unless the user has chosen, or there is no other engine."""
+    best, trade = found.best, found.trade
+    if best is None or best.setup is None or trade.stationary or "compiled" in trade.options or found.left() <= 0.1:
+        return
+    setup = replace(best.setup, general=True)
+    found.run(setup, min(found.left(), best.seconds * trade.repeats), trade.repeats)
+    found.tried.append(setup)
+
+
+def variations(trade: Trade, setup: Setup) -> Iterator[tuple[str, str, Setup]]:
+    """What it is, how it is written, and the setting without it; those that this model has."""
     deck = trade.deck
     beams = [n for n, modes in flexible_beams(deck).items() if "DYNE" in modes.values()]
-
-    def same(d: Deck) -> Deck:
-        return d
-
-    if beams and setup.beams != "rigid":
-        yield "flexible beams", f"leave out DYNE {', '.join(map(str, beams))}", rigid, {}
-        if 1 < len(beams) <= MOST_BEAMS:
-            for beam in beams:
-                one = _rigid_one(beam)
-                yield f"the flexibility of beam {beam}", f"leave out DYNE {beam}", one, {}
-        yield "second-order terms of the deformations", f"LDEFORM {', '.join(map(str, beams))}", linear_strain, {}
-        if setup.elements == 1:
-            yield "nodes between beams in one line", "one beam in the place of two", lambda d: merged(d)[0], {}
+    if beams and setup.beams == "flexible":
+        one = MOST_BEAMS >= len(beams) > 1
+        yield from _known(deck, "flexible beams", f"leave out DYNE {_list(beams)}", replace(setup, beams="rigid"))
+        for beam in beams if one else ():
+            single = replace(setup, beams=f"rigid {beam}")
+            yield from _known(deck, f"the flexibility of beam {beam}", f"leave out DYNE {beam}", single)
+        linear = replace(setup, strain="linear")
+        yield from _known(deck, "second-order terms of the deformations", f"LDEFORM {_list(beams)}", linear)
+        merged = replace(setup, merged=True)
+        yield from _known(deck, "nodes between beams in one line", "one beam in the place of two", merged)
     if any(v for s in deck.of("OUTLEVEL") for v in s.values if isinstance(v, int)):
-        yield "transfer functions in the output", "OUTLEVEL 0 0", same, {"log_level": 0, "sbd_level": 0}
+        yield "transfer functions in the output", "OUTLEVEL 0 0", replace(setup, transfer=False)
 
 
-def _rigid_one(beam: int) -> Callable[[Deck], Deck]:
-    return lambda deck: rigid(deck, (beam,))
+def _known(deck: Deck, what: str, how: str, setup: Setup) -> Iterator[tuple[str, str, Setup]]:
+    """The same, of a model that exists."""
+    try:
+        variant(deck, setup)
+    except SpacarError:
+        return
+    yield what, how, setup
+
+
+def _both(chosen: Setup, other: Setup, given: Setup) -> Setup:
+    """Without what `chosen` and `other` leave out of `given`."""
+    changed = {name: value for name, value in vars(other).items() if value != vars(given)[name]}
+    if "beams" in changed and "rigid" not in (chosen.beams, other.beams):
+        numbers = {*chosen.beams.split()[1:], *other.beams.split()[1:]}
+        changed["beams"] = " ".join(["rigid", *sorted(numbers, key=int)])
+    return replace(chosen, **changed)
+
+
+def _list(numbers: list[int]) -> str:
+    return ", ".join(map(str, numbers))
+
+
+def simpler_deck(trade: Trade, best: Entry | None) -> Deck | None:
+    """The model of a setting that options cannot make from the file; None where they can."""
+    setup = None if best is None else best.setup
+    if setup is None:
+        return None
+    plain = Setup(beams=setup.beams, strain=setup.strain, merged=setup.merged, transfer=setup.transfer)
+    return None if plain in (Setup(), Setup(beams="rigid")) else variant(trade.deck, plain)
+
+
+def run_options(trade: Trade, setup: Setup) -> dict[str, str | int | float]:
+    """The options of `spacar.run` for a setting, on the model of the file or on `simpler_deck`."""
+    options: dict[str, str | int | float] = {}
+    if setup.elements != 1 and setup.beams != "rigid":
+        options["elements"] = setup.elements
+    if setup == replace(setup, beams="rigid", strain="full", merged=False, transfer=True):
+        options["rigid_beams"] = True
+    if setup.measure:
+        options["beams"] = setup.measure
+    if setup.integrator is not None:
+        options["integrator"] = setup.integrator
+    if setup.tolerance is not None:
+        settings = frames(trade.mode, trade.deck, **trade.options).mechanism.settings
+        ratio = settings.atol / settings.rtol if settings.rtol > 0.0 else 1.0
+        options |= {"rtol": setup.tolerance, "atol": setup.tolerance * ratio}
+    if setup.general or trade.options.get("compiled") is False:
+        options["compiled"] = False
+    return options | {name: trade.options[name] for name in ("duration", "n_steps") if name in trade.options}
+
+
+def command_line(mode: int, options: dict[str, Any], name: str) -> str:
+    """The run with these options as words for the shell."""
+    flags = {"duration": "--time", "n_steps": "--steps"}
+    words = ["spacar", str(mode), quote(name)]
+    for option, value in options.items():
+        if option == "compiled":
+            words.append("--general")
+        elif option == "rigid_beams":
+            words.append("--rigid")
+        else:
+            words += [flags.get(option, f"--{option}"), f"{value:.3g}" if option in ("rtol", "atol") else str(value)]
+    return " ".join(words)

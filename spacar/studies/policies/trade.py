@@ -14,7 +14,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators.methods import METHODS
-from spacar.studies.runs.compared import row_values
+from spacar.studies.runs.compared import GENERAL, row_values
 from spacar.studies.runs.error_norm import distance
 from spacar.studies.runs.extrapolation import extrapolate
 from spacar.studies.runs.rows import Row
@@ -136,14 +136,25 @@ def assess(
         if row["status"] != "done":
             entries.append(Entry(setup, label, float("nan"), float("nan"), None, str(row["reason"])))
             continue
-        found = row_values(row, ref.names)
-        values[setup] = found, row["seconds"]
-        rhs, error = row["rhs"] or None, distance(found, ref.values, ref.amplitude)
-        reason = "it has not all frequencies or load multipliers of the finer meshes" if np.isnan(error) else ""
-        entries.append(Entry(setup, label, error, row["seconds"], rhs, reason))
+        values[setup] = row_values(row, ref.names), row["seconds"]
+        error, reason = row_error(row, ref, trade)
+        entries.append(Entry(setup, label, error, row["seconds"], row["rhs"] or None, reason))
     if trade.stationary and extrapolated:
         entries += _extrapolated(values, ref)
     return entries
+
+
+def row_error(row: Row, ref: Reference, trade: Trade) -> tuple[float, str]:
+    """The error of a finished row; inf, and why, when it lacks what counts: a frequency, a load multiplier, a variable
+    that the user named. A node that it does not have is no loss."""
+    values = row_values(row, ref.names)
+    there = np.asarray(np.isfinite(values).all(axis=1))
+    lost = [name for name, has in zip(ref.names, there.tolist(), strict=False) if not has]
+    if not there.any() or any(word in name for name in lost for word in GENERAL):
+        return np.inf, "it has not all frequencies or load multipliers of the finer meshes"
+    if lost and trade.named:
+        return np.inf, f"it has no {lost[0]}"
+    return distance(values[there], ref.values[there], ref.amplitude[there]), ""
 
 
 def _extrapolated(values: dict[Setup, tuple[Array, float]], ref: Reference) -> list[Entry]:

@@ -7,6 +7,7 @@ These are the expressions that the user gives; without them coordinates in motio
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -25,11 +26,17 @@ from spacar.studies.runs.rows import Row
 GENERAL = ("eigenvalue", "load multiplier")  # words in the names of variables that belong to no node
 
 
-def compared(deck: Deck, mode: int, variables: Sequence[Quantity], result: Result) -> Assessed:
-    """The variables that count in a result of `deck` or of one with more nodes. Raises UsageError."""
+def compared(
+    deck: Deck, mode: int, variables: Sequence[Quantity], result: Result, fewer: bool = False
+) -> Assessed:
+    """The variables that count in a result of `deck` or of one with more nodes, or (`fewer`) with fewer: then those of
+    nodes that it does not have are nan. Raises UsageError."""
     if variables:
-        values = np.array([real_series(v, result) for v in variables])
-        return Assessed(tuple(v.text for v in variables), values, amplitudes(values, find_mode(mode).stationary))
+        values = np.full((len(variables), len(result.frames)), np.nan)
+        for row, variable in zip(values, variables, strict=True):
+            with suppress(*[UsageError] * fewer):
+                row[:] = real_series(variable, result)
+        return Assessed(tuple(v.name for v in variables), values, amplitudes(values, find_mode(mode).stationary))
     n = build(deck, mode).numbering
     own = {n.x_name(i) for i in range(n.nx)}
     found = assessed(result.mechanism, mode, result.frames, (), stationary=True)

@@ -52,11 +52,12 @@ class Computed:
 
 def compute(
     run: Run, attempt: Attempt, variables: tuple[Quantity, ...], *, view: View | None = None,
-    shown: Mechanism | None = None, hold: bool = True,
+    shown: Mechanism | None = None, hold: bool = True, end: float = np.inf,
 ) -> Computed:  # fmt: skip
     """Run to the end; its cost, or why it failed, is written into `attempt`. Raises AnalysisError.
 
     view   frame and its number to the frame that counts, of the mechanism `shown`;  hold  keep frames of any size
+    end    processor time at which the run is stopped, at the next output [s]
     """
     shown, stationary = shown or run.mechanism, run.mode.stationary
     held = hold or bool(variables) or _size(run) <= KEPT
@@ -69,6 +70,7 @@ def compute(
             x.append(seen.x)
             if held:
                 frames.append(seen)
+            require_time(end, frame.t)
     except AnalysisError as error:
         attempt.reason = str(error)
         raise
@@ -78,6 +80,14 @@ def compute(
     plain = not variables and not stationary
     found = coordinates(shown, every) if plain else assessed(shown, run.mode.number, frames, variables, stationary)
     return Computed(run, attempt, every, frames if held else None, found)
+
+
+def require_time(end: float, t: float | None) -> None:
+    """Raises AnalysisError 'study.stopped' when the processor time is beyond `end` [s]; t: where the run is."""
+    if time.process_time() > end:
+        where = "" if t is None else f" at t = {t:.6g}"
+        text = f"stopped{where}: a cheaper setting is better, or the budget is used"
+        raise AnalysisError(text, "study.stopped")
 
 
 def _size(run: Run) -> int:

@@ -9,18 +9,18 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array
 from spacar.calls import frames
 from spacar.deck import Deck
+from spacar.deck.rewrite.coarser import merged
+from spacar.deck.rewrite.rebuild import rebuilt, rows
 from spacar.deck.rewrite.refine import refine, refine_divisible
 from spacar.deck.rewrite.simpler import linear_strain, rigid
-from spacar.errors import AnalysisError, UsageError
+from spacar.errors import UsageError
 from spacar.integrators.methods import METHODS
 from spacar.mechanism import build
 from spacar.mechanism.user_files import model_digest
@@ -29,8 +29,9 @@ from spacar.options import integrator
 from spacar.result import Result
 from spacar.studies.perturbation import perturbation, require_perturbation
 from spacar.studies.policies.sweep import explain
-from spacar.studies.runs.compared import aligned, compared, real_series
+from spacar.studies.runs.compared import compared
 from spacar.studies.runs.quantities import Quantity, quantity
+from spacar.studies.runs.record import require_time
 from spacar.studies.runs.rows import Row, key
 
 MOST_VARIABLES = 600  # that are compared when the user names none
@@ -39,7 +40,8 @@ LONG = 1.0  # seconds, after which a run with a limit is not repeated: its time 
 
 @dataclass(frozen=True)
 class Setup:
-    """One way to compute. `elements` per beam of the file; beams flexible or rigid; strain full or linear (LDEFORM).
+    """One way to compute. `elements` per beam of the file; beams flexible, "rigid" or "rigid 1 3" (these); strain full
+    or linear (LDEFORM); `merged`: alike beams in one line are one; `transfer`: output of OUTLEVEL as in the file.
 
     `integrator`, `tolerance` (relative; the absolute one keeps its ratio of ERROR) of variable step codes, `substeps`
     per output step of fixed step codes; None in the stationary modes. `method` full, or perturbation (with `substeps`).
@@ -54,15 +56,18 @@ class Setup:
     method: str = "full"
     measure: str = ""  # of the deformations of beams, "angle" or "sine"; "": that of the file
     general: bool = False  # equations in NumPy where they could be in C
+    merged: bool = False
+    transfer: bool = True
 
     @property
     def model(self) -> str:
         """Model in words."""
-        if self.beams == "rigid":
-            return "rigid beams"
-        text = "as given" if self.elements == 1 else f"{self.elements} elements a beam"
-        text += f", {self.measure} measure" if self.measure else ""
-        return f"{text}, linear strain" if self.strain == "linear" else text
+        parts = ["rigid beams"]
+        if self.beams != "rigid":
+            parts = ["as given" if self.elements == 1 else f"{self.elements} elements a beam"]
+            parts += [f"{self.measure} measure"] * bool(self.measure) + [self.beams] * (self.beams != "flexible")
+        parts += ["linear strain"] * (self.strain == "linear") + ["merged beams"] * self.merged
+        return ", ".join(parts + ["OUTLEVEL 0 0"] * (not self.transfer))
 
     @property
     def integration(self) -> str:
@@ -88,6 +93,7 @@ class Trade:
     variables: tuple[Quantity, ...]
     repeats: int = 3
     options: dict[str, Any] = field(default_factory=dict)
+    named: bool = False  # did the user choose the variables?
 
     @property
     def stationary(self) -> bool:
@@ -156,11 +162,17 @@ def setups(
 
 def variant(deck: Deck, setup: Setup) -> Deck:
     """The model of a setup. Raises UsageError when the deck has no such variant."""
-    if setup.beams == "rigid":
-        return rigid(deck)
+    if setup.beams != "flexible":
+        deck = rigid(deck, map(int, setup.beams.split()[1:]))
+    if setup.merged:
+        deck = merged(deck)[0]
     if setup.strain == "linear":
         deck = linear_strain(deck)
-    return refine_divisible(deck, setup.elements)[0] if setup.elements != 1 else deck
+    if not setup.transfer:
+        kept = [s for s in deck.statements if s.keyword != "OUTLEVEL"]
+        first, second, third = rows(kept)
+        deck = rebuilt(deck, first, [*second, ("OUTLEVEL", 0, 0)], third, what=" (OUTLEVEL 0 0)")
+    return refine_divisible(deck, setup.elements)[0] if setup.elements != 1 and setup.beams != "rigid" else deck
 
 
 def run_setup(job: Job) -> Row:
@@ -177,7 +189,7 @@ def run_setup(job: Job) -> Row:
             seconds.append(time.process_time() - begun)
             if job.limit is not None and ((len(seconds) + 1) * seconds[-1] > job.limit or sum(seconds) > LONG):
                 break
-        found = compared(trade.deck, trade.mode, trade.variables, result)
+        found = compared(trade.deck, trade.mode, trade.variables, result, fewer=setup.merged)
         row["names"], row["values"] = list(found.names), found.values.tolist()
         row["amplitude"] = [a if np.isfinite(a) else None for a in found.amplitude]
         row["seconds"] = float(np.median(seconds))
@@ -185,28 +197,8 @@ def run_setup(job: Job) -> Row:
         row["status"] = "done"
     except Exception as error:
         row["reason"] = explain(error)
+        row["stopped"] = getattr(error, "code", "") == "study.stopped"
     return row
-
-
-def timed_values(
-    trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any], limit: float, names: Sequence[str] = ()
-) -> tuple[Array, float]:
-    """The variables (variables, times) of one model with these options, and its time [s], the least of three runs.
-    Rows of variables that this model does not have are nan; `names` as in `Reference`. Raises SpacarError.
-    """
-    seconds: list[float] = []
-    while not seconds or (len(seconds) < min(trade.repeats, 3) and sum(seconds) < 0.5 * limit):
-        begun = time.process_time()
-        result = _run(trade, setup, deck, options, limit)
-        seconds.append(time.process_time() - begun)
-    if not trade.variables:
-        found = compared(trade.deck, trade.mode, trade.variables, result)
-        return aligned(dict(zip(found.names, found.values, strict=True)), names, len(result.frames)), min(seconds)
-    values = np.full((len(trade.variables), len(result.frames)), np.nan)
-    for row, variable in zip(values, trade.variables, strict=True):
-        with suppress(UsageError):
-            row[:] = real_series(variable, result)
-    return values, min(seconds)
 
 
 def _run(trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any], limit: float | None = None) -> Result:
@@ -219,10 +211,8 @@ def _run(trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any], limit:
     found = []
     for frame in run:
         found.append(frame)
-        if time.process_time() > end and len(found) != run.n_frames:
-            at = f"at t = {frame.t:.6g}"
-            text = f"stopped after {limit:.3g} s {at}: a cheaper setting is better, or the budget is used"
-            raise AnalysisError(text, "study.stopped")
+        if len(found) != run.n_frames:
+            require_time(end, frame.t)
     return Result(run.mechanism, trade.mode, tuple(found), tuple(run.report.lines), run.header.copy())
 
 

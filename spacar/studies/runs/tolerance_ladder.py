@@ -68,11 +68,13 @@ class ToleranceLadder:
     view: Callable[[Frame, int], Frame] | None = None
     shown: Mechanism | None = None
     hold: bool = False
+    end: float = np.inf  # processor time at which runs are stopped [s]; then they begin with the loosest tolerance
+    most_steps: float = EXPENSIVE  # of stability, up to which methods are explicit
     ratio: float | None = None  # of the absolute error over the tolerance, that the motion asks for
     coarse: bool = False  # the last run had one that was much larger
 
     def __post_init__(self) -> None:
-        self.methods = STIFF if stiff(self.run) else EXPLICIT
+        self.methods = STIFF if stiff(self.run, self.most_steps) else EXPLICIT
 
     def compute(self, integrator: int, tolerance: float | None) -> Computed:
         """One run; `tolerance` None: with the settings of the file. Raises AnalysisError."""
@@ -84,7 +86,9 @@ class ToleranceLadder:
             settings = replace(settings, integrator=integrator, rtol=tolerance, atol=tolerance * ratio, step=None)
         self.attempts.append(Attempt(integrator, tolerance))
         run = Run(find_mode(1), replace(mechanism, settings=settings))
-        found = compute(run, self.attempts[-1], self.variables, view=self.view, shown=self.shown, hold=self.hold)
+        found = compute(
+            run, self.attempts[-1], self.variables, view=self.view, shown=self.shown, hold=self.hold, end=self.end
+        )
         if tolerance is not None and found.frames is not None:
             extent = Extent(self.shown or run.mechanism)
             extent.take(found.frames)
@@ -112,16 +116,21 @@ class ToleranceLadder:
 
     def climb(self, target: float) -> tuple[Computed, Computed]:
         """The last run, with its estimated error, and the one before; ends when that is within the target, or when no
-        more is to be had."""
+        more is to be had, within the time."""
         methods, turn = self.methods, 0
         tolerance = min(max(FIRST[methods] * target, TIGHTEST * GAIN[methods]), LOOSEST)
+        if self.end < np.inf:
+            tolerance = LOOSEST
         before: Computed | None = None
+        pair: tuple[Computed, Computed] | None = None
         last, gained_before = np.inf, 1.0
         while True:
             code = methods[min(turn, len(methods) - 1)]
             try:
                 now = self.compute(code, tolerance)
-            except AnalysisError:
+            except AnalysisError as error:
+                if error.code == "study.stopped" and pair is not None:
+                    return pair
                 # A loose tolerance may leave the range of the model where a tight one does not.
                 if tolerance <= TIGHTEST or sum(bool(a.reason) for a in self.attempts) > 1:
                     raise
@@ -145,13 +154,14 @@ class ToleranceLadder:
             if (now.error <= target and enough) or tolerance <= TIGHTEST or rounding:
                 now.error = now.error if now.error <= target else d
                 return now, before
+            pair = now, before
             before, last, gained_before = now, d, gained
             wish = MARGIN * target / max(now.error, MARGIN * target)
             tolerance = max(tolerance * min(max(wish, FURTHEST), NEAREST), TIGHTEST)
 
 
-def stiff(run: Run) -> bool:
-    """Would explicit methods follow the highest frequency of the start state in too many small steps?"""
+def stiff(run: Run, most_steps: float = EXPENSIVE) -> bool:
+    """Would explicit methods follow the highest frequency of the start state in more than so many small steps?"""
     mechanism, duration = run.mechanism, run.mechanism.settings.duration
     evaluator = Dynamics(mechanism)
     if not has_forces(evaluator.model):
@@ -161,4 +171,4 @@ def stiff(run: Run) -> bool:
         return bool(mechanism.stiffness[2].any())
     jacobian, _ = state_jacobian(evaluator, 0.0, y)
     fastest = float(np.abs(np.linalg.eigvals(jacobian)).max(initial=0.0))
-    return fastest * (duration or 0.0) / STABLE > EXPENSIVE
+    return fastest * (duration or 0.0) / STABLE > most_steps
