@@ -58,16 +58,9 @@ def checksbf(name: str | os.PathLike[str]) -> SbfCheck:
                 damage.append(f"{ident} ({record.rows} x {record.cols}) does not fit into memory")
                 values.append("")
         return SbfCheck(
-            str(file.path),
-            file.kind,
-            STATES.get(file.state, "being written, or killed while writing"),
-            file.steps,
-            file.directory.header,
-            file.directory.steps,
-            tuple(values),
-            tuple(damage),
-            tuple(notes(file)),
-        )
+            str(file.path), file.kind, STATES.get(file.state, "being written, or killed while writing"), file.steps,
+            file.directory.header, file.directory.steps, tuple(values), tuple(damage), tuple(notes(file)),
+        )  # fmt: skip
 
 
 def listing(check: SbfCheck) -> list[str]:

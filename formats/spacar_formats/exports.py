@@ -106,12 +106,9 @@ def header_table(file: SbfFile, ids: tuple[str, ...]) -> dict[str, np.ndarray]:
 
 
 def export_file(
-    name: str | os.PathLike[str],
-    kind: str,
-    idents: Sequence[str] = (),
-    formats: Sequence[str] = (),
+    name: str | os.PathLike[str], kind: str, idents: Sequence[str] = (), formats: Sequence[str] = (),
     output: str | os.PathLike[str] | None = None,
-) -> tuple[list[Path], list[str]]:
+) -> tuple[list[Path], list[str]]:  # fmt: skip
     """Export the result `name` of a kind, all variables or only `idents`; returns the files written and warnings.
 
     Without `output` the target is `NAME.sbd.npz` (`.sbm.npz`) beside the result, in each of the formats

@@ -77,14 +77,9 @@ def _read(path: Path) -> tuple[Nominal, str | None]:
         arrays: dict[str, Any] = {name: _rows(file, name) for name in ("x", "xd", "xdd", "e", "ed", "edd", "sig")}
         arrays |= {name: np.asarray(file.header[name]).astype(np.int64) for name in ("lnp", "le", "ln")}
         nominal = Nominal(
-            name=path.name,
-            t=file.array("T").ravel(),
-            **arrays,
-            keywords=tuple(str(k) for k in file.header["ETYPE"]),
-            n_fixed=int(fixed),
-            n_given=int(fixed + prescribed),
-            mode=mode,
-        )
+            name=path.name, t=file.array("T").ravel(), **arrays, keywords=tuple(str(k) for k in file.header["ETYPE"]),
+            n_fixed=int(fixed), n_given=int(fixed + prescribed), mode=mode,
+        )  # fmt: skip
         if MODES[mode].gives_setpoints:
             nominal = replace(nominal, u0=_inputs(path.with_suffix(".ltv"), len(nominal.t)))
         return nominal, stale_note(file)

@@ -106,13 +106,9 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
 
 
 def _read(
-    part: PlainLines | Raw,
-    keyword: Keyword,
-    outline: Outline,
-    findings: Findings,
-    groups: list[StatementGroup],
+    part: PlainLines | Raw, keyword: Keyword, outline: Outline, findings: Findings, groups: list[StatementGroup],
     lost: list[Raw],
-) -> None:
+) -> None:  # fmt: skip
     """Add what a part of the text says to the groups: plain lines together where nothing about them is unusual, halves
     of them where something is, and what remains by its words; what cannot be read to the lost."""
     if isinstance(part, PlainLines):

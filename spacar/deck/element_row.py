@@ -18,16 +18,10 @@ BODY_MODES = tuple((f"displacement along direction {i}", "m") for i in (1, 2, 3)
 
 
 def element_type(
-    keyword: str,
-    title: str,
-    code: int,
-    planar: bool,
-    nodes: tuple[tuple[str, ...], tuple[str, ...]],
-    modes: tuple[tuple[str, str], ...],
-    geometry: tuple[Parameter, ...] = (),
-    counts: tuple[int, ...] = (),
+    keyword: str, title: str, code: int, planar: bool, nodes: tuple[tuple[str, ...], tuple[str, ...]],
+    modes: tuple[tuple[str, str], ...], geometry: tuple[Parameter, ...] = (), counts: tuple[int, ...] = (),
     **facts: Any,
-) -> ElementType:
+) -> ElementType:  # fmt: skip
     """A row; `facts` are the other fields of `ElementType`."""
     roles, names = nodes
     counts = counts or (1 + len(roles) + len(geometry),)

@@ -146,13 +146,9 @@ def _once(statements: Sequence[Statement], findings: Findings) -> None:
 
 
 def _use(
-    s: Statement,
-    plain: Sequence[Statement],
-    sections: Mapping[str, _GivenSection | None],
-    materials: Mapping[str, Material | None],
-    outline: Outline,
-    findings: Findings,
-) -> tuple[_GivenSection, Material, SectionConstants] | None:
+    s: Statement, plain: Sequence[Statement], sections: Mapping[str, _GivenSection | None],
+    materials: Mapping[str, Material | None], outline: Outline, findings: Findings,
+) -> tuple[_GivenSection, Material, SectionConstants] | None:  # fmt: skip
     """Section, material and constants of a BEAMSEC; None after an error."""
     number = s.integer(0)
     kind = outline.types.get(number)

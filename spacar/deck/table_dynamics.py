@@ -39,12 +39,9 @@ XM_FORMS = (
 _PER_LENGTH = real("mass per length", "kg/m")
 _JS = vector("", "Jx'x' Jy'y' Jz'z' Jy'z'", "kg m", 0.0)
 _FLOW = (
-    real("tube mass per length", "kg/m"),
-    real("fluid mass per length", "kg/m", 0.0),
-    real("mass flow rate", "kg/s", 0.0),
-    real("flow shape factor", "", 1.0),
-    integer("end condition 0-3", default=0),
-)
+    real("tube mass per length", "kg/m"), real("fluid mass per length", "kg/m", 0.0),
+    real("mass flow rate", "kg/s", 0.0), real("flow shape factor", "", 1.0), integer("end condition 0-3", default=0),
+)  # fmt: skip
 _WOUND = (real("angle wound over the first pulley", "rad", 0.0), real("angle wound over the second pulley", "rad", 0.0))
 # Form of EM that a type names -> positions behind the element number, allowed counts.
 MASS_FORMS = {

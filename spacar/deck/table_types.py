@@ -229,11 +229,9 @@ class ElementType:
             end = name[0] if name[1:2] == " " else "q" if ("p", role) in found else "p"
             found[end, role] = place
         return (
-            found.get(("p", "position")),
-            found.get(("p", "orientation")),
-            found.get(("q", "position")),
+            found.get(("p", "position")), found.get(("p", "orientation")), found.get(("q", "position")),
             found.get(("q", "orientation")),
-        )
+        )  # fmt: skip
 
     @property
     def warping(self) -> tuple[int, ...]:
@@ -245,13 +243,9 @@ class ElementType:
 def traits_of(kind: ElementType) -> frozenset[str]:
     """What a check asks of all elements of a model at once."""
     found = {
-        "not supported": not kind.supported,
-        "slips": kind.slips,
-        "axial": kind.axial,
-        "warping": kind.warping,
-        "released": kind.released,
-        "carries flow": kind.carries_flow,
-    }
+        "not supported": not kind.supported, "slips": kind.slips, "axial": kind.axial, "warping": kind.warping,
+        "released": kind.released, "carries flow": kind.carries_flow,
+    }  # fmt: skip
     return frozenset([trait for trait, has in found.items() if has])
 
 
@@ -286,13 +280,9 @@ def span(first: int, last: int) -> tuple[int, ...]:
 
 
 def form(
-    parameters: tuple[Parameter, ...],
-    *counts: int,
-    space: str = "",
-    role: str = "",
-    types: str = "",
+    parameters: tuple[Parameter, ...], *counts: int, space: str = "", role: str = "", types: str = "",
     components: bool = False,
-) -> Variant:
+) -> Variant:  # fmt: skip
     """A variant; without counts every parameter up to the last one without default is needed."""
     if not counts:
         needed = max((i + 1 for i, p in enumerate(parameters) if p.default is None), default=0)

@@ -155,14 +155,9 @@ UNMOVED = 1e-9  # of the size: a fixed coordinate that a path names with the dig
 
 
 def _leg(
-    mechanism: Mechanism,
-    report: Report,
-    number: int,
-    statements: tuple[Statement, ...],
-    begin: float,
-    x: Array,
+    mechanism: Mechanism, report: Report, number: int, statements: tuple[Statement, ...], begin: float, x: Array,
     e: Array,
-) -> Leg:
+) -> Leg:  # fmt: skip
     values = next(s for s in statements if s.keyword == "TRTIME").values
     duration, steps = float(values[0]), int(np.prod([int(v) for v in values[1:]]))
     leg = Leg(number, statements, begin, duration, steps, x, e)

@@ -66,17 +66,11 @@ def along(mechanism: Mechanism, deck: Deck) -> Mechanism:
     node_batches(batches, n, lumped_inertia.lumped(deck, n, batches))
     additional = mechanism.additional is not None
     return replace(
-        mechanism,
-        deck=deck,
-        x0=x0,
-        batches=tuple(batches),
-        loads=inputs.loads(deck, n, kind=complex),
+        mechanism, deck=deck, x0=x0, batches=tuple(batches), loads=inputs.loads(deck, n, kind=complex),
         additional=inputs.loads(deck, n, "DEL", kind=complex) if additional else None,
-        additional_drive=inputs.additional_drive(deck, n, complex),
-        drive=inputs.drive(deck, n, x0),
-        start=inputs.start(deck, n, x0),
-        deformation_inertia=lumped_inertia.deformation_inertia(deck, n),
-    )
+        additional_drive=inputs.additional_drive(deck, n, complex), drive=inputs.drive(deck, n, x0),
+        start=inputs.start(deck, n, x0), deformation_inertia=lumped_inertia.deformation_inertia(deck, n),
+    )  # fmt: skip
 
 
 def reference_configuration(deck: Deck, numbering: Numbering, kind: type = float) -> Array:

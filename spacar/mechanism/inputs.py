@@ -50,13 +50,10 @@ def loads(deck: Deck, numbering: Numbering, prefix: str = "", kind: type = float
         for place, value in zip(numbering.e_places[number].tolist(), values, strict=False):
             preload[place] = value
     return Loads(
-        force=force,
-        moment=np.array(moments, kind) if moments else np.zeros((0, 3), kind),
-        moment_rows=np.array(rows).T if rows else np.zeros((4, 0), np.int64),
-        gravity=gravity,
-        preload=preload,
+        force=force, moment=np.array(moments, kind) if moments else np.zeros((0, 3), kind),
+        moment_rows=np.array(rows).T if rows else np.zeros((4, 0), np.int64), gravity=gravity, preload=preload,
         flow=_flow(deck, numbering, prefix),
-    )
+    )  # fmt: skip
 
 
 def _flow(deck: Deck, numbering: Numbering, prefix: str) -> dict[int, float]:

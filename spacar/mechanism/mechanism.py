@@ -44,24 +44,18 @@ class Loads:
 
     def scaled(self, factor: float) -> Loads:
         return Loads(
-            self.force * factor,
-            self.moment * factor,
-            self.moment_rows,
-            self.gravity * factor,
-            self.preload * factor,
+            self.force * factor, self.moment * factor, self.moment_rows, self.gravity * factor, self.preload * factor,
             {k: v * factor for k, v in self.flow.items()},
-        )
+        )  # fmt: skip
 
     def plus(self, other: Loads) -> Loads:
         """The sum of two sets of loads of the same mechanism."""
         return Loads(
-            self.force + other.force,
-            np.concatenate((self.moment, other.moment)),
-            np.concatenate((self.moment_rows, other.moment_rows), axis=1),
-            self.gravity + other.gravity,
+            self.force + other.force, np.concatenate((self.moment, other.moment)),
+            np.concatenate((self.moment_rows, other.moment_rows), axis=1), self.gravity + other.gravity,
             self.preload + other.preload,
             {k: self.flow.get(k, 0.0) + other.flow.get(k, 0.0) for k in {*self.flow, *other.flow}},
-        )
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -349,18 +349,10 @@ def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -
     places[order[nx : nx + first]] = ascending[:first]
     places[order[nx + first : nx + ne - more]] = ascending[first + more : ne]
     return Numbering(
-        planar=planar,
-        types=tuple(types),
-        roles=roles,
-        nx=nx,
-        ne=ne,
-        x_class=_slices(x_counts, X_ORDER),
-        e_class=_slices(e_counts, E_ORDER),
-        x_places=places[:of_nodes].reshape(-1, 4),
-        e_places=places[of_nodes:].reshape(-1, width),
-        turning=turning,
-        normalized=slice(first, first + more),
-    )
+        planar=planar, types=tuple(types), roles=roles, nx=nx, ne=ne, x_class=_slices(x_counts, X_ORDER),
+        e_class=_slices(e_counts, E_ORDER), x_places=places[:of_nodes].reshape(-1, 4),
+        e_places=places[of_nodes:].reshape(-1, width), turning=turning, normalized=slice(first, first + more),
+    )  # fmt: skip
 
 
 NO_PLACES = np.zeros(0, np.int64)

@@ -208,12 +208,9 @@ class Flexure:
             return found + of("line", "deviation from the line", "m", e.line_error)
         tilt = [] if self.node.planar else of("tilt", "tilt of the axis", "rad", e.tilt)
         return [
-            *found,
-            Column("angle", "rotation about the axis", "rad", e.angle),
-            *of("pivot", "pivot shift", "m", e.pivot_shift),
-            *tilt,
-            *of("pole", "pole", "m", e.pole),
-        ]
+            *found, Column("angle", "rotation about the axis", "rad", e.angle),
+            *of("pivot", "pivot shift", "m", e.pivot_shift), *tilt, *of("pole", "pole", "m", e.pole),
+        ]  # fmt: skip
 
     def _stiffness_columns(self, body: bool) -> list[Column]:
         found = []

@@ -223,13 +223,9 @@ class ProjectedSolution:
 
 
 def integrate(
-    manifold: Manifold,
-    f: Callable[..., Any],
-    times: np.ndarray,
-    y0: np.ndarray,
-    method: str,
+    manifold: Manifold, f: Callable[..., Any], times: np.ndarray, y0: np.ndarray, method: str,
     options: Mapping[str, Any],
-) -> ProjectedSolution:
+) -> ProjectedSolution:  # fmt: skip
     """Integrate and keep to the constraints: outputs are projected, and so is the state when it has drifted."""
     from scipy import integrate as scipy_integrate
 

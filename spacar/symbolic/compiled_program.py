@@ -48,11 +48,9 @@ class CompiledFunction:
     """f(t, y) -> ẏ with f.jac, f.inputs, f.outputs and f.accel like the generated Python, computed in C."""
 
     def __init__(
-        self,
-        program: OrderedProgram,
-        values: Mapping[str, float],
+        self, program: OrderedProgram, values: Mapping[str, float],
         feeds: Mapping[str, Callable[..., float]] | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         numbers = check_values(program, values)
         check_feeds(program, feeds)
         self.program = program

@@ -73,12 +73,9 @@ def constraint_rows(system: Description, read: Callable[[sp.Expr], sp.Expr] = tr
             position[number] = read(constraint.position)
     return ConstraintRows(
         tuple(c.name for c in system.constraints),
-        sp.Matrix(len(rows), len(system.speeds), [c for row in rows for c in row]),
-        tuple(bias),
-        tuple(velocity),
-        position,
-        tuple(c.force for c in system.constraints),
-    )
+        sp.Matrix(len(rows), len(system.speeds), [c for row in rows for c in row]), tuple(bias), tuple(velocity),
+        position, tuple(c.force for c in system.constraints),
+    )  # fmt: skip
 
 
 def check_constraints(system: Description) -> None:

@@ -279,11 +279,9 @@ class Description:
         self.loads.append(Load(vector.xreplace(self.rates), point=point))
 
     def torque(
-        self,
-        frame: ReferenceFrame | CrossSection,
-        vector: Vector,
+        self, frame: ReferenceFrame | CrossSection, vector: Vector,
         reaction: ReferenceFrame | CrossSection | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         """A torque on a frame, with the opposite torque on the frame `reaction`. A motor at a tip reacts on the tip."""
         _demand_vector("torque", vector)
         on, by = (f.frame if isinstance(f, CrossSection) else f for f in (frame, reaction))

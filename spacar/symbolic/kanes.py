@@ -28,16 +28,8 @@ def from_kanes_method(kane: KanesMethod, title: str = "") -> SymbolicEquations:
     system.coordinates, system.speeds = list(kane.q), list(kane.u)
     system.rates = {q.diff(TIME): kinematics[q.diff(TIME)] for q in kane.q}
     return SymbolicEquations(
-        system=system,
-        strategy="kane",
-        coordinates=tuple(kane.q),
-        speeds=tuple(kane.u),
-        kinematics={q: kinematics[q.diff(TIME)] for q in kane.q},
-        definitions={},
-        mass_matrix=sp.ImmutableMatrix(kane.mass_matrix),
-        rhs=sp.ImmutableMatrix(kane.forcing),
-        held_by_speed={},
-        table=ZTable(),
-        cosines=DirectionCosines(),
-        seconds=0.0,
-    )
+        system=system, strategy="kane", coordinates=tuple(kane.q), speeds=tuple(kane.u),
+        kinematics={q: kinematics[q.diff(TIME)] for q in kane.q}, definitions={},
+        mass_matrix=sp.ImmutableMatrix(kane.mass_matrix), rhs=sp.ImmutableMatrix(kane.forcing), held_by_speed={},
+        table=ZTable(), cosines=DirectionCosines(), seconds=0.0,
+    )  # fmt: skip

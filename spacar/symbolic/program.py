@@ -76,16 +76,12 @@ def make_program(eq: DerivedEquations, outputs: dict[str, Any]) -> EquationProgr
     values = {name: eq.scalar(v) for name, v in outputs.items()}
     n, c = len(eq.speeds), eq.constraints
     results = {
-        "mass": [eq.mass_matrix[i, j] for i in range(n) for j in range(i, n)],
-        "rhs": list(eq.rhs),
-        "rates": list(eq.kinematics.values()),
-        "matrix": list(c.matrix) if c else [],
-        "bias": list(c.bias) if c else [],
-        "velocity": list(c.velocity) if c else [],
-        "position": list(c.position.values()) if c else [],
+        "mass": [eq.mass_matrix[i, j] for i in range(n) for j in range(i, n)], "rhs": list(eq.rhs),
+        "rates": list(eq.kinematics.values()), "matrix": list(c.matrix) if c else [], "bias": list(c.bias) if c else [],
+        "velocity": list(c.velocity) if c else [], "position": list(c.position.values()) if c else [],
         "turning": [rate.diff(s) for rate in eq.kinematics.values() for s in eq.speeds] if c else [],
         "outputs": list(values.values()),
-    }
+    }  # fmt: skip
     flat = [e for group in results.values() for e in group]
     order = definition_order(eq.table.definitions, flat)
     definitions = {z: eq.table.definitions[z] for z in order}
@@ -121,24 +117,15 @@ def make_program(eq: DerivedEquations, outputs: dict[str, Any]) -> EquationProgr
         groups[key] = flat[start : start + len(group)]
         start += len(group)
     return EquationProgram(
-        title=eq.system.title,
-        parameters=tuple(parameters),
-        coordinates=tuple(states[: len(eq.coordinates)]),
-        speeds=tuple(states[len(eq.coordinates) :]),
-        inputs=inputs,
-        once=once,
-        step=step,
-        mass=tuple(groups["mass"]),
-        rhs=tuple(groups["rhs"]),
-        rates=tuple(groups["rates"]),
-        outputs=dict(zip(values, groups["outputs"], strict=True)),
-        accelerations=tuple(unknowns[:n]),
+        title=eq.system.title, parameters=tuple(parameters), coordinates=tuple(states[: len(eq.coordinates)]),
+        speeds=tuple(states[len(eq.coordinates) :]), inputs=inputs, once=once, step=step, mass=tuple(groups["mass"]),
+        rhs=tuple(groups["rhs"]), rates=tuple(groups["rates"]),
+        outputs=dict(zip(values, groups["outputs"], strict=True)), accelerations=tuple(unknowns[:n]),
         constraints=_constrained(c, groups, tuple(unknowns[n:])) if c else None,
         fields=tuple(rule[s] for beam in eq.system.beams for s in (*beam.coordinates, *beam.speeds)),
         positive=_signs(eq, parameters),
-        quaternions=tuple(tuple(map(eq.coordinates.index, e)) for e in eq.system.quaternions),
-        seconds=eq.seconds,
-    )
+        quaternions=tuple(tuple(map(eq.coordinates.index, e)) for e in eq.system.quaternions), seconds=eq.seconds,
+    )  # fmt: skip
 
 
 def _constrained(rows: ConstraintRows, groups: dict[str, list[sp.Expr]], forces: tuple[sp.Symbol, ...]) -> Constrained:

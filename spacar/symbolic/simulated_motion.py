@@ -87,11 +87,9 @@ def check_feeds(program: OrderedProgram, feeds: Mapping[str, Callable[..., float
 
 
 def make_function(
-    program: OrderedProgram,
-    values: Mapping[str, float],
-    jacobian: bool = False,
+    program: OrderedProgram, values: Mapping[str, float], jacobian: bool = False,
     feeds: Mapping[str, Callable[..., float]] | None = None,
-) -> Any:
+) -> Any:  # fmt: skip
     """The generated Python right-hand side f(t, y) for parameter values, with f.jac, f.inputs, f.outputs, f.accel.
 
     The Jacobian takes most of the time: it is derived at once where `jacobian` says that it will be needed, otherwise

@@ -160,20 +160,12 @@ def derive(system: Description, strategy: str, recurrence: bool = True) -> Symbo
     needed = [*derivation.mass_matrix, *derivation.rhs, *kinematics.values(), *rows, *places]
     order = definition_order(table.definitions, needed)
     return SymbolicEquations(
-        system=system,
-        strategy=strategy,
-        coordinates=tuple(system.coordinates),
-        speeds=tuple(system.speeds),
-        kinematics=kinematics,
-        definitions={z: table.definitions[z] for z in order},
-        mass_matrix=sp.ImmutableMatrix(derivation.mass_matrix),
-        rhs=sp.ImmutableMatrix(derivation.rhs),
-        held_by_speed=derivation.held,
-        table=table,
-        cosines=derivation.cosines,
-        seconds=time.perf_counter() - start,
+        system=system, strategy=strategy, coordinates=tuple(system.coordinates), speeds=tuple(system.speeds),
+        kinematics=kinematics, definitions={z: table.definitions[z] for z in order},
+        mass_matrix=sp.ImmutableMatrix(derivation.mass_matrix), rhs=sp.ImmutableMatrix(derivation.rhs),
+        held_by_speed=derivation.held, table=table, cosines=derivation.cosines, seconds=time.perf_counter() - start,
         constraints=constraints,
-    )
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

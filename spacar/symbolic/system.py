@@ -32,14 +32,9 @@ class MultibodySystem(Description):
     """
 
     def beam(
-        self,
-        name: str,
-        frame: ReferenceFrame | CrossSection,
-        root: GeometricPoint,
-        length: Any,
-        mass: Any,
+        self, name: str, frame: ReferenceFrame | CrossSection, root: GeometricPoint, length: Any, mass: Any,
         **properties: Any,
-    ) -> Beam:
+    ) -> Beam:  # fmt: skip
         """A beam along axis 1 of `frame` from `root`; the properties are those of `beams.make_beam`."""
         beam = make_beam(
             self, name, frame.frame if isinstance(frame, CrossSection) else frame, root, length, mass, **properties

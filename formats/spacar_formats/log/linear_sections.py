@@ -40,13 +40,8 @@ def eigenvalues(n: Numbering, frame: Frame) -> list[str]:
         size = float(modulus[i])
         rows.append([k, re, im, size, size / (2 * pi), f"{-re / size:.9f}" if size else "-"])
     heads = [
-        "number",
-        "real part [1/s]",
-        "imaginary part [rad/s]",
-        "modulus [rad/s]",
-        "frequency [Hz]",
-        "damping ratio",
-    ]
+        "number", "real part [1/s]", "imaginary part [rad/s]", "modulus [rad/s]", "frequency [Hz]", "damping ratio",
+    ]  # fmt: skip
     lines = ["Eigenvalues of the state matrix", "", *table(heads, rows), ""]
     if "eigvre" not in m:
         return lines

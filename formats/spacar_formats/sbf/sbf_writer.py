@@ -41,13 +41,9 @@ class SbfWriter:
     """
 
     def __init__(
-        self,
-        path: str | os.PathLike[str],
-        kind: str,
-        header: Mapping[str, Value],
-        step_variables: Mapping[str, tuple[int, int]],
-        file: BinaryIO | None = None,
-    ) -> None:
+        self, path: str | os.PathLike[str], kind: str, header: Mapping[str, Value],
+        step_variables: Mapping[str, tuple[int, int]], file: BinaryIO | None = None,
+    ) -> None:  # fmt: skip
         head = build(kind, header, step_variables)
         self.path = Path(path)
         self.steps = 0

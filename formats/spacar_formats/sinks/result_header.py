@@ -20,11 +20,9 @@ def provenance(run: Run) -> dict[str, Any]:
     """Which program, from which input: the text variables of files.md section 9."""
     deck = run.mechanism.deck
     return {
-        "VERSION": f"spacar {spacar.__version__}",
-        "SOURCE": deck.source,
-        "SHA256": deck.sha256,
+        "VERSION": f"spacar {spacar.__version__}", "SOURCE": deck.source, "SHA256": deck.sha256,
         "MODE": run.mode.number,
-    }
+    }  # fmt: skip
 
 
 def sbd_header(run: Run, stored: Container[str] = ()) -> dict[str, Any]:
