@@ -99,12 +99,15 @@ class InLanes:
 
         A start that is far from the reference configuration is reached over that of one of the cases, which is asked
         for then; its `largest_mass` is for the size of all and refuses and accepts nothing.
-        Raises AnalysisError where the start of a case cannot be reached from there.
+        Raises AnalysisError where the start of a case cannot be reached from there, and where e of one case tells no
+        other one its branch (belts).
         """
         out, y0, checked = self._out.ctypes.data, self.y0.ctypes.data, is_checked(self.numbering)
         status = self.solver.start(self.state, y0, out, checked)
         if status >= 0 and status != FAR_AWAY:
             return checked and status != DOUBTFUL_MASS
+        if any(batch.family.has_own_branch for batch in self.model.mechanism.batches):
+            raise not_followed(0.0)
         state, mechanism, placed = self.state, self.model.mechanism, find_placed()
         there = self.solver.x0 + (placed.x - mechanism.x0)[:, None]
         state.begin(there, placed.e[:, None])

@@ -46,6 +46,16 @@ def test_every_case_is_its_single_run(decks, code):
             np.testing.assert_allclose(result[name], single[name], atol=10 * OPTIONS["rtol"] * size, err_msg=name)
 
 
+def test_belts_that_start_turns_away():
+    """The turns of a belt in one case are not those of another one: alone, or the exact start stress -EA/l r_q phi."""
+    text = "PLBELT 1 1 2 3 4 .05 {} X 3 .5 0 FIX 1 FIX 2 FIX 3 DYNX 4 RLSE 1 END HALT ESTIFF 1 1e3 XM 4 .01"
+    text += " STARTDX 4 1 30 0 TIMESTEP .1 2 END END"
+    radii = (0.049, 0.0499, 0.05, -0.03, 0.3)
+    for r, result in zip(radii, ensemble([parse_deck(text.format(r), mode=1) for r in radii]), strict=True):
+        exact = -1e3 / np.sqrt(0.25 - (0.05 - r) ** 2) * r * 30
+        assert result is None or result["sig"][0] == pytest.approx(exact, rel=1e-12)
+
+
 def test_threads_change_nothing(decks):
     one, two = (ensemble(decks, threads=k, **OPTIONS) for k in (1, 2))
     for a, b in zip(one, two, strict=True):
