@@ -48,6 +48,8 @@ def why_not_of(mechanism: Mechanism) -> str:
         return "there is no TIMESTEP"
     if not mechanism.numbering.nddof:
         return "nothing is integrated"
+    if not mechanism.numbering.is_square:
+        return "constraints and unknowns differ in number"
     if METHODS[settings.integrator].needs_jacobian:
         return "implicit methods need a dense Jacobian"
     if settings.integrator in WITHOUT_LANES:

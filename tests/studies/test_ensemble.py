@@ -98,6 +98,12 @@ def test_what_has_no_batch(deck, name, options, why):
     assert re.search(why, why_not(deck(name, 1), **options))
 
 
+@pytest.mark.parametrize("given", ["FIX 3", ""])  # one condition too many, one too few
+def test_an_ill_defined_mechanism_has_no_batch(given):
+    text = f"PLTRUSS 1 1 2 PLTRUSS 2 2 3 X 2 1 0 X 3 2 0 FIX 1 {given} DYNX 2 1 END HALT XM 2 1 TIMESTEP 1 2 END END"
+    assert "differ in number" in why_not(parse_deck(text, mode=1))
+
+
 @LANES
 def test_user_functions_have_batches():
     scenarios = Path(__file__).parents[2] / "benchmarks" / "peers" / "scenarios"
