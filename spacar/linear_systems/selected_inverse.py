@@ -25,6 +25,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from scipy.sparse import coo_array
 
 from spacar.arrays import Array, Index
 from spacar.linear_systems.banded import BandedSystem
@@ -111,9 +112,8 @@ def _structure(n: int, L: Any, low: Index, high: Index) -> list[Index]:
     row = np.concatenate((L.indices, low))
     column = np.concatenate((np.repeat(np.arange(n), np.diff(L.indptr)), high))
     off = row > column
-    places = np.unique(column[off].astype(np.int64) * n + row[off])
-    ends = np.searchsorted(places, np.arange(n + 1) * n)
-    row = places % n
+    pattern = coo_array((np.ones(np.count_nonzero(off), np.int8), (row[off], column[off])), (n, n)).tocsc()
+    row, ends = pattern.indices, pattern.indptr  # every place once, in order
     children: list[list[int]] = [[] for _ in range(n)]
     structure: list[Index] = []
     mark = np.full(n, -1)
