@@ -19,7 +19,7 @@ from spacar.mechanism.user_files import without_functions
 from spacar.result import Result
 from spacar.sources import Source, deck_of, has_interval
 from spacar_drawing.defaults import plain
-from spacar_drawing.files import FILM_DPI, film, save
+from spacar_drawing.files import FILM_DPI, film, kept
 from spacar_drawing.mechanism_picture import Extras, chosen_steps, picture, series
 from spacar_drawing.picture_source import PictureSource, open_source, source_of_result
 
@@ -79,9 +79,7 @@ def draw(
     """
     source = source_of(result, at_rest=True)
     figure = picture(source, Extras(**extras), chosen_steps(source, steps, strobe, False), traces, initial)
-    if path is not None:
-        save(figure, Path(path), dpi)
-    return figure
+    return kept(figure, path, dpi)
 
 
 def animate(
@@ -138,10 +136,7 @@ def view(
     """
     from spacar_drawing.viewer_page import view_page
 
-    page = view_page(source_of(result), frames, view, fps, stress)
-    if path is not None:
-        write_text(Path(path), page)
-    return page
+    return _page(view_page(source_of(result), frames, view, fps, stress), path)
 
 
 @plain
@@ -167,9 +162,7 @@ def plot(
     curves = [in_units(evaluate(source, text), metre) for text in expressions]
     head = source.scene.title if title is None else title
     figure = history_figure(curves, in_units(evaluate(source, against), metre), head, source.scene.analysis.stationary)
-    if path is not None:
-        save(figure, Path(path), dpi)
-    return figure
+    return kept(figure, path, dpi)
 
 
 def stress(
@@ -199,7 +192,11 @@ def flexure_page(
     """
     from spacar_drawing.stroke_page import stroke_page
 
-    text = stroke_page(study, view, body)
+    return _page(stroke_page(study, view, body), path)
+
+
+def _page(text: str, path: str | Path | None) -> str:
+    """The page, written where a path is given."""
     if path is not None:
         write_text(Path(path), text)
     return text
@@ -216,10 +213,7 @@ def flexure_plot(
     """
     from spacar_drawing.stroke_figures import overview_figure
 
-    figure = overview_figure(study, body)
-    if path is not None:
-        save(figure, Path(path), dpi)
-    return figure
+    return kept(overview_figure(study, body), path, dpi)
 
 
 def inline_model(model: Source) -> str:

@@ -155,6 +155,13 @@ def save(figure: Figure, path: Path, dpi: float = 150.0) -> None:
         side.write_bytes(data)
 
 
+def kept(figure: Figure, path: str | Path | None, dpi: float = 150.0) -> Figure:
+    """The figure, saved where a path is given."""
+    if path is not None:
+        save(figure, Path(path), dpi)
+    return figure
+
+
 @plain
 def film(
     moving: MovingFigure, pictures: Pictures, count: int, path: Path, fps: float, dpi: float, tick: Tick | None = None

@@ -120,12 +120,8 @@ class _Reading:
 
 
 def _heading(r: _Reading, line: _SettingLine) -> None:
-    r.group, r.elements = line.key, line.integers or (ALL,)
-    r.shape = "RECT"
-
-
-def _initial(r: _Reading, line: _SettingLine) -> None:
-    r.group, r.elements = line.key, (ALL,)
+    r.group, r.shape = line.key, "RECT"
+    r.elements = (line.integers if line.key != "INITIAL" else ()) or (ALL,)
 
 
 def _cross_type(r: _Reading, line: _SettingLine) -> None:
@@ -153,46 +149,25 @@ def _hinge(r: _Reading, line: _SettingLine) -> None:
 
 
 def _colour(r: _Reading, line: _SettingLine) -> None:
-    if len(line.numbers) == 3:
-        r.set(colours=r.settings.colours | dict.fromkeys(r.elements, tuple(line.numbers)))
+    colour = tuple(line.numbers)
+    if len(colour) == 3 and line.key.startswith("FACE"):
+        r.set(colours=r.settings.colours | dict.fromkeys(r.elements, colour))
+    elif len(colour) == 3 and r.group == "INITIAL":
+        r.set(initial_colour=colour)
 
 
-def _initial_colour(r: _Reading, line: _SettingLine) -> None:
-    if r.group == "INITIAL" and len(line.numbers) == 3:
-        r.set(initial_colour=tuple(line.numbers))
+def _traces_wanted(r: _Reading, value: float) -> None:
+    r.traces = bool(value)
 
 
-def _opacity(r: _Reading, line: _SettingLine) -> None:
-    if line.numbers:
-        r.set(opacities=r.settings.opacities | dict.fromkeys(r.elements, _unit(line.numbers[0])))
+def _step_line(r: _Reading, value: float) -> None:
+    if value > 0:
+        r.set(step_line=value)
 
 
-def _hidden(r: _Reading, line: _SettingLine) -> None:
-    r.set(hidden=r.settings.hidden | set(line.integers))
-
-
-def _traces_wanted(r: _Reading, line: _SettingLine) -> None:
-    if line.numbers:
-        r.traces = bool(line.numbers[0])
-
-
-def _traces(r: _Reading, line: _SettingLine) -> None:
-    r.set(traces=r.settings.traces + line.integers)
-
-
-def _step_line(r: _Reading, line: _SettingLine) -> None:
-    if line.numbers and line.numbers[0] > 0:
-        r.set(step_line=line.numbers[0])
-
-
-def _one(name: str, kind: Callable[[float], Any]) -> Callable[[_Reading, _SettingLine], None]:
-    """A setting that is one number."""
-
-    def store(r: _Reading, line: _SettingLine) -> None:
-        if line.numbers:
-            r.set(**{name: kind(line.numbers[0])})
-
-    return store
+def _number(store: Callable[[_Reading, float], None]) -> Callable[[_Reading, _SettingLine], None]:
+    """A setting that is one number; without it nothing is set."""
+    return lambda r, line: store(r, line.numbers[0]) if line.numbers else None
 
 
 def _unit(value: float) -> float:
@@ -201,24 +176,22 @@ def _unit(value: float) -> float:
 
 # First word of a line -> what it does.
 WORDS: dict[str, Callable[[_Reading, _SettingLine], None]] = {
-    **dict.fromkeys(("BEAMPROPS", "TRUSSPROPS", "GRAPHICS"), _heading),
-    "INITIAL": _initial,
+    **dict.fromkeys(("BEAMPROPS", "TRUSSPROPS", "GRAPHICS", "INITIAL"), _heading),
     "CROSSTYPE": _cross_type,
     "CROSSDIM": _cross_dimensions,
     **dict.fromkeys(("BEAMVIS", "TRUSSVIS"), _whole_section),
     "HINGEVIS": _hinge,
-    **dict.fromkeys(("FACECOLOR", "FACECOLOUR"), _colour),
-    **dict.fromkeys(("COLOR", "COLOUR"), _initial_colour),
-    "OPACITY": _opacity,
-    "DONOTDRAW": _hidden,
-    **dict.fromkeys(("TRANSPARENCY", "TRANSPERANCY"), _one("opacity", _unit)),
-    "LIGHT": _one("light", bool),
-    "TRAJECT": _traces_wanted,
-    "TRAJECTNODE": _traces,
-    "STEPLINE": _step_line,
-    "ENLARGEFACTOR": _one("enlarge", float),
-    "VIBRATIONMODE": _one("vibration_mode", int),
-    "BUCKLINGMODE": _one("buckling_mode", int),
+    **dict.fromkeys(("FACECOLOR", "FACECOLOUR", "COLOR", "COLOUR"), _colour),
+    "OPACITY": _number(lambda r, v: r.set(opacities=r.settings.opacities | dict.fromkeys(r.elements, _unit(v)))),
+    "DONOTDRAW": lambda r, line: r.set(hidden=r.settings.hidden | set(line.integers)),
+    **dict.fromkeys(("TRANSPARENCY", "TRANSPERANCY"), _number(lambda r, v: r.set(opacity=_unit(v)))),
+    "LIGHT": _number(lambda r, v: r.set(light=bool(v))),
+    "TRAJECT": _number(_traces_wanted),
+    "TRAJECTNODE": lambda r, line: r.set(traces=r.settings.traces + line.integers),
+    "STEPLINE": _number(_step_line),
+    "ENLARGEFACTOR": _number(lambda r, v: r.set(enlarge=v)),
+    "VIBRATIONMODE": _number(lambda r, v: r.set(vibration_mode=int(v))),
+    "BUCKLINGMODE": _number(lambda r, v: r.set(buckling_mode=int(v))),
 }
 
 

@@ -14,7 +14,7 @@ from spacar_formats.signal_tables import panels_by_quantity, table_of
 
 from spacar.errors import UsageError, escaped
 from spacar_drawing.defaults import plain
-from spacar_drawing.files import save
+from spacar_drawing.files import kept
 from spacar_drawing.history import COLOURS, scope_figure
 from spacar_drawing.stage import INK, blank, dress
 
@@ -113,7 +113,7 @@ def sweep_plot(
             axes.legend(fontsize="small", frameon=False)
     axes.set_xlabel(escaped(across), parse_math=False)
     figure.suptitle(escaped(rows.source), parse_math=False)
-    return _written(figure, path)
+    return kept(figure, path)
 
 
 @plain
@@ -122,7 +122,7 @@ def trade_plot(answer: TradeAnswer, path: str | Path | None = None) -> Figure:
     shown = work_precision_figure(
         answer.entries, answer.reference.error, answer.target, answer.stationary, answer.title
     )
-    return _written(shown, path)
+    return kept(shown, path)
 
 
 @plain
@@ -140,7 +140,7 @@ def sensitivity_plot(found: Sensitivity, path: str | Path | None = None) -> Figu
         axes.set_title(escaped(name), fontsize="medium", loc="left", parse_math=False)
         axes.grid(axis="x", alpha=0.3)
     axes.set_xlabel("relative change of the quantity over that of the parameter (-)")
-    return _written(figure, path)
+    return kept(figure, path)
 
 
 @plain
@@ -155,10 +155,4 @@ def response_plot(response: Response, names: Sequence[str] = (), path: str | Pat
     plants = [name for name, block in blocks.items() if isinstance(block, Spasim)]
     chosen = names or plants or [name for name, block in blocks.items() if block.n_out]
     panels = (() if names else table.panels) or [p for name in chosen for p in panels_by_quantity(table, name)]
-    return _written(scope_figure(table, response.t, panels, ", ".join(plants) or "simulation"), path)
-
-
-def _written(figure: Figure, path: str | Path | None) -> Figure:
-    if path is not None:
-        save(figure, Path(path))
-    return figure
+    return kept(scope_figure(table, response.t, panels, ", ".join(plants) or "simulation"), path)
