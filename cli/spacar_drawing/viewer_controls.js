@@ -28,7 +28,7 @@ function viewerControls(viewer) {
     }));
     $("hint").hidden = rows.length > 0;
   };
-  $("picked").addEventListener("click", (e) => {
+  $("picked").addEventListener("pointerdown", (e) => { // a click would end on the row of another picture
     const row = e.target.closest("[data-asked]");
     if (row && controls.curve) controls.curve(row.dataset.asked);
   });

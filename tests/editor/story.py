@@ -25,6 +25,13 @@ def typed(page: EditorPage, text: str) -> None:
         page.page.keyboard.press("Enter")
 
 
+def stopped_at(page: EditorPage, step: int) -> None:
+    """The picture that plays stops, and shows a step."""
+    page.page.click("#play")
+    page.page.evaluate("step => { const s = document.querySelector('#step'); s.value = step;"
+                       "s.dispatchEvent(new Event('input')); }", step)  # fmt: skip
+
+
 def story(page: EditorPage) -> Iterator[str]:
     """Acts in a page of a file that is not there; the name of a picture after every step."""
     lines = story_file().splitlines()
@@ -48,9 +55,7 @@ def story(page: EditorPage) -> Iterator[str]:
     assert page.data("freedom").split()[1:] == ["0", "1"]
     page.page.click("#freedom button:has-text('free motion 1')")
     page.wait("() => document.body.dataset.shown === 'free motion'")
-    page.page.click("#play")
-    page.page.evaluate("() => { const s = document.querySelector('#step'); s.value = 3;"
-                       "s.dispatchEvent(new Event('input')); }")  # fmt: skip
+    stopped_at(page, 3)
     yield "edit-free.png"
     for n in drives:
         page.line(n)
@@ -59,7 +64,7 @@ def story(page: EditorPage) -> Iterator[str]:
     assert page.data("freedom").split() == ["1", "0", "0"]
     page.page.click("#modes button[data-mode='1']")
     page.wait("() => (document.body.dataset.run || '').startsWith('ended')")
-    page.page.click("#play")
+    stopped_at(page, 30)  # where the panel does not cover the node
     page.page.mouse.click(*page.place(6))
     page.page.click("#picked tr[data-asked='x[6,1]']")
     page.wait("() => document.body.dataset.curves === 'x[6,1]'")

@@ -7,11 +7,13 @@ import math
 import os
 import re
 import shutil
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from spacar_cli.editor import model_tasks
 
 from .browsing import CHROMIUM, EditorPage, browser, served
 from .story import story, story_file
@@ -187,8 +189,14 @@ def test_a_run_plays_with_log_and_curves(chromium, crank, shot):
         assert page.page.inner_text("#shown") == "result"
         page.page.click("#play")  # pause
         page.page.mouse.click(*page.place(6))
-        page.page.click("#picked tr[data-asked='x[6,1]']")
+        row = page.page.locator("#picked tr[data-asked='x[6,1]']").bounding_box()
+        page.page.click("#play")
+        page.page.mouse.move(row["x"] + 9, row["y"] + 9)
+        page.page.mouse.down()
+        page.wait("now => document.querySelector('#time').innerText !== now", page.page.inner_text("#time"))
+        page.page.mouse.up()  # the pictures went on between the two
         page.wait("() => document.body.dataset.curves === 'x[6,1]'")
+        page.page.click("#play")
         shot(page, "curves")
         assert page.page.locator("#plots canvas").count() == 1
         page.page.click("nav button[data-tab='log']")
@@ -274,36 +282,50 @@ def many_beams(n: int) -> str:
     return "\n".join([*beams, *places, *classes, *dynamics, "TIMESTEP 1 10", "END", "END", ""])
 
 
-KEY = """async () => {
-  const { view } = spacarPage, times = [];
+KEYS = """async () => {
   for (let i = 0; i < 25; i++) {
-    const at = view.state.doc.line(4000).from;
-    const begun = performance.now();
+    const { view } = spacarPage, at = view.state.doc.line(4000).from;
     view.dispatch({ changes: { from: at, insert: "%" }, selection: { anchor: at + 1 }, userEvent: "input.type" });
     view.contentDOM.getBoundingClientRect();
-    times.push(performance.now() - begun);
     await new Promise((done) => setTimeout(done, 30));
   }
-  return times.sort((a, b) => a - b);
 }"""
 
 
 def test_two_thousand_beams_while_typing(chromium, tmp_path, shot):
-    """A key stroke is answered in 50 ms, check and picture in 1 s: of an idle machine; here five times as much."""
+    """A key stroke is answered in 50 ms, check and picture in 1 s, of processor time: the page's and the server's."""
     path = tmp_path / "many.dat"
     path.write_text(many_beams(2000))
     with served(path) as address:
         page = EditorPage(chromium, address)
         page.checked()
-        page.line(4000)
-        times = page.page.evaluate(KEY)
+        session = page.page.context.new_cdp_session(page.page)
+        session.send("Performance.enable", {"timeDomain": "threadTicks"})
+
+        def seconds() -> float:
+            found = session.send("Performance.getMetrics")["metrics"]
+            return float({row["name"]: row["value"] for row in found}["TaskDuration"])
+
+        begun = seconds()
+        page.page.evaluate(KEYS)
+        key = (seconds() - begun) / 25
         page.checked()
-        took = float(page.data("took"))
+        page.line(4000)
+        drawn, begun = int(page.data("pictures")), seconds()
+        page.page.keyboard.type("%")
+        page.checked()
+        look = seconds() - begun
+        assert int(page.data("pictures")) == drawn + 1
         shot(page, "many")
-        print(f"key stroke: median {times[12]:.1f} ms, longest {times[-1]:.1f} ms; check and picture {took:.0f} ms")
-        assert times[12] < 250
-        assert took < 5000
         assert page.complaints == []
+    model_tasks.answered("picture", {"text": many_beams(1), "file": str(path)})  # imports
+    begun = time.process_time()
+    for task in ("check", "picture"):
+        assert "result" in model_tasks.answered(task, {"text": path.read_text(), "file": str(path)})
+    behind = time.process_time() - begun
+    print(f"key stroke {key:.3f} s; check and picture {look:.2f} s in the page, {behind:.2f} s behind it")
+    assert key < 0.05
+    assert look + behind < 1.0
 
 
 def test_watching_follows_another_editor(chromium, crank, shot):

@@ -74,7 +74,7 @@
   async function look() {
     if (working) return;
     working = true;
-    const at = edits, now = text(), begun = performance.now();
+    const at = edits, now = text();
     try {
       const found = await task("check", { text: now });
       if (at === edits) {
@@ -84,7 +84,6 @@
           results.resultOf = null;
           const model = await task("picture", { text: now });
           if (at === edits) results.start(model);
-          document.body.dataset.took = (performance.now() - begun).toFixed(0);
         }
         if (found.drawable) free(now, at);
       }
@@ -122,29 +121,20 @@
       .map((m) => ({ ...range(m.line), severity: m.severity, message: said(m) }))));
     const order = ["error", "warning", "information"];
     const rows = [...found.messages].sort((a, b) => order.indexOf(a.severity) - order.indexOf(b.severity)).slice(0, 60);
+    if (!rows.length) rows.push({ severity: "fine", text: "no errors, no warnings" });
     $("messages").replaceChildren(...rows.map((m) => {
-      const row = document.createElement("li");
+      const row = results.make("li", `${m.line ? `${m.line}: ` : ""}${said(m)}`);
       row.className = m.severity;
-      row.textContent = `${m.line ? `${m.line}: ` : ""}${said(m)}`;
       if (m.here && m.line) row.addEventListener("click", () => goTo(range(m.line).from));
       return row;
     }));
-    if (!found.messages.length) {
-      const row = document.createElement("li");
-      row.className = "fine";
-      row.textContent = "no errors, no warnings";
-      $("messages").append(row);
-    }
     const code = found.messages.some((m) => m.code === "user-function.listed");
     document.body.dataset.errors = String(found.messages.filter((m) => m.severity === "error").length);
     if (!found.drawable) return; // the buttons stay
     $("modes").replaceChildren(...found.modes.map((mode) => {
-      const button = document.createElement("button");
-      button.type = "button";
-      button.textContent = `Mode ${mode.number}`;
+      const button = results.make("button", `Mode ${mode.number}`, () => run(mode));
       button.title = `${mode.title}: saves the file and runs it${code ? "; executes its user functions" : ""}`;
       button.dataset.mode = mode.number;
-      button.addEventListener("click", () => run(mode));
       return button;
     }), code ? " runs execute user functions" : "");
   }

@@ -15,7 +15,7 @@ function makeResults(page) {
   const $ = (id) => document.getElementById(id);
   const viewer = makeViewer($("view"), $("over"));
   const controls = viewer && viewerControls(viewer);
-  const results = { start, freedom, finished, shown: "", select, stale, place };
+  const results = { start, freedom, finished, shown: "", select, stale, place, make, tab };
   const curves = { names: [], data: null };
   if (!viewer) $("note").textContent = "This browser has no WebGL 2: no picture.";
 
@@ -156,6 +156,5 @@ function makeResults(page) {
     work.catch((error) => { curves.names = []; $("note").textContent = `${error.message}`; });
   };
   tab("freedom");
-  results.tab = tab;
   return results;
 }
