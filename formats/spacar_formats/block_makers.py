@@ -6,7 +6,7 @@ maker raises UsageError, with file and line, for a value that its key cannot hav
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +16,12 @@ from spacar.errors import UsageError
 from spacar.mechanism.user_files import import_file
 from spacar.simulation import blocks, control_blocks, sampled_blocks, signal_sources, switching_blocks
 from spacar.simulation.blocks import Block
-from spacar.simulation.transport_delay import TransportDelay
 from spacar_formats.sim_sections import Section
+
+
+def built(kind: Callable[..., Block], *keys: str, each: Sequence[str] = ()) -> Callable[[Section], Block]:
+    """A block of the values of these keys in this order; those of `each` are one number, or one for each signal."""
+    return lambda s: kind(s.name, *(spread(s, key) if key in each else s.value(key) for key in keys))
 
 
 def spasim(s: Section) -> Block:
@@ -57,10 +61,6 @@ def gain(s: Section) -> Block:
     return blocks.Gain(s.name, K, s.integer("size") if not K.ndim else None)
 
 
-def pd(s: Section) -> Block:
-    return blocks.proportional_derivative(s.name, s.integer("size"), s.number("omega"), s.number("damping"))
-
-
 def spread(s: Section, key: str) -> Any:
     """One number for all signals, or a list with one for each."""
     found = s.numbers(key)
@@ -80,29 +80,12 @@ def sampling_of(s: Section) -> tuple[float, float] | None:
     return period, s.number("offset")
 
 
-def limited(kind: Callable[..., Block]) -> Callable[[Section], Block]:
-    return lambda s: kind(s.name, s.numbers("lower"), s.numbers("upper"), s.integer("size"))
-
-
-def relay(s: Section) -> Block:
-    return switching_blocks.Relay(
-        s.name, s.numbers("lower"), s.numbers("upper"), s.number("off"), s.number("on"), s.integer("size"),
-        s.flag("initially_on"),
-    )  # fmt: skip
-
-
 def lookup(s: Section) -> Block:
     kind, beyond = switching_blocks.LookupTable.KINDS, switching_blocks.LookupTable.ENDS
     return switching_blocks.LookupTable(
         s.name, s.numbers("x"), s.numbers("y"), s.choice("interpolation", kind), s.choice("beyond", beyond),
         s.integer("size"),
     )  # fmt: skip
-
-
-def integrator(s: Section) -> Block:
-    return control_blocks.Integrator(
-        s.name, s.numbers("initial"), s.numbers("gain"), s.numbers("lower"), s.numbers("upper"), s.integer("size")
-    )
 
 
 def transfer_function(s: Section) -> Block:
@@ -154,16 +137,6 @@ def hold(s: Section) -> Block:
 def delay(s: Section) -> Block:
     period, offset = sampling_of(s) or (0.0, 0.0)
     return sampled_blocks.unit_delay(s.name, period, s.integer("size"), s.numbers("initial"), offset)
-
-
-def transport_delay(s: Section) -> Block:
-    return TransportDelay(s.name, s.number("delay"), s.numbers("initial"), s.integer("size"))
-
-
-def pulses(s: Section) -> Block:
-    return signal_sources.Pulses(
-        s.name, s.number("every"), s.number("duty"), spread(s, "high"), spread(s, "low"), s.number("time")
-    )
 
 
 def table(s: Section) -> Block:

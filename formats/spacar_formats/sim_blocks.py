@@ -9,10 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from spacar.simulation import blocks, signal_sources, switching_blocks
+from spacar.simulation import blocks, control_blocks, signal_sources, switching_blocks
 from spacar.simulation.blocks import Block
+from spacar.simulation.transport_delay import TransportDelay
 from spacar_formats import block_makers as make
-from spacar_formats.block_makers import spread
+from spacar_formats.block_makers import built
 from spacar_formats.sim_sections import Section, SimKey
 
 
@@ -45,7 +46,7 @@ LIMITS = (
 )
 OPEN_LIMITS = (SimKey("lower", "numbers", "lower limit", "-inf"), SimKey("upper", "numbers", "upper limit", "inf"))
 
-
+WAVE = ("amplitude", "frequency", "phase", "bias")
 EACH = ", one number for each signal"
 
 
@@ -73,31 +74,31 @@ BLOCKS: tuple[BlockType, ...] = (
         (FILE, *STORED, SimKey("size", "integer", "its leading block only", "")), make.times_m0,
     ),
     BlockType("constant", "a constant", "y = value", (_values("value", "value"),),
-              lambda s: signal_sources.Constant(s.name, s.numbers("value"))),
+              built(signal_sources.Constant, "value")),
     BlockType(
         "step", "a step", "y = before for t < time, then after",
         (SimKey("time", "number", "of the step, met exactly", "0", "s"), _values("after", "value", "1"),
          _values("before", "value", "0")),
-        lambda s: signal_sources.StepSignal(s.name, s.number("time"), spread(s, "after"), spread(s, "before")),
+        built(signal_sources.StepSignal, "time", "after", "before", each=("after", "before")),
     ),
     BlockType(
         "ramp", "a ramp", "y = start for t < time, then start + slope (t - time)",
         (_values("slope", "slope", None, "1/s"), SimKey("time", "number", "where it begins", "0", "s"),
          _values("start", "value", "0")),
-        lambda s: signal_sources.Ramp(s.name, spread(s, "slope"), s.number("time"), spread(s, "start")),
+        built(signal_sources.Ramp, "slope", "time", "start", each=("slope", "start")),
     ),
     BlockType(
         "sine", "a sine", "y = bias + amplitude sin(2 pi frequency t + phase)",
         (_values("amplitude", "amplitude"), _values("frequency", "frequency", None, "Hz"),
          _values("phase", "phase", "0", "rad"), _values("bias", "mean value", "0")),
-        lambda s: signal_sources.Sine(s.name, *(spread(s, key) for key in ("amplitude", "frequency", "phase", "bias"))),
+        built(signal_sources.Sine, *WAVE, each=WAVE),
     ),
     BlockType(
         "pulses", "pulses", "y = high for a part duty of every period, else low; edges are met exactly",
         (SimKey("every", "number", "time from one to the next", None, "s"),
          SimKey("duty", "number", "part of it that is high, 0 to 1", "0.5"), _values("high", "value", "1"),
          _values("low", "value", "0"), SimKey("time", "number", "of the first pulse", "0", "s")),
-        make.pulses,
+        built(signal_sources.Pulses, "every", "duty", "high", "low", "time", each=("high", "low")),
     ),
     BlockType(
         "table", "signals over time from a csv file", "first column time, the others signals; one heading line",
@@ -108,11 +109,12 @@ BLOCKS: tuple[BlockType, ...] = (
         (SimKey("gain", "matrix", "number, or rows separated by ';'", None), SIZE), make.gain,
     ),
     BlockType("product", "a product", "y_i = u_i u_(size+i)", (SIZE,),
-              lambda s: blocks.Product(s.name, s.integer("size"))),
+              built(blocks.Product, "size")),
     BlockType(
         "pd", "PD control of errors followed by their rates", "y = omega^2 e + 2 damping omega e'",
         (SimKey("size", "integer", "number of errors", None), SimKey("omega", "number", "bandwidth", None, "rad/s"),
-         SimKey("damping", "number", "relative damping", None)), make.pd,
+         SimKey("damping", "number", "relative damping", None)),
+        built(blocks.proportional_derivative, "size", "omega", "damping"),
     ),
     BlockType(
         "pid", "PID control with anti-windup, continuous or sampled",
@@ -142,21 +144,22 @@ BLOCKS: tuple[BlockType, ...] = (
     BlockType(
         "integrator", "integrator, perhaps with limits", "y' = gain u, y stays at a limit while u drives it beyond",
         (SimKey("initial", "numbers", "value at the start", "0"), SimKey("gain", "numbers", "factor", "1", "1/s"),
-         *OPEN_LIMITS, SIZE), make.integrator,
+         *OPEN_LIMITS, SIZE), built(control_blocks.Integrator, "initial", "gain", "lower", "upper", "size"),
     ),
     BlockType("saturation", "limits of a signal", "y = u between lower and upper", (*LIMITS, SIZE),
-              make.limited(switching_blocks.Saturation)),
+              built(switching_blocks.Saturation, "lower", "upper", "size")),
     BlockType("dead-zone", "dead zone", "y = 0 between lower and upper, beyond them the distance to the nearer one",
-              (*LIMITS, SIZE), make.limited(switching_blocks.DeadZone)),
+              (*LIMITS, SIZE), built(switching_blocks.DeadZone, "lower", "upper", "size")),
     BlockType(
         "relay", "switch with hysteresis", "on above upper, off below lower, unchanged in between",
         (*LIMITS, SimKey("off", "number", "output when off", "0"), SimKey("on", "number", "output when on", "1"),
-         SimKey("initially_on", "flag", "state at the start, between the limits", "no"), SIZE), make.relay,
+         SimKey("initially_on", "flag", "state at the start, between the limits", "no"), SIZE),
+        built(switching_blocks.Relay, "lower", "upper", "off", "on", "size", "initially_on"),
     ),
     BlockType(
         "quantizer", "quantizer", "y = interval floor(u/interval + 1/2)",
         (SimKey("interval", "numbers", "between two levels", None), SIZE),
-        lambda s: switching_blocks.Quantizer(s.name, s.numbers("interval"), s.integer("size")),
+        built(switching_blocks.Quantizer, "interval", "size"),
     ),
     BlockType(
         "lookup", "look-up table", "y interpolated in the points (x, y)",
@@ -177,7 +180,8 @@ BLOCKS: tuple[BlockType, ...] = (
     BlockType(
         "transport-delay", "delay of a continuous signal", "y(t) = u(t - delay), initial before",
         (SimKey("delay", "number", "by how much; steps are not longer", None, "s"),
-         SimKey("initial", "numbers", "output until the first input comes out", "0"), SIZE), make.transport_delay,
+         SimKey("initial", "numbers", "output until the first input comes out", "0"), SIZE),
+        built(TransportDelay, "delay", "initial", "size"),
     ),
     BlockType("zero-order-hold", "sample and hold", "y_k = u_k", (*SAMPLED, SIZE), make.hold),
     BlockType("unit-delay", "delay by one period", "y_k = u_(k-1)",

@@ -7,7 +7,7 @@ value above it. Every complaint names file, line, section and key, what was foun
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -52,6 +52,7 @@ class Section:
         self.wires: list[tuple[int, str]] = []
         self.warnings: list[str] = []
         self._defaults: dict[str, str] = {}
+        self._kinds: dict[str, str] = {}
 
     def error(self, text: str, key: str | None = None) -> UsageError:
         line = self.lines.get(key or "", self.line)
@@ -66,7 +67,7 @@ class Section:
         for name, key in known.items():
             if key.default is None and not self.given(name):
                 raise self.error(f"'{name}' is missing: {key.text}")
-            self._defaults[name] = key.default or ""
+            self._defaults[name], self._kinds[name] = key.default or "", key.kind
 
     def given(self, key: str) -> bool:
         """Does the file say something for this key?"""
@@ -125,6 +126,14 @@ class Section:
         if word not in known:
             raise self.wrong(key, f"must be one of {', '.join(known)}")
         return word
+
+    def value(self, key: str) -> Any:
+        """What its kind says."""
+        read: dict[str, Callable[[str], Any]] = {
+            "number": self.number, "numbers": self.numbers, "matrix": self.matrix, "integer": self.integer,
+            "flag": self.flag, "text": self.text, "file": self.path,
+        }  # fmt: skip
+        return read[self._kinds[key]](key)
 
     def path(self, key: str) -> Path:
         return self.file.parent / self.text(key)
