@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from spacar_cli import progress
 
 from .conftest import call
 
@@ -169,7 +170,8 @@ def test_mp4_without_ffmpeg_is_refused_before_anything_is_drawn(results, monkeyp
     assert "needs the program ffmpeg" in done.err
 
 
-def test_animation_bar_on_terminals_only(results):
+def test_animation_bar_on_terminals_only(results, monkeypatch):
+    monkeypatch.setattr(progress, "PATIENCE", 0.0)  # a bar waits for half a second
     arguments = ["draw", results / "crank", "-o", results / "c.gif", "--frames", 20, "--dpi", 20]
     assert call(*arguments).err == ""
     seen = call(*arguments, terminal=True)

@@ -36,6 +36,8 @@ class Matrices:
             raise UsageError(f"ID not found: {name}")
         return value
 
+    array = get
+
 
 def modes_of(name, mode, kind):
     result = spacar.run(mode, DATA / f"{name}.dat")

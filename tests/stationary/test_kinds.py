@@ -12,7 +12,7 @@ import spacar
 from spacar.deck import parse_deck
 from spacar.errors import Report
 from spacar.linear import form
-from spacar.linear_systems.matrix_inertia import inertia
+from spacar.linear_systems.matrix_inertia import Inertia
 from spacar.mechanism import build
 from spacar.stationary import StationarySolver, load_program
 
@@ -128,7 +128,7 @@ def test_inertia_of_banded_matrices_with_zeros_on_the_diagonal(n, band):
     A[np.diag_indices(n)] *= rng.random(n) < 0.4
     rows, columns = np.nonzero(A)
     negative = int(np.sum(np.linalg.eigvalsh(A) < 0.0))
-    assert inertia(n, rows, columns, A[rows, columns]) == (negative, 0)
+    assert Inertia(n, rows, columns)(A[rows, columns]) == (negative, 0)
 
 
 def statics_report(text: str) -> list[str]:
