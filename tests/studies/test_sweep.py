@@ -78,7 +78,7 @@ def test_failed_cases_say_why(call):
     assert "ESTIFF.*[EI] = 1e-09" in done.err
     good, bad = map(json.loads, Path("r.jsonl").read_text().splitlines())
     assert (good["status"], bad["status"]) == ("done", "failed")
-    assert "limit point" in bad["reason"]
+    assert "load step 1 of 10" in bad["reason"]
     assert "0 run" in call(*words).out
     assert "1 run" in call(*words, "--retry-failed").out
 
