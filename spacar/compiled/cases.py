@@ -37,7 +37,7 @@ class PlacedStart:
 
 
 class InLanes:
-    """One block of cases; an `Integrable`, and the `StepMonitor` of its own steps: C looks at them.
+    """One block of cases; a `RightHandSide`, and the `StepMonitor` of its own steps: C looks at them.
 
     numbers, start (cases, components)   of every lane
     drives, users                        of every case: prescribed motions, user functions of stresses

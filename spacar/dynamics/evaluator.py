@@ -1,22 +1,18 @@
-"""The contract of evaluators, and who has which duty.
+"""The contract of evaluators: small protocols, and their sum.
 
 A loaded mechanism never changes. An evaluator follows one motion of it: it remembers the configuration of the last
 state that it evaluated, because a position has several solutions and the one near the last is meant. That memory is all
 its state; it can be read (`placement`) and handed on. An evaluator knows nothing of tolerances, output times, Jacobians
 or what is watched: the driver (`spacar.forward.driver`) does, and hands them over with every call.
 
-    1  place    `start` goes to the start state; `placement`, `moving` say where the evaluator stands
-    2  rhs      F(t, y), the position solved to `within`; raises AnalysisError that explains
-    3  blocks   what makes many stages, steps or outputs in one call (`InBlocks`), or None: they are asked one by one
-    4  frame    everything that is stored of a state, the position solved to rounding
-    5  checks   `condition`, `position_matrix`, `in_range` at the last evaluated state
-    6  numpy_evaluator  the NumPy evaluator standing there, with sweeps and factors: for linearization, transfer
-                functions, diagnoses. The evaluator itself goes on undisturbed
-    7  fork  another evaluator of the same model that follows its own path from here, for stored states
-    8  samples  det V[E, U] of the states evaluated since the last question, for whoever watches what happens in a step
+    RightHandSide  F(t, y), the position solved to `within`: what the driver integrates; batches of cases have no more
+    InBlocks       many stages, steps or outputs in one call; without it they are asked one by one
+    Following      where the evaluator stands, a second one beside it, and the NumPy evaluator there: for linearization,
+                   transfer functions, diagnoses
+    Outputs        everything that is stored of a state, and what is checked there
 
 `spacar.dynamics.Dynamics` (NumPy) and `spacar.compiled.CompiledDynamics` (C) fulfil it, and
-`tests/dynamics/test_evaluators.py` compares them duty by duty. Batches of cases have duty 2 only.
+`tests/dynamics/test_evaluators.py` compares them protocol by protocol.
 """
 
 from __future__ import annotations
@@ -52,7 +48,7 @@ class InBlocks(Protocol):
         (`spacar.compiled.output_block`)."""
 
 
-class Integrable(Protocol):
+class RightHandSide(Protocol):
     """What the driver integrates."""
 
     @property
@@ -74,11 +70,8 @@ class Integrable(Protocol):
         """Name of a component of the state, for messages."""
 
 
-class Evaluator(Integrable, Protocol):
-    """Of one loaded mechanism. AnalysisError of any call says what cannot be evaluated and why."""
-
-    @property
-    def model(self) -> LoadedMechanism: ...
+class Following(Protocol):
+    """Follows one motion, and remembers where it stands."""
 
     def start(self) -> Array:
         """The start state; the mechanism is brought there from the reference configuration. Raises AnalysisError
@@ -98,6 +91,19 @@ class Evaluator(Integrable, Protocol):
     def resume(self, at: Moving) -> None:
         """Go on from there: the next evaluations begin with its expansion, as if nothing had come after it."""
 
+    def numpy_evaluator(self) -> Dynamics:
+        """The NumPy evaluator at the last evaluated state; holds until the next call of this evaluator."""
+
+    def fork(self, independent: bool = ...) -> Evaluator:
+        """Another evaluator of the same model, which follows its own path from the present configuration.
+        `independent`: it shares nothing (factors, expansions) that this one could feel; else only
+        this one's results stay the same to `within`.
+        """
+
+
+class Outputs(Protocol):
+    """Of single states, the last evaluated one where none is named."""
+
     def frame(self, t: float, y: Array) -> Frame:
         """Everything that is stored of a state."""
 
@@ -110,15 +116,6 @@ class Evaluator(Integrable, Protocol):
     def in_range(self) -> bool:
         """Whether it is known already that all elements are in the range of their theory; else ask them."""
 
-    def numpy_evaluator(self) -> Dynamics:
-        """The NumPy evaluator at the last evaluated state; holds until the next call of this evaluator."""
-
-    def fork(self, independent: bool = ...) -> Evaluator:
-        """Another evaluator of the same model, which follows its own path from the present configuration.
-        `independent`: it shares nothing (factors, expansions) that this one could feel; else only
-        this one's results stay the same to `within`.
-        """
-
     def sample(self) -> None:
         """From now on derivatives keep what `sampled` gives."""
 
@@ -126,3 +123,10 @@ class Evaluator(Integrable, Protocol):
         """The logarithm of the smallest |det V[E, U]| of the derivatives since the last call (infinite: none), and
         whether its sign has changed among them.
         """
+
+
+class Evaluator(RightHandSide, Following, Outputs, Protocol):
+    """Of one loaded mechanism. AnalysisError of any call says what cannot be evaluated and why."""
+
+    @property
+    def model(self) -> LoadedMechanism: ...

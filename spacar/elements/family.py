@@ -106,8 +106,8 @@ class Family:
     constant_mass: bool = False  # M does not depend on x and h = 0
     has_mass: bool = False
     has_own_branch: bool = False  # turns are counted in something else than the deformations: `branch`
-    definition: ClassVar[str] = ""  # name of the type in SymPy and in the engine; empty without one
     measure: ClassVar[str] = ""  # "angle": the deformations of ADEFORM (theory-beam-order4.md)
+    definition: ClassVar[str] = ""  # name of the type in SymPy and in the engine; empty without one
 
     keyword: str
     numbers: NDArray[np.int64]
@@ -119,11 +119,6 @@ class Family:
     @property
     def n(self) -> int:
         return len(self.numbers)
-
-    @property
-    def form(self) -> str:
-        """Keyword and measure: what the elements of the family have in common."""
-        return f"{self.keyword} {self.measure}" if self.measure else self.keyword
 
     @cached_property
     def constitutive(self) -> tuple[Array, Array]:

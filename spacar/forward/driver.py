@@ -17,7 +17,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.dynamics.evaluator import Evaluator, Integrable
+from spacar.dynamics.evaluator import Evaluator, RightHandSide
 from spacar.dynamics.limits import Limits
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.errors import AnalysisError, Report
@@ -90,8 +90,8 @@ class Integrand(Problem):
     """
 
     def __init__(
-        self, evaluator: Integrable, within: float, jacobian: Jacobian | None, accepted: Watch | None, report: Report,
-        rejected: Callable[[], None] | None = None, trail: StepHistory | None = None,
+        self, evaluator: RightHandSide, within: float, jacobian: Jacobian | None, accepted: Watch | None,
+        report: Report, rejected: Callable[[], None] | None = None, trail: StepHistory | None = None,
         stepper: BlockStepper | None = None, may_jump: bool = False,
     ) -> None:  # fmt: skip
         self.n_positions, self.by_case = evaluator.n_positions, evaluator.by_case
@@ -167,7 +167,7 @@ class Integrand(Problem):
 
 
 def integrated(
-    evaluator: Integrable, y: Array, times: Times, settings: SolverSettings, tolerances: Tolerances, *,
+    evaluator: RightHandSide, y: Array, times: Times, settings: SolverSettings, tolerances: Tolerances, *,
     breaks: Sequence[float] = (), watch: Watch | None = None, jacobian: Jacobian | None = None,
     report: Report | None = None, back: Callable[[], None] | None = None, trail: StepHistory | None = None,
     stepper: BlockStepper | None = None, may_jump: bool = False,

@@ -66,7 +66,7 @@ MODELS: dict[str, tuple[list[tuple], list[tuple]]] = {  # form: kinematics, dyna
 def family_of(form):
     kinematics, dynamics = MODELS[form]
     mechanism = build(Deck.build(kinematics, [*dynamics, ("TIMESTEP", 0.1, 1)]), 1)
-    (batch,) = [b for b in mechanism.batches if b.family.form == form]
+    (batch,) = [b for b in mechanism.batches if b.family.keyword == form.removesuffix(" angle")]
     return batch.family, mechanism.x0[batch.x]
 
 

@@ -91,6 +91,24 @@ def test_constant_moments() -> None:
     assert compiled.model.loads.moment_rows.size
 
 
+WARPED = [
+    ("BEAMW", 1, 1, 2, 3, 4, 5, 6, 0.0, 1.0, 0.2, 0.01), ("BEAMW", 2, 4, 5, 6, 7, 8, 9, 0.0, 1.0, 0.2),
+    ("X", 4, 1.0, 0.1, 0.0), ("X", 7, 2.0, 0.0, 0.3), ("DYNE", 1), ("DYNE", 2), ("LDEFORM", 2),
+    ("FIX", 1), ("FIX", 2), ("FIX", 3),
+]  # fmt: skip
+LAW_OF_WARPED = [
+    *(("ESTIFF", k, 1e4, 20.0, 30.0, 40.0, 0.01, 0.02, 5.0) for k in (1, 2)),
+    *(("EDAMP", k, 1.0, 0.2, 0.3, 0.4, 0.0, 0.0, 0.05) for k in (1, 2)),
+    *(("EM", k, 1.0, 0.02, 0.01, 0.01, 0.0, 0.03) for k in (1, 2)),
+    ("GRAVITY", 0.0, 0.0, -9.81), ("XM", 9, 0.1), ("XF", 9, 2.0), ("XF", 7, 0.0, 1.0, 2.0),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("measure", [[], [("ADEFORM",)]], ids=["sine", "angle"])
+def test_beams_with_warping(measure: list[tuple]) -> None:
+    assert same(mechanism([*WARPED, *measure], LAW_OF_WARPED)).n_positions == 14
+
+
 PIPE = ("EM", 1, 0.3, 0.2, 0.5, 1.1)
 PLANAR = [("X", 3, 1.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1, 2, 3)]
 SPATIAL = [("X", 3, 1.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1, *range(1, 7))]

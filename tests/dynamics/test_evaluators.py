@@ -1,4 +1,4 @@
-"""Both evaluators keep the contract of `spacar.dynamics.evaluator`: duty by duty they say the same of a state.
+"""Both evaluators keep the contract of `spacar.dynamics.evaluator`: they say the same of a state.
 
 A position is known to 1e-11 of the model size (CONVERGED); stiffness turns that into forces, so the bound is 1e-8 of
 the largest value of each kind, as in `tests/compiled`.
@@ -41,19 +41,19 @@ def same(found: np.ndarray, expected: np.ndarray, size: float | None = None) -> 
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_every_duty(name):
+def test_every_protocol(name):
     (general, compiled), y = pair(name)
     assert compiled.n_positions == general.n_positions
     assert [compiled.component_name(i) for i in range(len(y))] == [general.component_name(i) for i in range(len(y))]
-    same(compiled.rhs(1e-3, y), general.rhs(1e-3, y))  # 2
-    a, b = general.placement(), compiled.placement()  # 1
+    same(compiled.rhs(1e-3, y), general.rhs(1e-3, y))
+    a, b = general.placement(), compiled.placement()
     same(b.x, a.x)
     same(b.xd, a.xd)
     same(b.e, a.e, 1.0)
     same(b.e_given, a.e_given, 1.0)
-    assert compiled.condition() == pytest.approx(general.condition(), rel=1e-8)  # 5
+    assert compiled.condition() == pytest.approx(general.condition(), rel=1e-8)
     assert compiled.position_matrix().rcond() == pytest.approx(general.position_matrix().rcond(), rel=1e-8)
-    for evaluator in (general, compiled):  # 6: its sweeps and factors are those of the state
+    for evaluator in (general, compiled):  # its sweeps and factors are those of the state
         numpy_evaluator = evaluator.numpy_evaluator()
         same(numpy_evaluator.kinematics.x, a.x)
         same(numpy_evaluator.xd, a.xd)
@@ -63,7 +63,7 @@ def test_every_duty(name):
 
 @pytest.mark.parametrize("name", MODELS)
 def test_stages_are_right_hand_sides(name):
-    """Duty 3, K_i = F(t + c_i h, y + h a_i K), of Heun's method of third order."""
+    """K_i = F(t + c_i h, y + h a_i K), of Heun's method of third order."""
     (general, compiled), y = pair(name)
     c, a, h = np.array([0.0, 1 / 3, 2 / 3]), np.array([[0.0, 0, 0], [1 / 3, 0, 0], [0, 2 / 3, 0]]), 1e-6
     K = np.zeros((3, len(y)))
@@ -76,7 +76,7 @@ def test_stages_are_right_hand_sides(name):
 
 @pytest.mark.parametrize("name", MODELS)
 def test_a_companion_goes_its_own_way(name):
-    """Duty 7: what it evaluates leaves the first one where it stands."""
+    """What it evaluates leaves the first one where it stands."""
     both, y = pair(name)
     for evaluator in both:
         evaluator.rhs(1e-3, y)
@@ -89,7 +89,7 @@ def test_a_companion_goes_its_own_way(name):
 
 @pytest.mark.parametrize("name", ["robotsim", "crankfl"])
 def test_settling_does_not_disturb_what_follows(name):
-    """Duty 6: the same numbers to the last bit, with and without."""
+    """The same numbers to the last bit, with and without."""
     (_, compiled), y = pair(name)
     (_, undisturbed), _ = pair(name)
     compiled.rhs(1e-3, y)

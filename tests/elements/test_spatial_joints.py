@@ -1,4 +1,4 @@
-"""TRUSS, HINGE, PINBODY, RBEAM and the normalization: definitions, derivatives, branches, start geometry."""
+"""HINGE, PINBODY, RBEAM and the normalization: definitions, derivatives, branches, start geometry."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from spacar.elements.family import GeometryError
 from spacar.elements.spatial.hinge import SpatialHinge
 from spacar.elements.spatial.node_inertia import Normalization
 from spacar.elements.spatial.pinbody import SpatialPinbody
-from spacar.elements.spatial.truss import SpatialTruss
 
 N = 6
 
@@ -21,34 +20,6 @@ N = 6
 def free(rng: Any, x: Any) -> Any:
     """A state off the unit sphere: the formulas are homogeneous and must hold there too."""
     return x + 0.1 * rng.normal(size=x.shape)
-
-
-# -- TRUSS -------------------------------------------------------------------------------------------------
-
-
-def test_truss() -> None:
-    rng = np.random.default_rng(1)
-    x0 = reference(rng, N, "xx")
-    trusses = SpatialTruss(
-        group("TRUSS", x0, em=np.full((N, 1), 3.0), estiff=[(2.0,)] * N, edamp=[(0.5,)] * N)
-    )
-    x = moved(rng, x0, "xx")
-    truth = np.linalg.norm(x[3:] - x[:3], axis=0) - np.linalg.norm(x0[3:] - x0[:3], axis=0)
-    close(evaluate(trusses, x)[1][0], truth, "e")
-    check_strain(trusses, x, rng.normal(size=x.shape), rng.normal(size=(1, N)))
-    check_inertia(trusses, x, rng.normal(size=x.shape), rng.normal(size=x.shape))
-    weight = check_gravity(trusses, x, G)
-    np.testing.assert_allclose(weight[3:], 1.5 * G[:, None] * trusses.length, rtol=1e-13)
-    S, S_d = trusses.stiffness()
-    np.testing.assert_allclose(S[0, 0], 2.0 / trusses.length)
-    np.testing.assert_allclose(S_d[0, 0], 0.5 / trusses.length)
-    c, e, _ = evaluate(trusses, np.concatenate((x[:3], x[:3] + 1e-9)))
-    assert [t.fatal for t in trusses.troubles(c, e, e)] == [True] * N
-
-
-def test_truss_of_zero_length() -> None:
-    with pytest.raises(GeometryError, match="length"):
-        SpatialTruss(group("TRUSS", np.zeros((6, 1))))
 
 
 # -- HINGE -------------------------------------------------------------------------------------------------
