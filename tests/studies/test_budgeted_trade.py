@@ -210,3 +210,13 @@ def test_the_best_that_is_reached():
     error = np.abs(result.node(2, 1) - 1.0 - 0.01 * np.cos(20.0 * result.t)).max() / 0.02
     assert error <= answer.reached
     assert "none of the settings is known to be accurate enough" in repr(answer)
+
+
+def test_a_beam_without_inertia_against_torsion(deck):
+    """The end of its beam carries what turns in screw; a part in between would have no inertia. That is said, and the
+    integration alone is compared."""
+    short = {"duration": 0.1, "n_steps": 2}
+    found = budgeted.search(Trade(1, deck("screw", 1), (quantity("x[3,1]"),), 1, short), 1e-3, 10.0)
+    assert "no inertia on the motion of element 3 (BEAM) e2 torsion" in found.undivided[3]
+    assert found.best is not None
+    assert found.best.error + found.reference.error <= 1e-3

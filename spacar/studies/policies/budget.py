@@ -1,6 +1,6 @@
 """The trade between speed and accuracy within a time limit: the settings that matter, the cheapest first.
 
-    reference   the ladder of tolerances or of meshes that `--accuracy` climbs (`spacar.studies.policies.reference_run`)
+    reference   the ladder of tolerances or of meshes that `--accuracy` climbs (`policies.trade_reference`)
     models      of each measure the coarsest mesh whose error leaves room for that of the integration; in the stationary
                 modes every mesh up to there; the model with rigid beams
     settings    every method of each of these models from its loosest tolerance on, until one is accurate enough:
@@ -25,14 +25,13 @@ from spacar.calls import frames
 from spacar.deck.rewrite.refine import flexible_beams
 from spacar.errors import SpacarError
 from spacar.mechanism.element_batches import by_angles
-from spacar.stream import Run
 from spacar.studies.policies.mesh import divisible
-from spacar.studies.policies.reference_run import best_reference
 from spacar.studies.policies.trade import Entry, Reference, assess, recommend, row_error
+from spacar.studies.policies.trade_reference import best_reference, massless, run_of
 from spacar.studies.runs.error_norm import distance
 from spacar.studies.runs.record import Computed
 from spacar.studies.runs.rows import Row
-from spacar.studies.runs.setting import Job, Setup, Trade, run_setup, variant
+from spacar.studies.runs.setting import Job, Setup, Trade, run_setup
 from spacar.studies.runs.tolerance_ladder import stiff
 
 METHODS, STIFF_METHODS = (155, 853, 0), (595, 553)
@@ -131,7 +130,7 @@ class TradeSearch:
         tolerances = [10.0**k for k in range(int(np.log10(LOOSEST)), max(lowest, -12) - 1, -1)]
         found = []
         for model in models:
-            hard = stiff(_run_of(self.trade, model))
+            hard = stiff(run_of(self.trade, model))
             codes = (*(STIFF_METHODS if hard else ()), *METHODS, *((595,) if flexible and not hard else ()))
             found += [[replace(model, integrator=code, tolerance=t) for t in tolerances] for code in codes]
         return found
@@ -143,6 +142,9 @@ def search(trade: Trade, target: float, budget: float, tick: Tick = lambda _what
     found = TradeSearch(trade, target, budget=budget, tick=tick)
     run = frames(trade.mode, trade.deck, **trade.options)
     beams, found.undivided = divisible(run)
+    why = massless(trade) if beams and not trade.stationary else ""
+    if why:
+        beams, found.undivided = (), found.undivided | dict.fromkeys(beams, why)
     tick("the reference", found.left(FOR_REFERENCE))
     found.reference, meshes = best_reference(trade, run, beams, target, partial(found.left, FOR_REFERENCE))
     error = found.reference.error
@@ -155,7 +157,7 @@ def _rigid(trade: Trade) -> list[Setup]:
     """The model with rigid beams, where it has flexible ones and can do without."""
     setup = Setup(beams="rigid")
     try:
-        moves = _run_of(trade, setup).mechanism.numbering.nkddof
+        moves = run_of(trade, setup).mechanism.numbering.nkddof
     except SpacarError:
         return []
     return [] if trade.stationary and not moves else [setup]
@@ -190,8 +192,3 @@ def _models(found: TradeSearch, meshes: Sequence[Computed]) -> list[Setup]:
         if found.error(row) <= ROOM * found.goal:
             return [*models, Setup(n)]
     return models
-
-
-def _run_of(trade: Trade, setup: Setup) -> Run:
-    options = trade.options | ({"beams": setup.measure} if setup.measure else {})
-    return frames(trade.mode, variant(trade.deck, setup), **options)

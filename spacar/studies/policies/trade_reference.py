@@ -9,12 +9,14 @@ from collections.abc import Callable
 
 import numpy as np
 
+from spacar.calls import frames
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError
 from spacar.stream import Run
 from spacar.studies.policies.mesh import MeshSearch
 from spacar.studies.policies.trade import Reference
 from spacar.studies.runs.record import Computed
-from spacar.studies.runs.setting import Trade
+from spacar.studies.runs.setting import Setup, Trade, variant
 from spacar.studies.runs.tolerance_ladder import EXPENSIVE, ToleranceLadder
 
 STEPS = (EXPENSIVE, 30 * EXPENSIVE)  # of stability, up to which methods are explicit, one after the other
@@ -63,3 +65,19 @@ def _reached(
     names = tuple(finest.names[i] for i in rows)
     found = Reference(result.rows.values[rows], finest.amplitude[rows], result.estimate, result.way, names)
     return found, [mesh for mesh in study.meshes if len(set(mesh.pieces.values())) == 1]
+
+
+def massless(trade: Trade) -> str:
+    """Why divided beams do not move, such as parts without inertia against torsion; empty where they do."""
+    evaluator = Dynamics(run_of(trade, Setup(2)).mechanism)
+    try:
+        evaluator.rhs(0.0, evaluator.start())
+    except AnalysisError as error:
+        return str(error)
+    return ""
+
+
+def run_of(trade: Trade, setup: Setup) -> Run:
+    """The run of a model, at its own settings of the integration."""
+    options = trade.options | ({"beams": setup.measure} if setup.measure else {})
+    return frames(trade.mode, variant(trade.deck, setup), **options)
