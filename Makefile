@@ -27,7 +27,8 @@ endef
 
 # The C text of the engine and what it is generated from: an installation with another one builds it again.
 ENGINE := hatch_build.py $(wildcard spacar/compiled/*.[ch]) $(wildcard spacar/compiled/generator/*.py) \
-          $(wildcard spacar/elements/*_symbolic.py spacar/elements/*/*_symbolic.py)
+          $(wildcard spacar/elements/*_symbolic.py spacar/elements/*/*_symbolic.py) \
+          spacar/elements/family.py spacar/elements/spatial/beam.py
 
 $(VENV)/.installed: pyproject.toml $(ENGINE)
 	$(environment)

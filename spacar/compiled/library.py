@@ -26,7 +26,9 @@ GENERAL = "SPACAR_GENERAL"  # environment variable: anything but empty or 0 swit
 
 # What kernels.c and derivatives.c are derived from: an element that is not in the library must not be taken for one
 # that is
-GENERATED_FROM = "compiled/generator/*.py", "elements/**/*_symbolic.py"
+GENERATED_FROM = (  # two modules for GUARD and LARGE_ANGLE, which enter the texts
+    "compiled/generator/*.py", "elements/**/*_symbolic.py", "elements/family.py", "elements/spatial/beam.py",
+)  # fmt: skip
 
 
 WIDTH = ctypes.sizeof(ctypes.c_double)  # of a number in memory
