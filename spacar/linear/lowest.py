@@ -157,10 +157,10 @@ def _quadratic(tangent: SparseTangent, s: float, wanted: int, report: Report) ->
 
     rank = 2 * tangent.dynamics.numbering.nddof
     theta, z = dominant(operator, start_block(tangent, 2 * wanted, 2), 2 * wanted, rank)
-    if ends_with_half_a_pair(theta):
-        theta, z = theta[:-1], z[:, :-1]
     values = s + 1.0 / theta
     values[lost_pairs(operator, theta, z, values, "eigenvalues", report)] = np.nan
+    if ends_with_half_a_pair(theta):
+        values[-1] = np.nan  # it keeps its place, as the number of values is the same at all steps
     return values, z[:n]
 
 

@@ -198,6 +198,17 @@ def both(text: str, monkeypatch: pytest.MonkeyPatch, mode: int) -> tuple[spacar.
 LOADED = "XF 61 -1. 0.3\nGRAVITY 0. -0.5\nITERSTEP 20 4 1e-11"
 
 
+def test_half_a_pair_keeps_its_place():
+    """A root that creeps has one real eigenvalue, so that eight of them end with half a pair: nan, as all steps of a
+    file have the same number. The dense matrices give the others."""
+    text = cantilever(110, more="EDAMP 1 0. 100.").replace("DYNE 1 2 3", "DYNE 1 3")
+    deck = parse_deck(text, mode=7)
+    found, exact = (spacar.run(7, deck, modes=k)["eigval"][0] @ [1, 1j] for k in (4, 0))
+    known = found[np.isfinite(found)]
+    assert (len(found), len(known)) == (8, 7)
+    np.testing.assert_allclose(np.sort(np.abs(known)), np.sort(np.abs(exact))[:7], rtol=1e-6)
+
+
 @pytest.mark.parametrize("case", ["planar", "damped", "spatial", "free"])
 def test_lowest_modes_of_large_systems(case, monkeypatch):
     """The sparse path finds the same modes as the dense one, double ones and rigid motions included."""
