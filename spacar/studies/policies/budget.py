@@ -1,6 +1,6 @@
 """The trade between speed and accuracy within a time limit: the settings that matter, the cheapest first.
 
-    reference   the ladder of tolerances or of meshes that `--accuracy` climbs (`policies.trade_reference`)
+    reference   the ladder of tolerances or of meshes that `--accuracy` climbs (`policies.reference_run`)
     models      of each measure the coarsest mesh whose error leaves room for that of the integration; in the stationary
                 modes every mesh up to there; the model with rigid beams
     settings    every method of each of these models from its loosest tolerance on, until one is accurate enough:
@@ -26,8 +26,8 @@ from spacar.deck.rewrite.refine import flexible_beams
 from spacar.errors import SpacarError
 from spacar.mechanism.element_batches import by_angles
 from spacar.studies.policies.mesh import divisible
+from spacar.studies.policies.reference_run import best_reference, massless, run_of
 from spacar.studies.policies.trade import Entry, Reference, assess, recommend, row_error
-from spacar.studies.policies.trade_reference import best_reference, massless, run_of
 from spacar.studies.runs.error_norm import distance
 from spacar.studies.runs.record import Computed
 from spacar.studies.runs.rows import Row
