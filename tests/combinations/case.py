@@ -72,7 +72,12 @@ class Case:
 
     @cached_property
     def condition(self) -> float:
-        """That of the positions times that of the stiffness matrix of a stationary state."""
+        """That of the positions times that of the mass matrix of a motion, or the stiffness of a stationary state."""
+        row = MODES[self.model.mode]
+        if row.integrated:
+            start = self.base if row.linearized else self.run(mode=4)
+            mass = start.frames[0].matrices.get("m0", np.zeros((0, 0)))
+            return self.positions * (float(np.linalg.cond(mass)) if mass.size else 1.0)
         return self.positions * condition_of(self.base.frames[-1].matrices)
 
     @property

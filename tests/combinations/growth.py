@@ -171,6 +171,7 @@ class Growth:
             self.add("FIX", p)
             for c in turns:
                 self.coordinate(o, c, "INPUTX")
+            self.add("XM", o, 0.3 if self.planar else Tensor((0.3, 0.0, 0.0, 0.3, 0.0, 0.3)), block=2)
         elif what == "fixed":
             self.add("FIX", p)
             self.add("FIX", o)

@@ -71,10 +71,14 @@ def with_mass(model: Model) -> Model:
     heavy = model.mapped(lambda r, b: [] if r[0] == "EM" and r[1] in beams else [r])
     rows = [("EM", Element(e), 0.4, *(0.05 for _ in range(1 if model.planar else 3))) for e in beams]
     rows = [(*r, 0.0, 0.02) if beams[r[1]] == "BEAMW" else r for r in rows]
-    if MODES[model.mode].integrated and model.has("TIMESTEP"):
-        heavy = heavy.without("TIMESTEP", "INTEGRAT")
-        rows += [("TIMESTEP", 0.01, 4), ("INTEGRAT", 140, 0.00125)]
-    return heavy.more(2, *rows)
+    return finely(heavy.more(2, *rows))
+
+
+def finely(model: Model) -> Model:
+    """With steps that resolve the frequencies of stiff beams."""
+    if not (MODES[model.mode].integrated and model.has("TIMESTEP")):
+        return model
+    return model.without("TIMESTEP", "INTEGRAT").more(2, ("TIMESTEP", 0.01, 4), ("INTEGRAT", 140, 0.00125))
 
 
 def sections_of(model: Model) -> set[int]:
@@ -102,7 +106,7 @@ def sections(model: Model, rng: random.Random) -> Model | None:
     model = model.mapped(lambda r, b: [] if r[0] in ("ESTIFF", "EM") and r[1] in chosen else [r])
     bar = ("SECTION", "bar", "CUSTOM", 0.8, 0.11, 0.13, 0.24), ("MATERIAL", "stuff", 100.0, 50.0, 0.5)
     parts = (("BEAMSEC", e, "bar", "stuff", *rng.choice(((),) if e in whole else ((), (2,)))) for e in chosen)
-    return model.more(1, *bar, *parts)
+    return finely(model.more(1, *bar, *parts))
 
 
 def dynamic(mode: Mode) -> bool:

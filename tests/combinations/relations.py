@@ -21,7 +21,7 @@ from spacar.integrators.methods import METHODS
 from spacar.modes import MODES
 
 from . import transformations
-from .case import GENERAL, NOTHING, Case, Found, worst
+from .case import BEYOND, GENERAL, NOTHING, Case, Found, worst
 from .compare import EPS, quantities
 from .linear_relations import (
     compliances,
@@ -129,7 +129,12 @@ def divisions(case: Case) -> Found:
     finer = case.divided(case.rng.choice((2, 3)), deck)
     if finer is None:
         return NOTHING
-    a, four, again = (case.result(d) for d in (finer, case.divided(4, deck), case.divided(2, case.divided(2, deck))))
+    try:
+        a, four, again = map(case.result, (finer, case.divided(4, deck), case.divided(2, case.divided(2, deck))))
+    except SpacarError as error:
+        if error.code not in BEYOND:
+            raise
+        return NOTHING  # beyond its theory with the masses that divided beams need, or without its start
     text = replace(spacar.parse_deck(finer.to_text(), mode=case.model.mode), path=finer.path)
     nodes = [{k: v for k, v in quantities(case.model, r).items() if k[0] == "node"} for r in (four, again)]
     same = case.same(quantities(case.model, a), quantities(case.model, case.result(text)))
