@@ -196,8 +196,10 @@ class StationarySolver:
             self._walk = walk = self._begin(target, whole)
             walk.advance(target)
         except AnalysisError as again:
-            if not whole or failure.code == "statics.no-solution":  # of a motion that the loading may hold
-                said = again
+            said = failure if whole else again
+            if whole and failure.code == "statics.no-solution":  # of a motion that the loading may hold
+                text = f"{failure}; with the whole loading from the start on: {again}"
+                said = AnalysisError(text, failure.code, **failure.data)
         else:
             if whole and self._firm:
                 self.report.add(
