@@ -74,11 +74,12 @@ class Case:
     def condition(self) -> float:
         """That of the positions times that of the mass matrix of a motion, or the stiffness of a stationary state."""
         row = MODES[self.model.mode]
+        positions = max(self.positions, float(self.base.header.get("condition", 1.0)))  # of divided beams too
         if row.integrated:
             start = self.base if row.linearized else self.run(mode=4)
             mass = start.frames[0].matrices.get("m0", np.zeros((0, 0)))
-            return self.positions * (float(np.linalg.cond(mass)) if mass.size else 1.0)
-        return self.positions * condition_of(self.base.frames[-1].matrices)
+            return positions * (float(np.linalg.cond(mass)) if mass.size else 1.0)
+        return positions * condition_of(self.base.frames[-1].matrices)
 
     @property
     def divides(self) -> bool:
@@ -98,7 +99,8 @@ class Case:
         return self.same(self.values, quantities(self.model, result, back), error)
 
     def same(self, a: dict, b: dict, error: float = 0.0) -> Found:
-        return disagreement(a, b, self.condition, stiffness_of(self.model), max(error, asked(self.model)))
+        stiffness = stiffness_of(self.model) * self.model.options.get("elements", 1) ** 2  # of the parts of beams
+        return disagreement(a, b, self.condition, stiffness, max(error, asked(self.model)))
 
     def close(self, want: Any, got: Any, what: str, error: float = 0.0, scale: float = 0.0) -> Found:
         """Two arrays agree within 64 eps times the condition, or `error`, of their size (of `scale` at least)."""

@@ -70,9 +70,10 @@ def quiet(case: Case) -> bool:
 
 
 def fine(case: Case):
-    """The motion once more with 40 short steps, linearized."""
+    """The motion once more with 40 short steps, linearized; parts of beams vibrate faster."""
+    time = 0.05 if case.divides else 0.2
     model = case.model.without("TIMESTEP", "INTEGRAT", "ERROR")
-    model = model.more(2, ("TIMESTEP", 0.2, 40), ("INTEGRAT", 853, 0.005), ("ERROR", 1e-12, 1e-12))
+    model = model.more(2, ("TIMESTEP", time, 40), ("INTEGRAT", 853, time / 40), ("ERROR", 1e-12, 1e-12))
     return case.run(model, mode=4)
 
 
