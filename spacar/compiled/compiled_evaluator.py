@@ -117,6 +117,7 @@ class CompiledDynamics:
         self._y, self._out = shared = np.zeros((2, self.n_positions + n.nddof))
         first = address_of(shared)
         self._addresses = first, first + shared.nbytes // 2
+        self.iterations = 0
         self._iterating: Iterating | None = None
         self._step_of: tuple[Array, Array, Array, tuple[int, ...]] | None = None
 
@@ -293,12 +294,15 @@ class CompiledDynamics:
 
     def frame_in_general(self, t: float, y: Array) -> Frame:
         """That of a state that C could not do."""
-        return self._in_general(lambda: self.general.frame(t, y))
+        frame = self._in_general(lambda: self.general.frame(t, y))
+        self.iterations = self.general.iterations
+        return frame
 
     def frame(self, t: float, y: Array) -> Frame:
         m, s = self.solver, self.state
         self._y[:] = y
-        if m.evaluate(s, t, self._addresses[0], EXACT) < 0:
+        self.iterations = m.evaluate(s, t, self._addresses[0], EXACT)
+        if self.iterations < 0:
             return self.frame_in_general(t, y)
         (x, xd, xdd, applied, gravity, total), (e, ed, edd, sigma) = s.of_one()
         return Frame(

@@ -51,13 +51,17 @@ static int show(Model *m, OutputBlock *p, int i)
     return p->last == HARMLESS;
 }
 
-/* Outputs of a motion that is all prescribed, n of them. */
+/* Outputs of a motion that is all prescribed, n of them; what is counted are the iterations of their positions. */
 static int spacar_show(Model *m, OutputBlock *p)
 {
     const double begin = seconds();
     p->done = 0;
     memset(p->counted, 0, sizeof p->counted);
-    while (show(m, p, p->done) && p->done < p->n && seconds() - begin < p->longest) { }
+    for (int go_on = 1; go_on && p->done < p->n;) {
+        go_on = show(m, p, p->done);
+        p->work[5 * (p->done - 1) + 4] = p->status;
+        if (seconds() - begin >= p->longest) break;
+    }
     return 0;
 }
 

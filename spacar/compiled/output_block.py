@@ -137,6 +137,7 @@ class OutputBlock(OutputRows):
         self.c.n = 1
         self.rows[0, self.of_y :] = y
         self._show()
+        self.work[0] = 0  # the integrator has not begun
         if self.c.last != HARMLESS or self.end == 1:
             return self.outputs()
         self.held, self.c.done = 1, 0
@@ -223,6 +224,7 @@ class BatchOutputBlock(OutputRows):
     def start(self, y: Array) -> list[BlockOfOutputs]:
         """The first output, whose state is y; it is handed on with those behind it. Raises as `outputs`."""
         self.show(0, y)
+        self.work[0] = 0  # the integrator has not begun
         self.output = self.held = 1
         self.c.done = 0
         return []

@@ -186,7 +186,7 @@ static int spacar_evaluate(Model *m, State *at, double t, const real *y, double 
     if (status < 0) return status;
     memcpy(at->y, y, sizeof(real) * n_of_state(&m->s));
     at->whole = m->evaluations;
-    return OK;
+    return status;
 }
 
 /* Numbers behind the model have changed (loads, motions): what has been evaluated is not there any more. */

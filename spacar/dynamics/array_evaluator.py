@@ -104,6 +104,11 @@ class Dynamics(EquationsOfMotion):
         )  # fmt: skip
 
     # -- where it stands, and checks there ----------------------------------------------------------------------
+    @property
+    def iterations(self) -> int:
+        """How many Newton iterations the last position took."""
+        return self.kinematics.iterations
+
     def placement(self) -> Placement:
         """Configuration and velocity of the last evaluated state."""
         k = self.kinematics

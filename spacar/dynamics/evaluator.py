@@ -104,6 +104,10 @@ class Following(Protocol):
 class Outputs(Protocol):
     """Of single states, the last evaluated one where none is named."""
 
+    @property
+    def iterations(self) -> int:
+        """How many Newton iterations the position of the last frame took."""
+
     def frame(self, t: float, y: Array) -> Frame:
         """Everything that is stored of a state."""
 

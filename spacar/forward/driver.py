@@ -200,10 +200,17 @@ def frames(
         if not standing and evaluator.blocks is not None:
             block = evaluator.blocks.output_block(times, limits.wheels.rows, nearly_singular(model.mechanism))
             for at in block.prescribed(y):
-                yield evaluator, checked_frames(evaluator, at, limits)
+                placed = checked_frames(evaluator, at, limits)
+                iterations = at.work[:, 4:]
+                if iterations[-1] < 0:  # C could not place it
+                    iterations[-1] = evaluator.iterations
+                placed.counts = WORK[4:], iterations
+                yield evaluator, placed
             return
         for t in times:
-            yield evaluator, (checked(evaluator, float(t), y, limits),)
+            frame = checked(evaluator, float(t), y, limits)
+            frame.statistics = {WORK[4]: evaluator.iterations}
+            yield evaluator, (frame,)
         return
     tolerances = Tolerances.of(settings, displaced(evaluator))
     jacobian: Jacobian | None = None

@@ -113,7 +113,9 @@ class Along:
         """
         t = float(self.nominal.t[k])
         dynamics = self._dynamics(k)
+        iterations = dynamics.iterations
         frame = at_time(dynamics, t, NO_STATE)
+        frame.statistics = {"iterations": iterations}
         self._require_same_position(frame, k)
         u0, sigma0 = self.inputs(dynamics, frame)
         self.inputs.apply(dynamics, frame, u0)

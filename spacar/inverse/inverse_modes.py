@@ -48,6 +48,7 @@ def inverse(run: Run) -> Iterator[Sequence[Frame]]:
             run.header["condition"] = condition_number(dynamics.kinematics)
             limits = Limits(dynamics, run.report)
         frame = at_time(dynamics, t, NO_STATE)
+        frame.statistics = {"iterations": dynamics.iterations}
         limits.check(dynamics, frame)
         u0, _ = nominal(dynamics, frame)
         nominal.apply(dynamics, frame, u0)

@@ -139,3 +139,15 @@ def test_wrong_input_ends_the_log(call, tmp_path):
     assert "error: bad.dat:3: " in log
     assert "[input.unknown-keyword]" in log
     assert log.endswith("The input is wrong; nothing was analysed.\n")
+
+
+@pytest.mark.parametrize("engine", [(), ("--general",)])
+def test_prescribed_motions_list_the_iterations_of_their_positions(log_of, engine):
+    """Modes 1, 2 and 3; the crank turns through 0.15 rad from step to step, the first position is given."""
+    crank = rows_of(log_of(1, "crank", None, *engine), "step           time [s]  iterations")
+    assert len(crank) == 101
+    assert all(1 <= int(row[2]) <= 4 for row in crank[1:])
+    for mode, name in ((2, "robotinv"), (3, "robotinvlin")):
+        rows = rows_of(log_of(mode, name, None, *engine), "step           time [s]  iterations")
+        assert len(rows) == 141
+        assert all(0 <= int(row[2]) <= 4 for row in rows)
