@@ -18,7 +18,7 @@ from spacar.errors import AnalysisError, Report
 from spacar.linear.descriptor import MASSLESS, DescriptorSystem
 from spacar.linear.eigenmodes import Modes, arranged
 from spacar.linear.lowest import lost_pairs
-from spacar.linear.subspace import ROUGH, SPARE, TRIALS, dominant, ends_with_half_a_pair
+from spacar.linear.subspace import SPARE, dominant, ends_with_half_a_pair, with_shift
 
 SHIFT = 0.1  # of the modulus of the highest wanted eigenvalue
 
@@ -33,15 +33,13 @@ def lowest_modes(system: DescriptorSystem, n_positions: int, nx: int, report: Re
     """
     n = system.n_states
     count = min(2 * wanted, n)
-    inverse = _Inverse(system, n_positions, 1.0)
-    rng = np.random.default_rng(1)
-    start = rng.standard_normal((n, min(count + SPARE, n)))
-    for _ in range(TRIALS):
-        theta, _ = dominant(inverse, start, count, n, ROUGH)
-        modulus = np.max(np.abs(inverse.shift + 1.0 / np.where(theta != 0.0, theta, 1e-300)))
-        before, inverse = inverse.shift, _Inverse(system, n_positions, max(SHIFT * float(modulus), 1e-12))
-        if 0.1 < inverse.shift / before < 10.0:
-            break
+    start = np.random.default_rng(1).standard_normal((n, min(count + SPARE, n)))
+
+    def better(theta: NDArray[np.complex128], shift: float) -> float:
+        modulus = np.max(np.abs(shift + 1.0 / np.where(theta != 0.0, theta, 1e-300)))
+        return max(SHIFT * float(modulus), 1e-12)
+
+    _, inverse = with_shift(lambda s: _Inverse(system, n_positions, s), 1.0, better, start, count, n)
     theta, z = dominant(inverse, start, count, n)
     values = inverse.shift + 1.0 / theta
     values[lost_pairs(inverse, theta, z, values, "eigenvalues", report)] = np.nan

@@ -21,15 +21,14 @@ from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
 from spacar.linear.eigenmodes import Modes, arranged
 from spacar.linear.subspace import (
-    ROUGH,
     SPARE,
     SUFFICIENT,
-    TRIALS,
     Operator,
     RefinedOperator,
     dominant,
     ends_with_half_a_pair,
     real_vectors,
+    with_shift,
 )
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.tangent import STATIC, SparseTangent
@@ -44,9 +43,7 @@ NO_DIGIT = 0.1  # relative residual above which not even the first digit of a va
 COLUMNS = 256  # right-hand sides at once
 
 
-def lowest_vibration(
-    tangent: SparseTangent, report: Report, wanted: int = WANTED, undamped: bool = False
-) -> Modes:
+def lowest_vibration(tangent: SparseTangent, report: Report, wanted: int = WANTED, undamped: bool = False) -> Modes:
     """The `wanted` modes of lowest frequency about the equilibrium of `tangent`, whose sigma is set.
 
     undamped   without dampers and without the forces of the flow in tubes that are proportional to rates
@@ -106,15 +103,14 @@ def _shift(tangent: SparseTangent, wanted: int) -> tuple[float, RefinedOperator]
     if K == 0.0:
         return 1.0, _squared(tangent, 1.0)  # nothing restores anything: all eigenvalues are zero
     least = 0.0 if springs else RIGID / M  # without springs the entries of the constraints are of size one
-    square, start = max(1e-6 * K / M, least), start_block(tangent, wanted)
-    for _ in range(TRIALS):
-        operator = _squared(tangent, square)
-        theta, _ = dominant(operator, start, wanted, tangent.dynamics.numbering.nddof, ROUGH)
-        better = max(SHIFT * max(1.0 / float(np.abs(theta[-1])) - square, SHIFT * square), least)
-        if 0.1 < better / square < 10.0:
-            return square, operator
-        square = better
-    return square, _squared(tangent, square)
+    return with_shift(
+        lambda square: _squared(tangent, square),
+        max(1e-6 * K / M, least),
+        lambda theta, square: max(SHIFT * max(1.0 / float(np.abs(theta[-1])) - square, SHIFT * square), least),
+        start_block(tangent, wanted),
+        wanted,
+        tangent.dynamics.numbering.nddof,
+    )
 
 
 def _squared(tangent: SparseTangent, square: float) -> RefinedOperator:

@@ -12,7 +12,7 @@ Where a block of vectors contains the whole range of the operator its eigenvalue
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,8 @@ class RefinedOperator(Protocol):
 
     def __call__(self, x: Array, /, refined: bool = False) -> Array: ...
 
+
+Shifted = TypeVar("Shifted", bound=Operator)
 
 CONVERGED = 1e-10  # |op(v) - theta v| / |theta| of the Ritz vectors v of norm 1
 SUFFICIENT = 1e-8  # accepted when it does not get better
@@ -69,6 +71,24 @@ def dominant(
         count = max(1, wanted // 4)
     missing = min(wanted, rank) - len(theta)
     return np.append(theta, [np.nan] * missing), np.hstack((z, start[:, :missing]))
+
+
+def with_shift(
+    made: Callable[[float], Shifted],
+    shift: float,
+    better: Callable[[Complex, float], float],
+    start: Array,
+    wanted: int,
+    rank: int,
+) -> tuple[float, Shifted]:
+    """A shift, and the operator `made` of it, for which `better`, by rough values of theta, gives the same one within a
+    factor of ten. `shift` is the first one that is tried; the rest as in `dominant`."""
+    for _ in range(TRIALS):
+        operator = made(shift)
+        before, shift = shift, better(dominant(operator, start, wanted, rank, ROUGH)[0], shift)
+        if 0.1 < shift / before < 10.0:
+            return before, operator
+    return shift, made(shift)
 
 
 def _arnoldi(operator: Operator, Q: Array, start: Array, count: int, within: float) -> tuple[Complex, Complex]:
