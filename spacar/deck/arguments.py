@@ -38,6 +38,8 @@ def read_statement(raw: Raw, keyword: Keyword, outline: Outline, findings: Findi
     if not variants:
         _refuse(raw, keyword, space, role, kind, findings)
         return None
+    if role and subject is not None and (wanted := variants[0].parameters[subject].of).endswith(" node"):
+        role = wanted.removesuffix(" node")  # sentences about the other arguments tell of the node that is wanted
     variant, words = _choose(raw, variants, space, findings)
     values = _values(raw, words, variant, kind, role, findings)
     if values is not None and outline.metre != 1.0:

@@ -433,6 +433,10 @@ TRAJECTORIES = [
         "orientation node", mode=2,
     ),
     row(
+        "surplus argument of TROT", bar("INPUTX 2", "", "TRAJECT 1|TROT 2 0.3 0.2|TRTIME 1. 10"),
+        E, "TROT takes 2 arguments for an orientation node", mode=2,
+    ),
+    row(
         "TRTIME zero", bar("INPUTX 2", "", "TRAJECT 1|TRANS 2 4. 4.|TRTIME 0. 10"), E, "total time 0 must be positive",
         mode=2,
     ),
