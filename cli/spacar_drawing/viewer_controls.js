@@ -15,9 +15,13 @@ function viewerControls(viewer) {
     $("controls").hidden = pictures() < 2;
     $("fields").hidden = !model.field;
   }
+  let panelOf = -1;
   viewer.drawn = () => {
     $("time").textContent = viewer.model.times[state.k];
-    const rows = viewer.numbersOfChosen();
+    const rows = viewer.numbersOfChosen(), chosen = state.node;
+    if (chosen >= 0 && chosen !== panelOf) // the panel stands away from the node that is chosen
+      $("panel").classList.toggle("left", 2 * viewer.pixels(chosen)[0] > canvas.width);
+    panelOf = chosen;
     $("picked").replaceChildren(...rows.map(([name, value, asked]) => {
       const [row, head, cell] = ["tr", "th", "td"].map((tag) => document.createElement(tag));
       head.textContent = name;

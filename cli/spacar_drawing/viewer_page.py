@@ -105,7 +105,8 @@ flex-wrap:wrap;border-bottom:1px solid #dde2e6}#bar{border:0;border-top:1px soli
 #time{color:#4d565e}#stage{position:relative;flex:1;min-height:120px}canvas{position:absolute;inset:0;width:100%;
 height:100%}#view{touch-action:none;cursor:grab}#over{pointer-events:none}#panel{position:absolute;top:.6em;right:.6em;
 background:#fffffff0;border:1px solid #dde2e6;border-radius:4px;padding:.4em .7em;max-width:17em;pointer-events:none;
-max-height:90%;overflow:hidden}#panel th{text-align:left;font-weight:400;color:#4d565e;padding-right:.9em}
+max-height:90%;overflow:hidden}#panel.left{left:.6em;right:auto}
+#panel th{text-align:left;font-weight:400;color:#4d565e;padding-right:.9em}
 #panel td{font-variant-numeric:tabular-nums;text-align:right}#hint{color:#6b747b;margin:0;font-size:.9em}
 #controls{display:flex;gap:.6em;flex:1;align-items:center}#controls[hidden]{display:none}#step{flex:1;min-width:8em}
 button{font:inherit;padding:.15em .7em;border:1px solid #b9c1c8;background:#f6f8f9;border-radius:4px}

@@ -143,6 +143,7 @@ def test_picking_goes_both_ways(chromium, crank, shot):
         page.page.mouse.click(*page.place(6))
         assert page.cursor().startswith("X 6 0.45")
         assert "6 (7)" in page.page.inner_text("#picked")
+        assert page.page.evaluate("() => document.querySelector('#panel').className") == "left"  # 6 is at the right
         shot(page, "picked-node")
         (x, y), (u, v) = page.place(3), page.place(6)
         page.page.mouse.click(0.5 * (x + u), 0.5 * (y + v))
