@@ -83,6 +83,7 @@ def test_a_result_says_how_accurate_it_is():
 
 WRONG = {
     "model": lambda m, r: spacar.run(1, 5),
+    "text of a deck": lambda m, r: spacar.Model("PLTRUSS 1 1 2\nEND"),
     "mode": lambda m, r: spacar.run("x", m),
     "no file": lambda m, r: spacar.run(1, "nofile"),
     "option": lambda m, r: m.run(7, foo=1),

@@ -38,7 +38,7 @@ from spacar.deck.splitter import split
 from spacar.deck.statement import Value
 from spacar.deck.statement_group import StatementGroup
 from spacar.deck.table_types import Keyword, Parameter, Variant
-from spacar.errors import InputError, Message
+from spacar.errors import InputError, Message, UsageError
 from spacar.registry import registered
 from spacar.summary import with_picture
 
@@ -67,6 +67,8 @@ class Model(ModelStatements, ModelCalls):
     """
 
     def __init__(self, source: str = "<model>") -> None:
+        if "\n" in source:
+            raise UsageError("Model takes a name; spacar.parse_deck reads the text of a deck", "usage.model")
         self.source = source
         self._rows: list[tuple[str, int, tuple[str, ...], Place]] = []
         self._outline = Outline()
