@@ -55,8 +55,8 @@ def element_unknowns(dynamics: Dynamics, sigma: Array, other: Array | None = Non
             continue
         coupled = internal.coupling.any(0)
         if other is not None:
-            rhs_for_differences = b.family.internal(configuration, other[b.e])
-            coupled = coupled | (rhs_for_differences is not None and rhs_for_differences.coupling.any(0))
+            inner = b.family.internal(configuration, other[b.e])
+            coupled = coupled | (inner is not None and inner.coupling.any(0))
         has = np.flatnonzero(np.isfinite(internal.stiffness) & coupled)
         found.append(
             ElementUnknowns(b.x[:, has], internal.coupling[:, has], internal.stiffness[has], internal.eliminated[has])

@@ -10,13 +10,13 @@ MODEL = "PLTRUSS 1 1 2\nX 2 1. 0.\nFIX 1\nFIX 2 2\nDYNE 1\nEND HALT\nXM 2 1.\nES
 @pytest.fixture
 def check(call, tmp_path):
     """What `spacar check` prints about a model with these settings in the file, or in m.spv beside it."""
-    return lambda settings, rhs_for_differences=False: _check(call, tmp_path, settings, rhs_for_differences)
+    return lambda settings, beside=False: _check(call, tmp_path, settings, beside)
 
 
-def _check(call, folder, settings: str, rhs_for_differences: bool) -> str:
+def _check(call, folder, settings: str, beside: bool) -> str:
     path = folder / "m.dat"
-    path.write_text(MODEL + ("" if rhs_for_differences else f"VISUALIZATION\n{settings}\n"))
-    if rhs_for_differences:
+    path.write_text(MODEL + ("" if beside else f"VISUALIZATION\n{settings}\n"))
+    if beside:
         (folder / "m.spv").write_text(settings + "\n")
     result = call("check", "m")
     assert result.status == 0
@@ -47,9 +47,9 @@ def test_a_mistake_is_named_with_its_line(check, line: str, words: str) -> None:
     assert "warning: m.dat:12: " in text
     assert words in text
     assert "0 errors, 1 warning" in text
-    rhs_for_differences = check(line, rhs_for_differences=True)
-    assert "warning: m.spv:1: " in rhs_for_differences
-    assert words in rhs_for_differences
+    beside = check(line, beside=True)
+    assert "warning: m.spv:1: " in beside
+    assert words in beside
 
 
 def test_every_setting_of_the_reference_passes(check) -> None:

@@ -163,8 +163,8 @@ def test_bode(pair, capsys):
         tables.append({row[0]: np.array(row[1:], float) for row in rows[1:]})
     # Within 1e-4 of an undamped resonance rounding of the matrices is left in the response.
     largest = {frequency: np.abs(row[0::2]).max() for frequency, row in tables[1].items()}
-    rhs_for_differences = 1e4 * np.median(list(largest.values()))
-    common = [f for f in tables[0].keys() & tables[1].keys() if largest[f] < rhs_for_differences]
+    bound = 1e4 * np.median(list(largest.values()))
+    common = [f for f in tables[0].keys() & tables[1].keys() if largest[f] < bound]
     assert len(common) >= 15
     for frequency in common:
         ours, theirs = (t[frequency] for t in tables)

@@ -29,8 +29,8 @@ def wheel_slips(x: list, v: list, p: dict) -> list:
     d = [r[0], r[1], r[2] - p["rho"]]
     w = list(2 * global_map(x[3:7]) * sp.Matrix(v[3:7]))
     along = [c + s for c, s in zip(v[:3], cross(w, d), strict=True)]
-    rhs_for_differences = [c - p["rho"] * s for c, s in zip(v[7:], cross(w, UP), strict=True)]
-    return [dot(t, along), dot(cross(UP, t), rhs_for_differences)]
+    slipping = [c - p["rho"] * s for c, s in zip(v[7:], cross(w, UP), strict=True)]
+    return [dot(t, along), dot(cross(UP, t), slipping)]
 
 
 def wheel_guard(x: list, p: dict) -> list:
