@@ -123,10 +123,12 @@ class Result:
 
     @property
     def lnp(self) -> NDArray[np.int64]:
+        """(nodes, 4) places of the coordinates of every node in x, from 1; 0 for none (files.md section 4)."""
         return self.mechanism.numbering.lnp
 
     @property
     def le(self) -> NDArray[np.int64]:
+        """(elements, n) places of the deformations of every element in e, from 1; 0 for none (files.md section 4)."""
         return self.mechanism.numbering.le
 
     @cached_property
@@ -136,6 +138,7 @@ class Result:
 
     @property
     def t(self) -> Array:
+        """(steps,) time [s]; in the stationary modes the number of the load step."""
         return np.asarray(self["t"])
 
     def _column(self, name: str) -> Any:
