@@ -6,6 +6,26 @@ from pathlib import Path
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 
+# A stiff arm that carries a soft one: at each frequency of the first, steps of explicit methods would be short.
+STIFF_AND_SOFT_ARM = """
+PLBEAM 1 1 2 3 4
+PLBEAM 2 3 4 5 6
+X 3 0.5 0.
+X 5 1. 0.
+FIX 1
+FIX 2
+DYNE 1 2 3
+DYNE 2 2 3
+END HALT
+EM 1 1.
+EM 2 1.
+ESTIFF 1 0. 1e4
+ESTIFF 2 0. 1.
+XF 5 0. 0.2
+TIMESTEP 0.5 5
+END END
+"""
+
 
 def deck(kinematics: list[str], dynamics: list[str]) -> str:
     """Both blocks of an input file."""

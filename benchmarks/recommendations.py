@@ -35,24 +35,6 @@ REDUCED = (595, 0), (2, 4, 6), (1, 2, 4)
 REPEATS, SHORT = 3, 0.5  # runs of a setting, while they take less than so many seconds together
 LONGEST = 10.0  # seconds of a setting
 
-SOFT_ARM = """
-PLBEAM 1 1 2 3 4
-PLBEAM 2 3 4 5 6
-X 3 0.5 0.
-X 5 1. 0.
-FIX 1
-FIX 2
-DYNE 1 2 3
-DYNE 2 2 3
-END HALT
-EM 1 1.
-EM 2 1.
-ESTIFF 1 0. 1e4
-ESTIFF 2 0. 1.
-XF 5 0. 0.2
-TIMESTEP 0.5 5
-END END
-"""
 RIGID = """
 PLBEAM 1 1 2 3 4
 X 3 1. 0.
@@ -71,7 +53,7 @@ MODELS: dict[str, tuple[str, int, dict[str, Any]]] = {
     "robotflexsim": (models.example("robotflexsim"), 7, {}),
     "plbeam5": (models.example("plbeam5"), 7, {}),
     "screw": (models.example("screw"), 1, {"duration": 0.5, "n_steps": 10}),
-    "stiff and soft arm": (SOFT_ARM, 1, {}),
+    "stiff and soft arm": (models.STIFF_AND_SOFT_ARM, 1, {}),
     "rod that is rigid enough": (RIGID, 1, {}),
 }
 

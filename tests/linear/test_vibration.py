@@ -206,7 +206,7 @@ def test_half_a_pair_keeps_its_place():
     found, exact = (spacar.run(7, deck, modes=k)["eigval"][0] @ [1, 1j] for k in (4, 0))
     known = found[np.isfinite(found)]
     assert (len(found), len(known)) == (8, 7)
-    np.testing.assert_allclose(np.sort(np.abs(known)), np.sort(np.abs(exact))[:7], rtol=1e-6)
+    np.testing.assert_allclose(np.sort(np.abs(known)), np.sort(np.abs(exact))[:7], rtol=1e-8)
 
 
 @pytest.mark.parametrize("case", ["planar", "damped", "spatial", "free"])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import acos, cos, pi, sin, sqrt
+from math import acos, cos, inf, pi, remainder, sin, sqrt, tau
 
 import numpy as np
 import pytest
@@ -47,11 +47,12 @@ END END
 @pytest.mark.parametrize("general", ["", "1"])
 @pytest.mark.parametrize("start", [0.3, 0.8, -1.1, 1.5, 1.7, 2.5, -3.0])
 def test_a_pendulum_finds_its_rest(start, general, monkeypatch):
-    """w^2 = g/l about the hanging position, whatever the number of steps; above the pivot the start is not stable."""
+    """w^2 = g/l about the hanging position, whatever the number of steps. Above the pivot the start is not stable,
+    and the way down may add a turn."""
     monkeypatch.setenv("SPACAR_GENERAL", general)
     for steps in (1, 4, 10):
         r = spacar.run(7, parse_deck(PENDULUM.format(l=0.5, start=start, steps=steps), mode=7))
-        assert sin(r.node(2, 1)[-1]) == pytest.approx(0.0, abs=1e-9)
+        assert remainder(r.node(2, 1)[-1], tau if abs(start) > 1.6 else inf) == pytest.approx(0.0, abs=1e-9)
         assert r["eigval"][0][0] == pytest.approx((0.0, sqrt(G / 0.5)), abs=1e-7)
         assert not any("warning" in line for line in r.report)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,9 @@ from spacar.studies.policies import budget as budgeted
 from spacar.studies.runs.quantities import quantity
 from spacar.studies.runs.setting import Job, Setup, Trade, run_setup
 from tests.studies.oscillator import OSCILLATOR
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
+from models import STIFF_AND_SOFT_ARM
 
 
 @pytest.fixture
@@ -159,43 +163,25 @@ def test_rigid_beams_are_recommended_where_they_are_enough(call):
     assert result.node(3, 2)[-1] == pytest.approx(np.sin(exact.y[0, -1]), abs=1e-3)
 
 
-# A stiff arm that carries a soft one: at each frequency of the first, steps of the explicit methods would be short.
-ARM = """
-PLBEAM 1 1 2 3 4
-PLBEAM 2 3 4 5 6
-X 3 0.5 0.
-X 5 1. 0.
-FIX 1
-FIX 2
-DYNE 1 2 3
-DYNE 2 2 3
-END HALT
-EM 1 1.
-EM 2 1.
-ESTIFF 1 0. 1e4
-ESTIFF 2 0. 1.
-XF 5 0. 0.2
-TIMESTEP 0.5 5
-END END
-"""
-
-
 def test_a_stiff_beam_is_left_out(call):
     """The recommended model has a rigid first arm, and its file runs as the last line says; the target is kept against
     four beams in the place of each."""
-    Path("arm.dat").write_text(ARM)
+    Path("arm.dat").write_text(STIFF_AND_SOFT_ARM)
+    Path("arm.trade.dat").write_text("of somebody else")
     words = ("--target", "5e-2", "--budget", "20", "--repeats", "1", "--variable", "x[5,2]", "--json")
     found = json.loads(call("trade", "arm", *words).out)
     words = shlex.split(found["command"])
     assert found["recommended"]["beams"] == "rigid 1"
     assert words[2] == "arm.trade.dat"
     assert "DYNE 1" not in Path("arm.trade.dat").read_text()
+    assert Path("arm.trade.dat.bak").read_text() == "of somebody else"
     assert call(*words[1:], "-q").status == 0
     options = dict(zip(words[3::2], words[4::2], strict=False))
     numbers = {"integrator": int(options["--integrator"]), "rtol": float(options["--rtol"])}
     numbers |= {"atol": float(options["--atol"]), "elements": int(options.get("--elements", "1"))}
     result = spacar.run(1, "arm.trade.dat", beams=options.get("--beams"), **numbers)
-    fine = spacar.run(1, refine(parse_deck(ARM, mode=1), 4), beams="angle", integrator=595, rtol=1e-5, atol=1e-6)
+    finer = refine(parse_deck(STIFF_AND_SOFT_ARM, mode=1), 4)
+    fine = spacar.run(1, finer, beams="angle", integrator=595, rtol=1e-5, atol=1e-6)
     truth = fine.node(5, 2)
     assert np.abs(result.node(5, 2) - truth).max() <= 5e-2 * np.ptp(truth)
 

@@ -171,10 +171,12 @@ def _told(
 
 
 def _written(source: Path, text: str) -> str:
-    """Name of the file, beside the given one, that has the recommended model."""
-    from spacar_formats.safety import write_text
+    """Name of the file, beside the given one, that has the recommended model; another text stays as .bak."""
+    from spacar_formats.safety import backup_path, write_text
 
     path = source.with_name(f"{source.stem}.trade.dat")
+    if path.exists() and path.read_bytes() != text.encode():
+        path.replace(backup_path(path))
     write_text(path, text)
     return path.name
 
