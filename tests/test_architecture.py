@@ -27,7 +27,7 @@ ALLOWED = {
     "spacar_cli": {"numpy", "scipy", "spacar", "spacar_formats", "spacar_drawing", "click", "rich", "matplotlib"},
 }
 EXTRAS = {  # optional packages, each for one room
-    "spacar/symbolic": {"sympy", "tomli", "mpmath"},
+    "spacar/symbolic": {"sympy", "tomli", "tomllib", "mpmath"},
     "spacar/compiled/generator": {"sympy"},
     "spacar/elements": {"sympy"},  # modules that no run imports: tests/test_imports.py
     "spacar/simulation": {"control"},
