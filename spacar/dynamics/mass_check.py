@@ -43,7 +43,6 @@ from numpy.typing import NDArray
 from spacar.arrays import Array
 from spacar.dynamics.saddle_point import DeformationInertia, SaddlePoint
 from spacar.errors import AnalysisError
-from spacar.kinematics.constraint_condition import Conditioning
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.kinematics import Kinematics
 from spacar.kinematics.transfer import velocity_transfer
@@ -139,7 +138,7 @@ def require_inertia_of_many(mechanism: Mechanism, saddle: SaddlePoint, condition
 
 
 def linearized_doubt(
-    mechanism: Mechanism, elements: Callable[[], ElementSweep], masses: Array, M: Array, condition: Conditioning,
+    mechanism: Mechanism, elements: Callable[[], ElementSweep], masses: Array, M: Array, condition: float,
     everything: bool = False,
 ) -> str | None:  # fmt: skip
     """What linearized equations at the configuration of the sweep `elements` are warned of, None: nothing.
@@ -156,17 +155,14 @@ def linearized_doubt(
         return None
     with np.errstate(over="ignore"):
         largest = _largest(mechanism, masses)
-    if not np.isfinite(largest) or not is_doubtful(mechanism, M, condition.at_most, largest):
+    if not np.isfinite(largest) or not is_doubtful(mechanism, M, condition, largest):
         return None
-    number = condition.number
-    if not is_doubtful(mechanism, M, number, largest):
-        return None
-    massless, doubtful = _motions_of_rounding(mechanism, SaddlePoint(mechanism, elements()), number)
+    massless, doubtful = _motions_of_rounding(mechanism, SaddlePoint(mechanism, elements()), condition)
     if not (massless or doubtful):
         return None
     return (
         f"the inertia on the motion of {massless or doubtful} is that of rounding in the position (condition"
-        f" {number:.2g}): frequencies of this motion have no right digit; add mass (XM, EM), or choose other degrees"
+        f" {condition:.2g}): frequencies of this motion have no right digit; add mass (XM, EM), or choose other degrees"
         " of freedom"
     )
 

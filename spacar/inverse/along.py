@@ -33,7 +33,7 @@ from spacar.frame import Frame
 from spacar.inverse.nominal import Nominal, NominalDrive
 from spacar.inverse.ports import ACCELERATIONS, NominalInputs, Ports, rigidified
 from spacar.inverse.trajectory import Leg, groups, loaded
-from spacar.kinematics.constraint_condition import Conditioning
+from spacar.kinematics.constraint_condition import condition_number
 from spacar.linear import form
 from spacar.linear.sparse_linearization import SparseLinearization
 from spacar.linear.state_space import Signal, state_space
@@ -126,7 +126,7 @@ class Along:
             return frame
         L = self._at(linearize, dynamics, frame, u0)
         if k == 0:
-            condition = Conditioning.of(dynamics.kinematics)
+            condition = condition_number(dynamics.kinematics)
             doubt = linearized_doubt(
                 self.mechanism, lambda: dynamics.sweep, L.M.diagonal(), L.m0, condition, everything=True
             )

@@ -5,66 +5,22 @@ times over, s_1 and 1/s_n are the largest singular values of D and of D^-1 by Go
 bidiagonalization (G. Golub, W. Kahan, SIAM J. Numer. Anal. 2 (1965) 205-224) with the factorization that is there
 anyway: linear cost, and values that are too small by two thousandths at most where it was tried. Rows and columns are
 scaled to be dimensionless.
-
-s_1/s_n <= (|D|_1 |D|_inf)^1/2 |D^-1|_F: a bound from the factorization that is there anyway, in less time, tells
-whether anything depends on the number.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property, partial
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.kinematics.difference_matrix import Entries, entries_of, scaled_difference_matrix
 from spacar.kinematics.kinematics import Kinematics
-from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 
 ESTIMATED_FROM = 150
 STEPS = 40  # of the bidiagonalization, at most
 STEADY = 1e-4  # relative change of the largest singular value in two steps that ends it
-
-
-@dataclass(frozen=True)
-class Conditioning:
-    """The condition number of a configuration, and a bound, which costs less. Without a bound (infinite) the number has
-    to be asked for before the mechanism moves."""
-
-    at_most: float
-    compute: Callable[[], float]
-
-    @cached_property
-    def number(self) -> float:
-        return self.compute()
-
-    @classmethod
-    def of(cls, k: Kinematics) -> Conditioning:
-        """At the placed configuration, of which V[E, U] has been factored."""
-        if len(k.E) > ESTIMATED_FROM:
-            return cls(float("inf"), partial(_estimate, k))
-        s = k.sweep
-        return cls(_bound(k), partial(of_entries, k.mechanism, (s.v_rows, s.v_columns, s.v_entries.copy())))
-
-
-def _bound(k: Kinematics) -> float:
-    """(|D|_1 |D|_inf)^1/2 |D^-1|_F, infinite when singular."""
-    n, sweep, take = len(k.E), k.sweep, k.velocity_take
-    if not n:
-        return 1.0
-    row, column = k.mechanism.deformation_scale[k.E], k.mechanism.scale[k.U]
-    i, j = sweep.v_rows[take], sweep.v_columns[take]
-    try:
-        inverse = k.velocity_system.solve(np.eye(n)) * row / column[:, None]
-    except SingularMatrixError:
-        return float("inf")
-    entries = np.abs(sweep.entries[take] * k.mechanism.scale[j] / k.mechanism.deformation_scale[i])
-    size = np.bincount(i, entries).max() * np.bincount(j, entries).max()
-    bound = float(np.sqrt(size) * np.linalg.norm(inverse))
-    return bound if np.isfinite(bound) else float("inf")
 
 
 def condition_number(k: Kinematics) -> float:

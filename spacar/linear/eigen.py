@@ -11,6 +11,8 @@ Every returned pair is checked (`spacar.linear.backward_error`); a doubtful one 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,12 +20,13 @@ from spacar.arrays import Array, Index
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
 from spacar.linear.eigenmodes import Modes, arranged
-from spacar.linear.graded import Factors, eigenvalues, graded_modes
+from spacar.linear.graded import EPS, TEN_DIGITS, Factors, eigenvalues, graded_modes, keeps_digits
 from spacar.linear_systems import DENSE_LIMIT
 from spacar.linearization.matrices import Linearization
 from spacar.linearization.state_matrix import assembled_state_matrix, require_mass, selected
 
 Complex = NDArray[np.complex128]
+FindFactors = Callable[[], Factors | None]
 SYMMETRIC = 1e-9  # relative asymmetry below which a matrix counts as symmetric (rounding of assembled sums)
 POLISHED = 1e-2  # modes with omega^2 below this fraction of the largest are improved; the others have n eps/POLISHED
 FEW = 4  # one mode in so many, or fewer: those are computed alone
@@ -50,8 +53,9 @@ def vibration_modes(
         if still.any():
             return _condensed(M, C, K, still, report)
     require_mass(L, q)
-    factors = Factors.of_linearization(L, q) if np.array_equal(q, s) and len(q) <= MOST_GRADED else None
-    return modes_of_matrices(M, C, K, selected(L.ak0, s, q), selected(L.bk0, s, s), report, wanted, factors)
+    return modes_of_matrices(
+        M, C, K, selected(L.ak0, s, q), selected(L.bk0, s, s), report, wanted, lambda: Factors.of_linearization(L, q)
+    )
 
 
 def _condensed(M: Array, C: Array, K: Array, still: NDArray[np.bool_], report: Report) -> Modes:
@@ -78,7 +82,7 @@ def _condensed(M: Array, C: Array, K: Array, still: NDArray[np.bool_], report: R
 
 def modes_of_matrices(
     M: Array, C: Array, K: Array, ak0: Array, bk0: Array, report: Report, wanted: int | None = None,
-    factors: Factors | None = None,
+    factors: FindFactors | None = None,
 ) -> Modes:  # fmt: skip
     """The same from M, C (q, q), K (q, s) and the kinematic matrices ak0 (s, q), bk0 (s, s).
 
@@ -127,7 +131,7 @@ def _with_low_modes_of_the_inverse(
     return kept, np.hstack((shapes[:, first[:count]], vectors[:, ascending[count:]]))
 
 
-def damped_modes(K: Array, C: Array, M: Array, report: Report, factors: Factors | None = None) -> Modes:
+def damped_modes(K: Array, C: Array, M: Array, report: Report, factors: FindFactors | None = None) -> Modes:
     """Modes of M qdd + C qd + K q = 0, K symmetric, in the coordinates of the undamped modes.
 
     With q = Phi p, Phi^T M Phi = 1, Phi^T K Phi = Omega^2 the state (w p, pd), w = |Omega| (1 where Omega = 0), has
@@ -179,7 +183,7 @@ def _eig(A: Array, report: Report) -> tuple[Complex, Complex]:
 
 
 def undamped_modes(
-    K: Array, M: Array, report: Report, wanted: int | None = None, factors: Factors | None = None
+    K: Array, M: Array, report: Report, wanted: int | None = None, factors: FindFactors | None = None
 ) -> Modes:
     """Modes of M qdd + K q = 0 from the symmetric eigenproblem, all or the `wanted` of lowest modulus. Raises
     AnalysisError for an indefinite mass matrix."""
@@ -265,28 +269,41 @@ def _pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Array, Array
 
 
 def accurate(
-    K: Array, M: Array, factors: Factors | None = None, wanted: int | None = None
+    K: Array, M: Array, factors: FindFactors | None = None, wanted: int | None = None
 ) -> tuple[Array, Array]:
     """omega^2 ascending and vectors, as `symmetric_pencil` gives them, polished; by `graded` where that would
-    not give ten digits: the lowest modes are far below the highest, or M is nearly singular, so that the highest are
-    far above K_ii/M_ii. Raises AnalysisError for a singular mass matrix."""
+    not give ten digits. Raises AnalysisError for a singular mass matrix."""
     n = len(K)
     try:
         pairs = symmetric_pencil(K, M, wanted)
     except AnalysisError:
-        found = None if factors is None else graded_modes(factors, K)
-        if found is None:
+        found = factors() if factors is not None and n <= MOST_GRADED else None
+        graded = None if found is None else graded_modes(found, K)
+        if graded is None:
             raise
-        return found
+        return graded
     squares, shapes = polished(K, M, *pairs)
-    if n > MOST_GRADED or not n:
+    if n > MOST_GRADED or not n or _has_ten_digits(K, M, squares, shapes):
         return squares, shapes
+    found = (None if factors is None else factors()) or Factors.of_matrices(K, M)
+    return (None if found is None else graded_modes(found, K)) or (squares, shapes)
+
+
+def _has_ten_digits(K: Array, M: Array, squares: Array, shapes: Array) -> bool:
+    """Are polished modes known to ten digits? Not where M is nearly singular, so that the highest are far above
+    K_ii/M_ii. Low ones far below the highest are where K, row and column scaled, keeps its digits in a factorization
+    and the entries of M give phi^T M phi = 1 without cancellation."""
     expected = float(np.max(np.abs(K.diagonal()) / M.diagonal()))
     largest = max(float(np.max(np.abs(squares))), expected)
-    if float(np.min(np.abs(squares))) > SPREAD * largest and largest <= SINGULAR * expected:
-        return squares, shapes
-    factors = factors or Factors.of_matrices(K, M)
-    return (None if factors is None else graded_modes(factors, K)) or (squares, shapes)
+    if largest > SINGULAR * expected:
+        return False
+    low = np.abs(squares) <= SPREAD * largest
+    if not low.any():
+        return True
+    if squares.min() <= ROUNDING * largest or not keeps_digits(K):
+        return False
+    sizes = np.abs(shapes[:, low])
+    return bool(EPS * (sizes * (np.abs(M) @ sizes)).sum(axis=0).max() <= TEN_DIGITS)
 
 
 def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, Array]:

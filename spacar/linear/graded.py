@@ -206,7 +206,7 @@ def eigenvalues(
     own = _of_single_modes(C.diagonal() / M.diagonal(), K.diagonal() / M.diagonal())
     of_modes = _of_single_modes(D.diagonal(), squares)
     ways = [(values, given), (of_modes, given), (own, given), (of_modes, modal)]
-    if still.any() or not (_keeps_digits(K) and _keeps_digits(M)):
+    if still.any() or not (keeps_digits(K) and keeps_digits(M)):
         ways = [ways[3], *ways[:3]][: 1 if still.any() else 4]
     with np.errstate(all="ignore"):
         for start, matrices in ways:
@@ -238,7 +238,7 @@ def _meet(z: Complex) -> bool:
     return bool((independent <= 1e-9 * np.abs(z)).any())
 
 
-def _keeps_digits(S: Array) -> bool:
+def keeps_digits(S: Array) -> bool:
     """Is S with unit diagonal definite with pivots that rounding leaves ten digits?"""
     d = np.sqrt(np.abs(S.diagonal()))
     if not (S.diagonal() > 0.0).all():

@@ -14,7 +14,7 @@ from spacar.dynamics.motion_equations import Accelerations
 from spacar.errors import AnalysisError
 from spacar.forward.motion import motion
 from spacar.frame import Frame
-from spacar.kinematics.constraint_condition import Conditioning
+from spacar.kinematics.constraint_condition import condition_number
 from spacar.kinematics.output import TransferOutput
 from spacar.kinematics.regularity import Regularity
 from spacar.linear import form
@@ -115,7 +115,6 @@ class LinearizedSolution:
     tangent: SparseTangent | None
     wanted: int
     reduced: bool
-    condition: Conditioning
     sparse: Coefficients | None = None
 
 
@@ -168,17 +167,14 @@ def stationary(
     limits: Limits | None = None
     for stored, (level, iterations) in enumerate(solver.stored(load_program(settings))):
         dynamics, state = solver.dynamics, solver.solution
-        condition = Conditioning.of(dynamics.kinematics)
         if "condition" not in run.header:
-            run.header["condition"] = condition.number
-            if lost_digits(condition.at_most) > LOST:
-                say_lost_digits(run, reduced or descriptor)
+            run.header["condition"] = condition_number(dynamics.kinematics)
+            say_lost_digits(run, reduced or descriptor)
         limits = limits or Limits(dynamics, run.report)
         found = Accelerations(state.xdd, state.sigma, state.convective)
         frame = dynamics.complete(float(stored), found, dynamics.forces.inertia(dynamics.sweep, dynamics.xd))
         limits.check_elements(dynamics, frame)
-        singular = not _is_surely_regular(solver, condition)
-        singular = singular and _is_dead_point(run, solver, level, frame.t, store is None)
+        singular = _is_dead_point(run, solver, level, frame.t, store is None)
         frame.statistics = {"iterations": iterations, "residual": state.norm}
         if store is not None and descriptor:
             tangent = solver.sparse_tangent() if solver.sparse else None
@@ -187,16 +183,16 @@ def stationary(
                 frame.matrices.update(sparse_matrices(tangent))
             modes = _sparse_vibration(run, tangent, wanted) if tangent is not None and store.wanted else None
             store.add_sparse(frame, dynamics, state.xdd, state.sigma, 0.0, modes)
-            yield LinearizedSolution(frame, dynamics, None, None, wanted, True, condition)
+            yield LinearizedSolution(frame, dynamics, None, None, wanted, True)
             continue
         if moving:
             linear = coefficients(dynamics, state.xdd, state.sigma)
-            yield LinearizedSolution(frame, dynamics, None, None, wanted, True, condition, sparse=linear)
+            yield LinearizedSolution(frame, dynamics, None, None, wanted, True, sparse=linear)
             continue
         if reduced or singular:
             tangent = solver.sparse_tangent()
             tangent.sigma, tangent.last_step = state.sigma, stored + 1 == settings.stored_levels
-            yield LinearizedSolution(frame, dynamics, None, tangent, wanted, reduced, condition)
+            yield LinearizedSolution(frame, dynamics, None, tangent, wanted, reduced)
             continue
         L = linearize(dynamics, state.xdd, state.sigma)
         if solver.moving and n.holonomic:
@@ -207,14 +203,9 @@ def stationary(
         helping = solver.sparse_tangent() if by_tangent else None
         if helping is not None:
             helping.sigma = state.sigma
-        yield LinearizedSolution(frame, dynamics, L, helping, wanted, reduced, condition)
+        yield LinearizedSolution(frame, dynamics, L, helping, wanted, reduced)
     if by_tangent:
         run.report.add(f"storage of the sparse tangent: {solver.sparse_tangent().storage}")
-
-
-def lost_digits(condition: float) -> float:
-    """Part of the reduced matrices that may be rounding."""
-    return EPS * condition**2
 
 
 def say_lost_digits(run: Run, reduced: bool) -> None:
@@ -224,7 +215,7 @@ def say_lost_digits(run: Run, reduced: bool) -> None:
     eps cond^2 of these may be rounding. The sparse pencil, which keeps all coordinates, does not lose these digits.
     """
     condition = run.header["condition"]
-    lost = lost_digits(condition)
+    lost = EPS * condition**2
     if lost > LOST and np.isfinite(condition) and not reduced:
         run.report.add(
             f"warning: the degrees of freedom hardly determine the configuration (condition number {condition:.2g}): up"
@@ -241,16 +232,9 @@ def _say_doubtful_inertia(run: Run, solution: LinearizedSolution) -> None:
         return
     M = selected(L.m0, dynamic, dynamic)
     masses = L.M.diagonal()
-    doubt = linearized_doubt(run.mechanism, lambda: solution.dynamics.sweep, masses, M, solution.condition)
+    doubt = linearized_doubt(run.mechanism, lambda: solution.dynamics.sweep, masses, M, run.header["condition"])
     if doubt:
         run.report.add(f"warning: {doubt}")
-
-
-def _is_surely_regular(solver: StationarySolver, condition: Conditioning) -> bool:
-    """Does the bound tell that the reciprocal condition, which is that of the 1-norm, is above zero?"""
-    matrix = solver.dynamics.position_matrix()
-    unknowns = solver.mechanism.numbering.e_class["dynamic"].stop
-    return solver.determined and unknowns * condition.at_most * matrix.zero < 1.0
 
 
 def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: float, reducible: bool) -> bool:

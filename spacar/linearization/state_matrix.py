@@ -24,7 +24,7 @@ def chosen_rows(L: Linearization, dynamics: Dynamics, everything: bool = False) 
 
 def selected(A: Array, rows: Index, columns: Index) -> Array:
     """A copy of A at these rows and columns."""
-    return A[rows[:, None], columns]
+    return A.take(rows, axis=0).take(columns, axis=1)
 
 
 EPS = float(np.finfo(float).eps)

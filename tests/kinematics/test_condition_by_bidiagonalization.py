@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import spacar
 from spacar.deck import parse_deck
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.kinematics import constraint_condition, difference_matrix
@@ -40,3 +41,11 @@ def test_a_submatrix_is_made_alone(monkeypatch):
     D = difference_matrix.scaled_difference_matrix(k.mechanism, twice, k.E, k.U)
     np.testing.assert_allclose(D, whole[np.ix_(k.E, k.U)], rtol=1e-15)
     assert constraint_condition.condition_number(k) == pytest.approx(constraint_condition.of_scaled(D), rel=1e-12)
+
+
+def test_header_has_that_of_the_first_step():
+    deck = parse_deck(sizes.MODELS["planar"](12).replace("-1. -1.", "0. 0."), mode=7)
+    evaluator = Dynamics(build(deck, 7))
+    evaluator.place(0.0, evaluator.start())
+    condition = constraint_condition.condition_number(evaluator.kinematics)
+    assert spacar.run(7, deck).header["condition"] == pytest.approx(condition, rel=1e-9)  # other storage

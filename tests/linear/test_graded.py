@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar import Deck
+from spacar import Deck, parse_deck
 from spacar.errors import Report
+from spacar.linear import eigen
 from spacar.linear.eigen import modes_of_matrices
+from spacar.linear.graded import Factors, graded_modes
 
 DIGITS = 1e-10
 
@@ -86,3 +88,18 @@ def test_two_masses(ratio, c, how, compiled):
             p = [m1 * m2, m2 * d, m1 * k2 + m2 * (k1 + k2), d * k2, k1 * k2]
             truth = mpmath.polyroots(p, maxsteps=500, extraprec=500)
         assert worst(found[:, 0] + 1j * found[:, 1], truth) < DIGITS, k
+
+
+def test_fine_mesh_needs_no_second_method(monkeypatch):
+    """K in deformations keeps its digits: the low frequencies of 40 beams, 1e-8 of the highest, are those of Jacobi's
+    method."""
+    lines = [f"PLBEAM {k} {2 * k - 1} {2 * k} {2 * k + 1} {2 * k + 2} DYNE {k} 2 3" for k in range(1, 41)]
+    lines += [f"X {2 * k + 1} {k / 40} 0" for k in range(41)] + ["FIX 1 FIX 2 END HALT"]
+    lines += [f"EM {k} 1 ESTIFF {k} 0 1" for k in range(1, 41)] + ["END END"]
+    found = spacar.run(7, parse_deck("\n".join(lines)))
+    K, M = found["k0"][0], found["m0"][0]
+    squares, _ = graded_modes(Factors.of_matrices(K, M), K)
+    monkeypatch.setattr(eigen, "graded_modes", None)
+    low = squares < eigen.SPREAD * squares[-1]
+    assert low.sum() == 6
+    np.testing.assert_allclose(eigen.accurate(K, M)[0][low], squares[low], rtol=DIGITS)
