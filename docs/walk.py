@@ -56,7 +56,8 @@ def draw(path: Path) -> None:
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    boxes = list(rooms(files_of_a_run()).items())
+    files = files_of_a_run()
+    boxes = list(rooms(files).items())
     rows = [boxes[k : k + WIDE] for k in range(0, len(boxes), WIDE)]
     heights = [2.6 + max(len(names) for _, names in row) for row in rows]
     figure, axes = plt.subplots(figsize=(8.5, 0.135 * sum(heights)))
@@ -71,4 +72,10 @@ def draw(path: Path) -> None:
     axes.set(xlim=(-0.02, WIDE), ylim=(top, -0.2))
     axes.axis("off")
     figure.savefig(path, dpi=110, bbox_inches="tight")
+    from PIL import Image, PngImagePlugin
+
+    told = PngImagePlugin.PngInfo()
+    told.add_text("Description", "\n".join(files))  # for the test
+    with Image.open(path) as picture:
+        picture.convert("RGB").quantize(64, dither=Image.Dither.NONE).save(path, optimize=True, pnginfo=told)
     plt.close(figure)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from spacar.registry import register as _register
+from spacar.modes import register as _register
 
 if TYPE_CHECKING:
     from spacar.calls import frames, run
@@ -38,7 +38,7 @@ _HOME = {
     "Sensitivity": "spacar.sensitivities.sensitivity", "sensitivity": "spacar.sensitivities.sensitivity",
 }  # fmt: skip
 
-# What modules of the core ask `spacar.registry` for, because it lies above them.
+# What modules of the core ask `spacar.modes` for, because it lies above them.
 _ABOVE = {
     **dict.fromkeys(
         ("draw", "animate", "plot", "stress", "inline_picture", "inline_model", "sweep_plot", "trade_plot",

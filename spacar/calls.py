@@ -1,22 +1,128 @@
-"""The two calls that everybody uses: `frames` (a stream) and `run` (a result)."""
+"""The two calls that everybody uses, `frames` (a stream) and `run` (a result), and the doors of their arguments.
+
+`deck_of`: a path, a Deck or a Model becomes a checked deck; every call that takes a model goes through.
+`checked_options`: what replaces numbers of the deck, fields of SolverSettings, checked as the deck's numbers are.
+"""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
-from numbers import Integral
-from typing import TYPE_CHECKING, Any
+from dataclasses import fields
+from functools import cache
+from numbers import Integral, Real
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
 
+from spacar.deck import Deck, read_deck
 from spacar.deck.rewrite.refine import refine_divisible
 from spacar.deck.rewrite.simpler import rigid
+from spacar.deck.table_solvers import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
 from spacar.errors import UsageError
-from spacar.mechanism import build
+from spacar.mechanism import SolverSettings, build
 from spacar.modes import Mode, find_mode
-from spacar.options import check_modes, checked_options
-from spacar.sources import Source, deck_of
 from spacar.stream import AccuracyRequest, Run
 
 if TYPE_CHECKING:
+    from spacar.deck.model import Model
+    from spacar.deck.table_types import Purpose
     from spacar.result import Result
+
+
+POSITIVE = ("atol", "rtol", "step", "duration", "n_steps")
+BEAMS = ("angle", "sine")  # measures of the deformations of beams and tubes
+LARGEST = {"rtol": 1.0, "n_steps": 10**15}  # an error of 100 %; times that still differ
+
+
+def checked_options(options: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """The options as `SolverSettings` takes them, None left out, and what the log must say about them.
+
+    Raises UsageError for an unknown option, a value of the wrong type, one that is not positive or not finite where it
+    must be, and an integration method that does not exist.
+    """
+    types = _types()
+    found, notes = {}, []
+    for name, value in options.items():
+        if name not in types:
+            raise UsageError(f"there is no option '{name}'; the options are {', '.join(types)}", "usage.option")
+        if value is None:
+            continue
+        found[name] = _converted(name, value, types[name])
+        if name in POSITIVE and not 0 < found[name] < float("inf"):
+            raise UsageError(f"the option {name} = {value!r} must be positive and finite", "usage.option")
+        if name == "modes" and found[name] < 0:
+            raise UsageError(f"the option modes = {value!r} must not be negative (0: all)", "usage.option")
+        if name in LARGEST and found[name] > LARGEST[name]:
+            raise UsageError(f"the option {name} = {value!r} is at most {LARGEST[name]:g}", "usage.option")
+        if name == "beams" and found[name] not in BEAMS:
+            raise UsageError(f"the option beams = {value!r} is one of {', '.join(BEAMS)}", "usage.option")
+        if name == "integrator":
+            found[name], note = integrator(found[name])
+            notes += [note] if note else []
+    return found, notes
+
+
+@cache
+def _types() -> dict[str, str]:
+    """Type of every option, in words."""
+    return {f.name: str(f.type).removesuffix(" | None") for f in fields(SolverSettings)}
+
+
+def _converted(name: str, value: Any, kind: str) -> Any:
+    """The value as a number of the wanted kind; NumPy's numbers are numbers too."""
+    if kind == "float" and type(value) is float:
+        return value
+    if kind == "str":
+        right = isinstance(value, str)
+    elif kind == "bool":
+        right = type(value).__name__ in ("bool", "bool_")
+    else:
+        right = isinstance(value, Real if kind == "float" else Integral) and not isinstance(value, bool)
+    if not right:
+        wanted = {"bool": "True or False", "int": "a whole number", "float": "a number", "str": "a word"}[kind]
+        raise UsageError(f"the option {name} = {value!r} must be {wanted}, not {type(value).__name__}", "usage.option")
+    return {"bool": bool, "int": int, "float": float, "str": str}[kind](value)
+
+
+def integrator(code: int, subject: str = "integrator type") -> tuple[int, str | None]:
+    """The integration method of this code, and the note on an alias (the sentence of INTEGRAT). Raises UsageError."""
+    if code in INTEGRATOR_ALIASES:
+        return INTEGRATOR_ALIASES[code], alias_note(code)
+    if code not in INTEGRATORS:
+        known = ", ".join(map(str, sorted((*INTEGRATORS, *INTEGRATOR_ALIASES))))
+        raise UsageError(f"{subject} {code} does not exist; the methods are {known}", "usage.integrator")
+    return code, None
+
+
+def check_modes(mode: Mode, wanted: int | None) -> None:
+    """Raises UsageError when modes of vibration are asked for of a mode that stores only matrices along a motion."""
+    if mode.takes_setpoints and wanted:
+        text = f"mode {mode.number} computes no modes of vibration: the option modes = {wanted} can only be 0"
+        raise UsageError(f"{text} (A, B, C, D and reduced matrices of a model of any size)", "usage.option")
+
+
+Source: TypeAlias = "str | os.PathLike[str] | Deck | Model"
+
+
+def deck_of(source: Source, mode: Purpose) -> Deck:
+    """The checked deck of a path, a Model or a Deck, for a mode (as `read_deck`).
+
+    Raises UsageError for anything else and for a file that cannot be read, InputError for a wrong model.
+    """
+    if isinstance(source, str | os.PathLike):
+        return read_deck(Path(source), mode)
+    if isinstance(source, Deck):
+        # its checks and its third block are those of the mode it was read for
+        return source if source.mode == mode else source.for_mode(mode)
+    if callable(getattr(source, "deck", None)):  # a Model, which is not imported to ask for it
+        return source.deck(mode)
+    text = f"a model is the path of an input file, a Deck or a Model, not {source!r:.60} ({type(source).__name__})"
+    raise UsageError(text, "usage.model")
+
+
+def has_interval(deck: Deck) -> bool:
+    """Does mode 1 suit a model, because it has a time interval? Else mode 7 does."""
+    return bool(deck.of("TIMESTEP", block=2))
 
 
 def frames(

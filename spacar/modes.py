@@ -1,11 +1,14 @@
 """The modes: one row each, with all that other rooms ask about them. Imports nothing, so that anybody may ask.
 
-An analysis is named, not imported: `Run` (spacar/stream.py) loads it when the first frame is asked for.
+What lies above its caller is named, not imported: analyses, pictures, result files, public calls. `spacar/__init__.py`
+says where it is, and `registered` loads it when it is asked for.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from spacar.errors import UsageError
 
@@ -79,3 +82,17 @@ def find_mode(number: int) -> Mode:
         hint = "; modes 5 and 6 were experimental in the original and are not provided" if old else ""
         raise UsageError(f"mode {number} does not exist; the modes are {known}{hint}", "usage.mode")
     return MODES[abs(number)]
+
+
+_finders: list[Callable[[str], Any]] = []
+
+
+def register(find: Callable[[str], Any]) -> Callable[[str], Any]:
+    """From now on `find` gives what has a name; it raises ImportError where that is not installed."""
+    _finders[:] = [find]
+    return find
+
+
+def registered(name: str) -> Any:
+    """The function of this name. Raises ImportError where its package is not installed."""
+    return _finders[0](name)

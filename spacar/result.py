@@ -17,8 +17,7 @@ from spacar.expressions.frequencies import frequencies
 from spacar.expressions.result_places import ELEMENT, NODE, place, places
 from spacar.frame import E_FIELDS, X_FIELDS, Frame, StoredFrames, column, joined
 from spacar.mechanism.result_tables import model_tables
-from spacar.modes import find_mode
-from spacar.registry import registered
+from spacar.modes import find_mode, registered
 from spacar.summary import LINES, few, with_picture
 
 if TYPE_CHECKING:

@@ -13,8 +13,7 @@ import numpy as np
 from spacar.errors import Report, SpacarError
 from spacar.frame import Frame, StoredFrames
 from spacar.mechanism.rigid_search import rigid_parts
-from spacar.modes import Mode
-from spacar.registry import registered
+from spacar.modes import Mode, registered
 
 if TYPE_CHECKING:
     from spacar.mechanism import Mechanism

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from spacar.errors import SpacarError
-from spacar.registry import registered
+from spacar.modes import registered
 
 if TYPE_CHECKING:  # decks are read without NumPy
     from spacar.arrays import Array

@@ -36,22 +36,23 @@ EXTRAS = {  # optional packages, each for one room
 }
 OPTIONAL = {"symbolic", "compiled"}  # packages of the core that only an extra needs
 # The rooms and files of the core: each may import those of a lower rank, and itself. Analyses are named in the table
-# of modes; what else lies above its caller is asked of `spacar.registry`, and `spacar/__init__.py` says where it is.
+# of modes; what else lies above its caller is asked of `spacar.modes`, and `spacar/__init__.py` says where it is.
 RANKS = {
-    "errors": 0, "arrays": 0, "registry": 0, "locks": 0,
-    "modes": 1, "summary": 1, "frame": 1, "elements": 1, "linear_systems": 1, "integrators": 1, "native": 1,
-    "deck": 2, "symbolic": 2,
-    "expressions": 3, "mechanism": 3, "sources": 3,
-    "stream": 4, "options": 4,
-    "kinematics": 5, "result": 5,
-    "calls": 6, "dynamics": 6,
-    "linearization": 7, "compiled": 7,
-    "stationary": 8, "forward": 8,
-    "linear": 9,
-    "inverse": 10,
-    "simulation": 11,
-    "studies": 12, "stroke": 12,
-    "sensitivities": 13,
+    "errors": 0, "arrays": 0, "locks": 0,
+    "modes": 1, "frame": 1, "elements": 1, "linear_systems": 1, "integrators": 1, "native": 1,
+    "summary": 2,
+    "deck": 3, "symbolic": 3,
+    "expressions": 4, "mechanism": 4,
+    "stream": 5,
+    "kinematics": 6, "result": 6,
+    "calls": 7, "dynamics": 7,
+    "linearization": 8, "compiled": 8,
+    "stationary": 9, "forward": 9,
+    "linear": 10,
+    "inverse": 11,
+    "simulation": 12,
+    "studies": 13, "stroke": 13,
+    "sensitivities": 14,
 }  # fmt: skip
 
 

@@ -14,9 +14,9 @@ import pytest
 import spacar_drawing
 
 import spacar
+from spacar.calls import deck_of
 from spacar.errors import SpacarError
 from spacar.simulation import Spasim, closed_loop
-from spacar.sources import deck_of
 
 DATA = Path(__file__).parents[1] / "data"
 

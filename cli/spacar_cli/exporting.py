@@ -7,8 +7,7 @@ from pathlib import Path
 import click
 
 from spacar_cli import vocabulary as words
-from spacar_cli.environment import Environment
-from spacar_cli.status import tell_notes
+from spacar_cli.environment import Environment, tell_notes
 
 HELP = """Export all variables of an .{kind} file, or only those named, under their MATLAB names.
 

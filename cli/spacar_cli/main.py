@@ -19,8 +19,15 @@ import spacar
 from spacar.errors import UsageError
 from spacar.modes import MODES
 from spacar_cli.command_table import COMMANDS, OF_THE_MANUAL
-from spacar_cli.environment import Environment, give_up_output, lasting, open_missing_streams
-from spacar_cli.status import ExitStatus, tell, tell_error
+from spacar_cli.environment import (
+    Environment,
+    ExitStatus,
+    give_up_output,
+    lasting,
+    open_missing_streams,
+    tell,
+    tell_error,
+)
 from spacar_cli.vocabulary import MODE, renamed
 
 if TYPE_CHECKING:

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spacar.errors import UsageError
-from spacar_cli.environment import Environment
-from spacar_cli.status import ExitStatus, tell
+from spacar_cli.environment import Environment, ExitStatus, tell
 
 if TYPE_CHECKING:
     from spacar.deck import Deck

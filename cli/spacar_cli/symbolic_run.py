@@ -10,7 +10,7 @@ from spacar.errors import AnalysisError, SpacarError, UsageError
 from spacar_cli.symbolic_text import description, equations_text
 
 if TYPE_CHECKING:
-    from spacar_formats.claim import Claim
+    from spacar_formats.safety import Claim
 
     from spacar.symbolic.program import EquationProgram
     from spacar.symbolic.script import SymbolicModel
@@ -31,7 +31,7 @@ def simulate_model(
     start values, `wishes` settings of the model (None: not wished). Raises UsageError for names that the model does not
     have, AnalysisError when the integration stops.
     """
-    from spacar_formats.claim import Claim
+    from spacar_formats.safety import Claim
 
     if compiled:
         from spacar.symbolic.compiled_program import compiler

@@ -13,11 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 from spacar_formats.safety import write_text
 
-from spacar.calls import run
+from spacar.calls import Source, deck_of, has_interval, run
 from spacar.errors import UsageError
 from spacar.mechanism.user_files import without_functions
 from spacar.result import Result
-from spacar.sources import Source, deck_of, has_interval
 from spacar_drawing.defaults import plain
 from spacar_drawing.files import FILM_DPI, film, kept
 from spacar_drawing.mechanism_picture import Extras, chosen_steps, picture, series

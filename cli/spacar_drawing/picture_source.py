@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from spacar_formats.locate import open_result, stale_note
 from spacar_formats.signal_tables import SignalTable, read_table
-from spacar_formats.sinks.result_header import sbd_header
+from spacar_formats.sinks.results import sbd_header
 
 from spacar.arrays import Array
 from spacar.errors import UsageError

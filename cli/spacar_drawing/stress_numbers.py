@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from spacar_formats.sinks.result_header import sbd_header
+from spacar_formats.sinks.results import sbd_header
 
 from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from spacar_formats.sinks.result_header import sbd_header
+from spacar_formats.sinks.results import sbd_header
 
 from spacar.errors import UsageError
 from spacar_drawing.drawn_shapes import merge_bounds

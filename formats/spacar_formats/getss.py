@@ -17,7 +17,6 @@ from spacar_formats.exports import export_to, to_mat, to_npz
 from spacar_formats.locate import open_result
 from spacar_formats.safety import write_text
 from spacar_formats.sbf import SbfFile
-from spacar_formats.signal_names import state_names
 from spacar_formats.sparse_system import descriptor_of, is_sparse
 
 if TYPE_CHECKING:
@@ -102,7 +101,7 @@ def state_space_of(result: Result, step: int = 1) -> StateSpaceStep:
     b = np.asarray(found.get("B", np.zeros((len(a), 0))), float)
     c = np.asarray(found.get("C", np.zeros((0, len(a)))), float)
     d = np.asarray(found["D"], float) if "D" in found else None
-    states = result.header.get("states") or state_names(result.mechanism.numbering)
+    states = result.header.get("states") or result.mechanism.numbering.state_names
     given = (("x", states, len(a)), ("u", result.header.get("inputs", ()), b.shape[1]),
              ("y", result.header.get("outputs", ()), len(c)))  # fmt: skip
     names = (_fitting(tuple(lines), letter, n) for letter, lines, n in given)

@@ -27,8 +27,8 @@ import numpy as np
 import spacar
 from spacar.deck import ELEMENT_TYPES
 from spacar.expressions import NONE, Dimensions, Unit, unit_text
-from spacar_formats.claim import Claim
 from spacar_formats.exports import export_to, to_csv, to_mat, to_npz
+from spacar_formats.safety import Claim
 from spacar_formats.sbf import SbfError, SbfFile, SbfWriter
 
 if TYPE_CHECKING:

@@ -38,9 +38,9 @@ passing through has gone wrong, and one path may report this where the other doe
 both. README.md tells users the same.
 """
 
-from spacar.compiled.compiled_elements import is_compiled, mechanism_of
+from spacar.compiled.compiled_elements import mechanism_of
 from spacar.compiled.compiled_evaluator import CompiledDynamics
-from spacar.compiled.compiled_model import why_general, why_not_in_lanes
+from spacar.compiled.compiled_model import is_compiled, why_general, why_not_in_lanes
 from spacar.compiled.library import level
 
 __all__ = ["CompiledDynamics", "is_compiled", "level", "mechanism_of", "why_general", "why_not_in_lanes"]

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.compiled_model import why_general
+from spacar.compiled.compiled_model import is_compiled
 from spacar.compiled.interface import structure
-from spacar.compiled.library import address_of, element_functions, engine, level
+from spacar.compiled.library import address_of, element_functions, engine
 from spacar.elements.family import GUARD, Configuration, Family, Internal, Trouble
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stream import Run
@@ -35,13 +35,6 @@ class Place:
     x: Array
     branch: Array
     general: Configuration = None
-
-
-def is_compiled(run: Run) -> bool:
-    """Whether a run takes the engine; the header says which, and why."""
-    reason = why_general(run.mechanism)
-    run.header["engine"] = ("compiled", level()) if reason is None else ("general", reason)
-    return reason is None
 
 
 def mechanism_of(run: Run) -> Mechanism:

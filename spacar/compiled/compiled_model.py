@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.compiled.interface import structure
-from spacar.compiled.library import WIDTH, address_of, engine, why_off
+from spacar.compiled.library import WIDTH, address_of, engine, level, why_off
 from spacar.compiled.numbers import Numbers, without_form
 from spacar.compiled.user_callbacks import UserCallbacks
 from spacar.elements.family import GUARD
 from spacar.kinematics.kinematics import FARTHEST_GUESS, LARGEST_JUMP
 from spacar.mechanism.mechanism import Drive, Mechanism, UserSignal
 from spacar.mechanism.numbering import Numbering
+from spacar.stream import Run
 
 
 def why_general(mechanism: Mechanism) -> str | None:
@@ -26,6 +27,13 @@ def why_general(mechanism: Mechanism) -> str | None:
     if not mechanism.settings.compiled:
         return "--general or compiled=False asks for it"
     return why_off()
+
+
+def is_compiled(run: Run) -> bool:
+    """Whether a run takes the engine; the header says which, and why."""
+    reason = why_general(run.mechanism)
+    run.header["engine"] = ("compiled", level()) if reason is None else ("general", reason)
+    return reason is None
 
 
 def why_not_in_lanes(mechanism: Mechanism) -> str | None:

@@ -11,11 +11,10 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.compiled.library import engine
-from spacar.dynamics.forces import StressLaw, gravity_field, moment_entries
-from spacar.dynamics.loaded_mechanism import LoadedMechanism
+from spacar.dynamics.loaded_mechanism import LoadedMechanism, StressLaw, gravity_field, moment_entries
 from spacar.elements.family import Family
-from spacar.elements.lumped import LumpedMass
 from spacar.mechanism.layout import Batch
+from spacar.mechanism.lumped_inertia import LumpedMass
 from spacar.mechanism.mechanism import NO_ENTRIES, Drive, Loads, Mechanism, Polynomial
 
 Entries = tuple[Index, Index, Array]  # rows, columns, values (n, cases)

@@ -16,13 +16,11 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.compiled.numbers import FOREIGN, Elements, Entries, Numbers, elements_of, form_of, of_one
-from spacar.dynamics.forces import active_entries
-from spacar.dynamics.loaded_mechanism import LoadedMechanism
+from spacar.dynamics.loaded_mechanism import LoadedMechanism, active_entries
 from spacar.elements import Family, GeometryError
-from spacar.elements.lumped import LumpedMass
 from spacar.mechanism.element_batches import PlacedGroup, element_groups
 from spacar.mechanism.layout import Batch
-from spacar.mechanism.lumped_inertia import lumped
+from spacar.mechanism.lumped_inertia import LumpedMass, lumped
 from spacar.mechanism.mechanism import Mechanism
 
 ENTRIES = "mass", "stiffness", "damping", "moments", "coupling"

@@ -1,7 +1,6 @@
 """The input language: text to `Deck`. One table of keywords drives reading, checking, echo and documentation."""
 
-from spacar.deck.deck import Deck, parse_deck, read_deck
-from spacar.deck.echo import echo
+from spacar.deck.deck import Deck, echo, parse_deck, read_deck
 from spacar.deck.keyword_table import ELEMENT_TYPES, KEYWORDS, BlockKind, ElementType, coordinates_of
 from spacar.deck.statement import Statement
 

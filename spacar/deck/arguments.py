@@ -10,8 +10,7 @@ from spacar.deck.findings import Findings, alternatives, ordinal
 from spacar.deck.length_unit import length_power
 from spacar.deck.lexer import LARGEST_NUMBER, LARGEST_REAL, SMALLEST_REAL, Word, integer_of, is_in_range, number_of
 from spacar.deck.outline import Outline
-from spacar.deck.plain_forms import NUMBERED_PARTS
-from spacar.deck.raw_statements import Raw
+from spacar.deck.raw_statements import NUMBERED_PARTS, Raw
 from spacar.deck.statement import Statement, Value
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import Keyword, Parameter, Variant, subject_of

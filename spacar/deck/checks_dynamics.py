@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from spacar.deck.check_material import CheckMaterial
-from spacar.deck.checks_references import at_least, one_of, positive
-from spacar.deck.statement import Statement
-from spacar.deck.statement_group import StatementGroup
+from spacar.deck.check_material import CheckMaterial, at_least, one_of, positive
+from spacar.deck.statement import Statement, StatementGroup
 from spacar.deck.table_solvers import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
 
 _SIGNS = {"XM": "mass or inertia", "EM": "mass", "ESTIFF": "stiffness", "EDAMP": "damping", "MEE": "mass"}

@@ -7,8 +7,7 @@ from itertools import chain, repeat
 from math import asin, degrees, dist, hypot, inf
 
 from spacar.deck.check_material import CheckMaterial
-from spacar.deck.statement import Statement
-from spacar.deck.statement_group import StatementGroup
+from spacar.deck.statement import Statement, StatementGroup
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import ElementType, position_places
 

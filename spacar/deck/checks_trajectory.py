@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from spacar.deck.check_material import CheckMaterial
+from spacar.deck.check_material import CheckMaterial, at_least, one_of, positive
 from spacar.deck.checks_dynamics import check_tensor
-from spacar.deck.checks_references import at_least, one_of, positive
 from spacar.deck.statement import Statement
 from spacar.deck.table_io import NO_TRAJECTORY, PATHS, TRAJECTORIES
 

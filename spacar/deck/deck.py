@@ -12,14 +12,11 @@ from spacar.deck.deck_reader import NOT_UTF8, Span, read_text
 from spacar.deck.deck_summary import deck_summary
 from spacar.deck.deck_writer import splice, write, write_rows
 from spacar.deck.expansion import BeamSection
-from spacar.deck.lexer import visualization_of
-from spacar.deck.mode_blocks import Purpose
+from spacar.deck.lexer import scan, visualization_of
 from spacar.deck.model_calls import ModelCalls
-from spacar.deck.statement import Statement, Value
-from spacar.deck.statement_group import grouped
-from spacar.deck.statement_index import StatementIndex
+from spacar.deck.statement import Statement, StatementIndex, Value, grouped
 from spacar.deck.table_sections import UNITS
-from spacar.deck.table_types import BlockKind
+from spacar.deck.table_types import BlockKind, Purpose
 from spacar.errors import Message, UsageError
 from spacar.summary import with_picture
 
@@ -277,3 +274,20 @@ def _bytes(file: str) -> bytes:
     except (OSError, ValueError) as problem:
         reason = getattr(problem, "strerror", None) or str(problem)
         raise UsageError(f"cannot read {file}: {reason}", "files.not-readable") from None
+
+
+_BLANKS = " \t\r\f\v"
+
+
+def echo(deck: Deck, block: int) -> list[str]:
+    """Lines of block 1, 2 or 3 with its closing END HALT or END END; empty when there is no such block."""
+    if block not in deck.spans:
+        return []
+    start, end = deck.spans[block]
+    lines = scan(deck.text).lines[: end[0]]
+    if len(lines) == end[0]:
+        lines[-1] = lines[-1][: end[1] - 1]
+    lines = lines[start[0] - 1 :]
+    if lines:
+        lines[0] = lines[0][start[1] - 1 :]
+    return [bare.upper() for line in lines if (bare := line.strip(_BLANKS))]

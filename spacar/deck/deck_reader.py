@@ -13,16 +13,13 @@ from spacar.deck.expansion import WORDS, Expansion
 from spacar.deck.findings import Findings
 from spacar.deck.keyword_table import KEYWORDS, BlockKind, Keyword, blocks_of
 from spacar.deck.lexer import LONGEST_LINE, SourceText, integer_of, scan
-from spacar.deck.mode_blocks import Purpose, third_block, uses
 from spacar.deck.outline import Outline
-from spacar.deck.plain_forms import take_plain
-from spacar.deck.raw_statements import PlainLines, Raw, raws_of
+from spacar.deck.raw_statements import PlainLines, Raw, raws_of, take_plain
 from spacar.deck.splitter import split, third_kind
-from spacar.deck.statement import Statement
-from spacar.deck.statement_group import StatementGroup, grouped
-from spacar.deck.statement_index import StatementIndex
+from spacar.deck.statement import Statement, StatementGroup, StatementIndex, grouped
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_sections import UNITS
+from spacar.deck.table_types import Purpose, third_block, uses
 from spacar.errors import InputError, Message
 
 NOT_UTF8 = re.compile("[\ud800-\udfff]")

@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Sequence
 
 from spacar.deck.keyword_table import ELEMENT_TYPES
-from spacar.deck.mode_blocks import Purpose
 from spacar.deck.statement import Statement
+from spacar.deck.table_types import Purpose
 from spacar.errors import Message
 from spacar.summary import LINES
 

@@ -29,17 +29,15 @@ from spacar.deck.findings import Findings
 from spacar.deck.keyword_methods import ModelStatements, Vector
 from spacar.deck.keyword_table import ELEMENT_TYPES, KEYWORDS, blocks_of
 from spacar.deck.lexer import Word, integer_of, scan, split_lines
-from spacar.deck.mode_blocks import Purpose
 from spacar.deck.model_arguments import argument_name, in_common
 from spacar.deck.model_calls import ModelCalls
 from spacar.deck.outline import Outline
 from spacar.deck.raw_statements import Raw
 from spacar.deck.splitter import split
-from spacar.deck.statement import Value
-from spacar.deck.statement_group import StatementGroup
-from spacar.deck.table_types import Keyword, Parameter, Variant
+from spacar.deck.statement import StatementGroup, Value
+from spacar.deck.table_types import Keyword, Parameter, Purpose, Variant
 from spacar.errors import InputError, Message, UsageError
-from spacar.registry import registered
+from spacar.modes import registered
 from spacar.summary import with_picture
 
 Place = tuple[str, int]  # file and line of the Python statement

@@ -7,8 +7,7 @@ from itertools import chain, cycle
 from operator import eq
 
 from spacar.deck.findings import ranges
-from spacar.deck.statement import Statement
-from spacar.deck.statement_group import StatementGroup
+from spacar.deck.statement import Statement, StatementGroup
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import ElementType, coordinates_of, independent_of, traits_of, twins_of
 

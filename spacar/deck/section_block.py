@@ -22,8 +22,7 @@ from spacar.deck.findings import Findings, alternatives
 from spacar.deck.outline import Outline
 from spacar.deck.rewrite.divide import PAIRS, divided, obstacles, stiffness_modes
 from spacar.deck.rewrite.references import made
-from spacar.deck.statement import Statement
-from spacar.deck.statement_group import StatementGroup
+from spacar.deck.statement import Statement, StatementGroup
 from spacar.deck.table_elements import ELEMENT_TYPES
 
 ROWS = {"planar beam": planar_rows, "spatial beam": spatial_rows, "spatial beam with warping": warping_rows}

@@ -1,8 +1,14 @@
-"""The statement: a keyword with its typed values and their places."""
+"""The statement, a keyword with its typed values and their places; statements by keyword and block, in file order.
+
+Those of one keyword are columns; a statement is made when somebody asks for it.
+"""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator, KeysView, Mapping, Sequence
+from itertools import chain, groupby, repeat
+from operator import attrgetter
+from typing import Any, NamedTuple
 
 from spacar.deck.lexer import columns_of
 
@@ -65,3 +71,139 @@ class Statement(NamedTuple):
         """`count` values from `start`, missing ones replaced by `default`."""
         given = tuple(map(number, self.values[start : start + count]))
         return given + (default,) * (count - len(given))
+
+
+class StatementGroup(Sequence[Statement]):
+    """Statements with the same keyword, block and number of values in the order of the file; never empty.
+
+    `values`: those of all, `width` of each statement; `lines` and `places`: `line` and `place` of each.
+    """
+
+    __slots__ = ("_made", "block", "keyword", "lines", "places", "values", "width")
+
+    def __init__(self, keyword: str, block: int, width: int) -> None:
+        self.keyword, self.block, self.width = keyword, block, width
+        self.values: list[Any] = []
+        self.lines: list[int] = []
+        self.places: list[tuple[tuple[int, int], ...] | str] = []
+        self._made: list[Statement] | None = None
+
+    @classmethod
+    def of(cls, *statements: Statement) -> StatementGroup:
+        """That of some statements."""
+        first = statements[0]
+        group = cls(first.keyword, first.block, len(first.values))
+        group.values = [*chain.from_iterable([s.values for s in statements])]
+        group.lines, group.places = [s.line for s in statements], [s.place for s in statements]
+        group._made = [*statements]
+        return group
+
+    def columns(self, start: int, end: int) -> list[list[Any]]:
+        """Those of the values from `start` to before `end`."""
+        return [self.values[i :: self.width] for i in range(start, end)]
+
+    def rows(self) -> Iterator[tuple[Any, ...]]:
+        """The values of each statement."""
+        return zip(*[iter(self.values)] * self.width) if self.width else repeat((), len(self.lines))  # noqa: B905
+
+    def distinct(self, count: int) -> bool:
+        """Whether no two have the same first `count` values."""
+        if len(self.lines) == 1:
+            return True
+        first = self.columns(0, min(count, self.width))
+        return len({*first[0]} if len(first) == 1 else {*zip(*first)}) == len(self.lines)  # noqa: B905
+
+    def __len__(self) -> int:
+        return len(self.lines)
+
+    def __iter__(self) -> Iterator[Statement]:
+        if self._made is None:
+            name, block, found = self.keyword, self.block, zip(self.rows(), self.lines, self.places, strict=True)
+            self._made = [Statement(name, row, block, line, place) for row, line, place in found]
+        return iter(self._made)
+
+    def __getitem__(self, index: Any) -> Any:
+        return (self._made or [*self])[index]
+
+
+def grouped(statements: Iterable[Statement]) -> list[StatementGroup]:
+    """All statements as groups of those that follow each other."""
+    alike = groupby(statements, lambda s: (s.keyword, s.block, len(s.values)))
+    return [StatementGroup.of(*group) for _, group in alike]
+
+
+def in_file_order(statements: Iterable[Statement]) -> list[Statement]:
+    """Statements that stand in a text; those on one line are in their order."""
+    return sorted(statements, key=attrgetter("line"))
+
+
+class StatementIndex:
+    """The statements of a deck as groups, and where those of each keyword are.
+
+    The groups stand in the order of their first statements, those of one keyword and block one behind the other; where
+    groups of other keywords are `interleaved` the order of the file is that of the lines.
+    """
+
+    def __init__(self, groups: Sequence[StatementGroup], interleaved: bool = False) -> None:
+        self.groups, self.interleaved = groups, interleaved
+        # groups with their places
+        self._found: dict[int, dict[str, list[tuple[int, StatementGroup]]]] = {1: {}, 2: {}, 3: {}}
+        self._blocks: dict[int, dict[str, Sequence[Statement]]] = {}
+        for place, group in enumerate(groups):
+            found = self._found[group.block]
+            if group.keyword in found:
+                found[group.keyword].append((place, group))
+            else:
+                found[group.keyword] = [(place, group)]
+
+    def keywords(self, block: int) -> KeysView[str]:
+        """Those that a block has statements of."""
+        return self._found[block].keys()
+
+    def groups_of(self, *keywords: str, block: int | None = None) -> list[StatementGroup]:
+        """All groups of one of the keywords (and in the block), in the order of their first statements."""
+        if block is not None and len(keywords) == 1:
+            return [group for _, group in self._found[block].get(keywords[0], ())]
+        entries: list[tuple[int, StatementGroup]] = []
+        for found in self._found.values() if block is None else (self._found[block],):
+            for keyword in keywords:
+                if keyword in found:
+                    entries += found[keyword]
+        if len(entries) > 1:
+            entries.sort()
+        return [group for _, group in entries] if entries else []
+
+    def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
+        """All statements with one of the keywords (and in the block), in file order."""
+        groups = self.groups_of(*keywords, block=block)
+        if len(groups) < 2:
+            return [*groups[0]] if groups else []
+        found = chain.from_iterable(groups)
+        return in_file_order(found) if self.interleaved and len(keywords) > 1 else list(found)
+
+    def rows(self, keyword: str, block: int) -> Iterable[tuple[Any, ...]]:
+        """The values of each statement with a keyword in a block, in file order."""
+        entries = self._found[block].get(keyword)
+        if entries is None:
+            return ()
+        return entries[0][1].rows() if len(entries) == 1 else chain.from_iterable([g.rows() for _, g in entries])
+
+    def each(self, *keywords: str, block: int) -> Iterator[tuple[StatementGroup, int, tuple[Any, ...]]]:
+        """The statements with one of the keywords in a block: a group, the place in it, the values."""
+        for group in self.groups_of(*keywords, block=block):
+            for place, row in enumerate(group.rows()):
+                yield group, place, row
+
+    def statements(self) -> tuple[Statement, ...]:
+        """All of them, in file order."""
+        found = chain.from_iterable(self.groups)
+        return tuple(in_file_order(found) if self.interleaved else found)
+
+    def block(self, number: int) -> Mapping[str, Sequence[Statement]]:
+        """Statements of a block by keyword, in file order; only keywords that have any."""
+        if number not in self._blocks:
+            self._blocks[number] = {
+                keyword: entries[0][1] if len(entries) == 1 else [s for _, group in entries for s in group]
+                for keyword, entries in self._found[number].items()
+            }
+        return self._blocks[number]

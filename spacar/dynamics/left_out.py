@@ -28,7 +28,7 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.deck import Deck
 from spacar.dynamics.body_inertia import BodyInertia, NotRigid
-from spacar.dynamics.forces import StressLaw
+from spacar.dynamics.loaded_mechanism import StressLaw
 from spacar.dynamics.rigid_motion import BodyMotion, Masters, Weight
 from spacar.errors import AnalysisError, Report
 from spacar.frame import E_FIELDS, X_FIELDS, Frame, FramesInRows
@@ -38,7 +38,7 @@ from spacar.mechanism import build
 from spacar.mechanism.mechanism import NO_ENTRIES, Mechanism
 from spacar.mechanism.numbering import Numbering
 from spacar.mechanism.rigid_parts import RigidParts
-from spacar.registry import registered
+from spacar.modes import registered
 from spacar.stream import Run
 
 MOST = 4_000_000  # numbers of A

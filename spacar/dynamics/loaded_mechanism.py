@@ -1,16 +1,140 @@
-"""What is evaluated, and where an evaluator stands: both values that never change."""
+"""What is evaluated and where an evaluator stands, both values that never change; applied forces and stresses.
+
+f = XF + moments + gravity + user forces;  sigma = S e + S_d ed + sigma0 + user stresses on the active rows (dynamic,
+kinematic, calculable deformations). A constant global moment M on a spatial orientation node has the dual forces
+f_lambda = 2 Lambda_bar(lambda)^T M = 2 (-l.M, lambda0 M - l x M) (files.md section 5), which follow the orientation.
+Gravity on a family is minus the inertia force of the acceleration -g at its position coordinates.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import Array
-from spacar.dynamics.forces import StressLaw
-from spacar.mechanism.mechanism import Drive, Loads, Mechanism
+from spacar.arrays import Array, Index
+from spacar.kinematics.element_sweep import ElementSweep
+from spacar.mechanism.layout import Batch
+from spacar.mechanism.mechanism import NO_ENTRIES, Drive, Loads, Mechanism, UserForces
+
+
+@dataclass(frozen=True)
+class StressLaw:
+    """sigma = S e + S_d ed + preload on the rows `first` and following; the rows before get zero."""
+
+    first: int
+    ne: int
+    stiffness: tuple[Index, Index, Array]
+    damping: tuple[Index, Index, Array]
+    preload: Array
+
+    @classmethod
+    def of(cls, mechanism: Mechanism, loads: Loads, first: int | None = None) -> StressLaw:
+        """Law of a mechanism; `first` overrides the first active row (mode 3 treats input rows as dynamic)."""
+        n = mechanism.numbering
+        first = n.e_class["input"].stop if first is None else first
+        preload = loads.preload.copy()
+        preload[:first] = 0.0
+        stiffness, damping = active_entries(mechanism.stiffness, first), active_entries(mechanism.damping, first)
+        return cls(first, n.ne, stiffness, damping, preload)
+
+    @cached_property
+    def passive(self) -> bool:
+        """No element carries a constitutive stress."""
+        return not (len(self.stiffness[0]) or len(self.damping[0]) or np.count_nonzero(self.preload))
+
+    def __call__(self, e: Array, ed: Array) -> Array:
+        sigma = self.preload.copy()
+        rows, columns, values = self.stiffness
+        if len(rows):
+            sigma += np.bincount(rows, values * e[columns], self.ne)
+        rows, columns, values = self.damping
+        if len(rows):
+            sigma += np.bincount(rows, values * ed[columns], self.ne)
+        return sigma
+
+
+def active_entries(entries: tuple[Index, Index, Array], first: int) -> tuple[Index, Index, Array]:
+    """Those whose row and column are not before the first active deformation; values (n,) or (n, cases)."""
+    rows, columns, values = entries
+    if not len(rows):
+        return entries
+    keep = (rows >= first) & (columns >= first)
+    return rows[keep], columns[keep], values[keep]
+
+
+class AppliedForces:
+    """f without the gravity on configuration-dependent families, which `inertia` subtracts together with h."""
+
+    def __init__(self, mechanism: Mechanism, loads: Loads, sweep: ElementSweep) -> None:
+        self.loads = loads
+        self.field = gravity_field(mechanism, loads)
+        self.heavy = bool(self.field.any())
+        self.constant_gravity = constant_gravity(self.field, sweep.constant_masses() if self.heavy else ())
+        self.constant = loads.force + self.constant_gravity
+        self.user = mechanism.user_signal
+
+    def __call__(self, x: Array, user: UserForces | None) -> Array:
+        """Applied forces except gravity on moving families, (nx,)."""
+        f = self.constant.copy()
+        if self.loads.moment_rows.size:
+            f += self.moments(x)
+        if user is not None:
+            f += user.force
+        return f
+
+    def moments(self, x: Array) -> Array:
+        """Dual forces of the constant global moments, (nx,)."""
+        rows = self.loads.moment_rows
+        if not rows.size:
+            return np.zeros(len(self.constant))
+        dual = (moment_gradient(self.loads.moment) * x[rows]).sum(axis=1)
+        return np.bincount(rows.ravel(), dual.ravel(), len(self.constant))
+
+    def inertia(self, sweep: ElementSweep, v: Array) -> Array:
+        """h minus gravity of the configuration-dependent families, (nx,)."""
+        return sweep.inertia_force(v, -self.field if self.heavy else None)
+
+    def gravity(self, sweep: ElementSweep) -> Array:
+        """Gravity forces of all families, M g, (nx,)."""
+        return sweep.mass_times(self.field) if self.heavy else np.zeros(len(self.constant))
+
+
+def moment_gradient(moments: Array) -> Array:
+    """df_lambda/dlambda = 2 [0, -M^T; M, M~] of constant global moments (n, 3), (4, 4, n); f is linear in lambda."""
+    from spacar.elements.rotations.rotation import global_dual  # spatial only: planar models do not load it
+
+    return 2.0 * global_dual(moments.T)
+
+
+def moment_entries(rows: Index, moments: Array) -> tuple[Index, Index, Array]:
+    """Rows, columns and values (16 n,) of df/dx of constant global moments (n, 3) at the Euler parameters `rows` (4, n)
+    of x: these forces are linear in x."""
+    if not rows.size:
+        return NO_ENTRIES
+    block = moment_gradient(moments)
+    i, j = (np.broadcast_to(r, block.shape).ravel() for r in (rows[:, None, :], rows[None, :, :]))
+    return i, j, block.ravel()
+
+
+def constant_gravity(field: Array, masses: Iterable[tuple[Batch, Array]]) -> Array:
+    """M g of the field g (nx,) and of mass matrices (n_coordinates, n_coordinates, n) that never change, (nx,)."""
+    force = np.zeros(len(field))
+    for b, M in masses:
+        np.add.at(force, b.x, (M * field[b.x][None]).sum(axis=1))
+    return force
+
+
+def gravity_field(mechanism: Mechanism, loads: Loads) -> Array:
+    """g at every position coordinate, zero elsewhere, (nx,) [m/s^2]."""
+    field = np.zeros(mechanism.numbering.nx)
+    if np.count_nonzero(loads.gravity):
+        field.put(mechanism.numbering.positions, loads.gravity)  # again and again: of every node
+    return field
+
 
 # Which accepted steps are looked at closer, where many are made at a time (LOOK_NEVER ... of stepper.c)
 NEVER, AT_DETERMINANTS, AT_VELOCITIES, ALWAYS = range(4)
@@ -85,3 +209,30 @@ def unexplained(a: Moving, b: Moving, scale: Array) -> NDArray[np.bool_]:
     fastest = (v / scale).max(axis=0, initial=0.0)
     moves = fastest * abs(h) > STILL
     return np.asarray(moves & (change > abs(h) * acceleration + SHARE * v + fastest * scale * NOISE))
+
+
+class DeformationInertia:
+    """The inertia V^T M_e V of MEE as entries of an nx x nx matrix."""
+
+    def __init__(self, mechanism: Mechanism, sweep: ElementSweep) -> None:
+        i, j, value = self.table = mechanism.deformation_inertia
+        self.present = bool(len(i))
+        self.sweep = sweep
+        if not self.present:
+            return
+        pairs = []
+        for r, c, w in zip(i, j, value, strict=True):
+            a, b = np.flatnonzero(sweep.v_rows == r), np.flatnonzero(sweep.v_rows == c)
+            pairs.append((np.repeat(a, len(b)), np.tile(b, len(a)), np.full(len(a) * len(b), w)))
+        self.a, self.b, self.value = (np.concatenate(p) for p in zip(*pairs, strict=True))
+        self.rows, self.columns = sweep.v_columns[self.a], sweep.v_columns[self.b]
+
+    def entries(self) -> Array:
+        """Values of V^T M_e V in the order of `rows`, `columns`."""
+        v = self.sweep.v_entries
+        return np.asarray(self.value * v[self.a] * v[self.b])
+
+    def stress(self, edd: Array) -> Array:
+        """M_e edd, (ne,)."""
+        i, j, value = self.table
+        return np.bincount(i, value * edd[j], len(edd)) if self.present else np.zeros(len(edd))

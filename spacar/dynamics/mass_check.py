@@ -41,7 +41,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar.dynamics.saddle_point import DeformationInertia, SaddlePoint
+from spacar.dynamics.loaded_mechanism import DeformationInertia
+from spacar.dynamics.saddle_point import SaddlePoint
 from spacar.errors import AnalysisError
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.kinematics import Kinematics

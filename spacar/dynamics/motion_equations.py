@@ -34,9 +34,8 @@ from typing import NamedTuple
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.dynamics.forces import AppliedForces, StressLaw
-from spacar.dynamics.loaded_mechanism import LoadedMechanism
-from spacar.dynamics.saddle_point import DeformationInertia, SaddlePoint
+from spacar.dynamics.loaded_mechanism import AppliedForces, DeformationInertia, LoadedMechanism, StressLaw
+from spacar.dynamics.saddle_point import SaddlePoint
 from spacar.errors import AnalysisError
 from spacar.kinematics import Kinematics
 from spacar.kinematics.element_sweep import ElementSweep, SweepArrays

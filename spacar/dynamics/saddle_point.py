@@ -15,6 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from spacar.arrays import Array, Index
+from spacar.dynamics.loaded_mechanism import DeformationInertia
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.linear_systems import assemble
 from spacar.mechanism.mechanism import Mechanism
@@ -98,30 +99,3 @@ class SaddlePoint:
         solution = self.system.solve(self.rhs)
         solution *= self.scale
         return solution[:nf], solution[nf:]
-
-
-class DeformationInertia:
-    """The inertia V^T M_e V of MEE as entries of an nx x nx matrix."""
-
-    def __init__(self, mechanism: Mechanism, sweep: ElementSweep) -> None:
-        i, j, value = self.table = mechanism.deformation_inertia
-        self.present = bool(len(i))
-        self.sweep = sweep
-        if not self.present:
-            return
-        pairs = []
-        for r, c, w in zip(i, j, value, strict=True):
-            a, b = np.flatnonzero(sweep.v_rows == r), np.flatnonzero(sweep.v_rows == c)
-            pairs.append((np.repeat(a, len(b)), np.tile(b, len(a)), np.full(len(a) * len(b), w)))
-        self.a, self.b, self.value = (np.concatenate(p) for p in zip(*pairs, strict=True))
-        self.rows, self.columns = sweep.v_columns[self.a], sweep.v_columns[self.b]
-
-    def entries(self) -> Array:
-        """Values of V^T M_e V in the order of `rows`, `columns`."""
-        v = self.sweep.v_entries
-        return np.asarray(self.value * v[self.a] * v[self.b])
-
-    def stress(self, edd: Array) -> Array:
-        """M_e edd, (ne,)."""
-        i, j, value = self.table
-        return np.bincount(i, value * edd[j], len(edd)) if self.present else np.zeros(len(edd))

@@ -65,7 +65,7 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.evaluator import Evaluator
 from spacar.dynamics.loaded_mechanism import NOISE, Accepted, Moving, unexplained
 from spacar.errors import AnalysisError, Report
-from spacar.kinematics.difference_matrix import fold
+from spacar.kinematics.constraint_matrices import fold
 from spacar.kinematics.regularity import PositionMatrix
 
 HALF, INSIDE, WIDE = float(np.log(0.5)), float(np.log(2.0 / 3.0)), float(np.log(0.8))

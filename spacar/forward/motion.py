@@ -24,7 +24,7 @@ from spacar.forward.driver import frames
 from spacar.frame import Frame, StoredFrames
 from spacar.integrators import METHODS, EvenTimes
 from spacar.integrators.times import RemainingTimes
-from spacar.kinematics.output import TransferOutput
+from spacar.kinematics.transfer import TransferOutput
 from spacar.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 from spacar.stream import Run

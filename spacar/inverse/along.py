@@ -24,8 +24,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.dynamics.forces import StressLaw
-from spacar.dynamics.loaded_mechanism import LoadedMechanism
+from spacar.dynamics.loaded_mechanism import LoadedMechanism, StressLaw
 from spacar.dynamics.mass_check import linearized_doubt
 from spacar.errors import Report, UsageError
 from spacar.forward.accepted_steps import at_time
@@ -37,8 +36,7 @@ from spacar.kinematics.constraint_condition import condition_number
 from spacar.linear import form
 from spacar.linear.sparse_linearization import SparseLinearization
 from spacar.linear.state_space import Signal, state_space
-from spacar.linearization.coefficients import Coefficients, coefficients
-from spacar.linearization.contractions import geometric_stiffness
+from spacar.linearization.coefficients import Coefficients, coefficients, geometric_stiffness
 from spacar.linearization.matrices import Linearization, linearize
 from spacar.mechanism.mechanism import Loads, Mechanism
 from spacar.stationary.loading import load_program, loads_at, with_flow

@@ -21,7 +21,7 @@ from spacar.inverse.nominal import Nominal, check_same_mechanism
 from spacar.inverse.ports import NominalInputs, Ports, rigidified
 from spacar.inverse.trajectory import TrajectoryProgram, loaded, program
 from spacar.kinematics.constraint_condition import condition_number
-from spacar.kinematics.output import TransferOutput
+from spacar.kinematics.transfer import TransferOutput
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stream import Run
 

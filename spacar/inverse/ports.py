@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.dynamics.forces import StressLaw
+from spacar.dynamics.loaded_mechanism import StressLaw
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
 from spacar.kinematics.transfer import moved_along

@@ -19,14 +19,13 @@ from numpy.typing import NDArray
 from spacar.arrays import Array, Index
 from spacar.deck import Deck, Statement
 from spacar.deck.table_io import NO_TRAJECTORY, PATHS, TRAJECTORIES
-from spacar.elements.lumped import LumpedMass
 from spacar.elements.spatial.node_inertia import RigidBodyNode
 from spacar.errors import InputError, Message, Report
 from spacar.integrators import EvenTimes
 from spacar.inverse.paths import BadPath, Path, arc, change, straight, turn
 from spacar.inverse.profile import IllegalProfile, Profile, make_profile
 from spacar.mechanism.layout import Batch
-from spacar.mechanism.lumped_inertia import symmetric
+from spacar.mechanism.lumped_inertia import LumpedMass, symmetric
 from spacar.mechanism.mechanism import Drive, DriveState, Mechanism, Polynomial
 
 NAMES = {k.name for k in TRAJECTORIES}

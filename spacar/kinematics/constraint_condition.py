@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.kinematics.difference_matrix import Entries, entries_of, scaled_difference_matrix
+from spacar.kinematics.constraint_matrices import Entries, entries_of, scaled_difference_matrix
 from spacar.kinematics.kinematics import Kinematics
 from spacar.mechanism.mechanism import Mechanism
 

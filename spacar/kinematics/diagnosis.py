@@ -35,7 +35,7 @@ from spacar.kinematics.advice import (
     effects,
     paste_lines,
 )
-from spacar.kinematics.difference_matrix import ZERO, entries_of, scaled_difference_matrix
+from spacar.kinematics.constraint_matrices import ZERO, entries_of, scaled_difference_matrix
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.null_space import LARGEST_DECOMPOSED, norm_estimate, null_space
 from spacar.kinematics.self_stress import scaled_part

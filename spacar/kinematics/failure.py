@@ -10,8 +10,8 @@ from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import AnalysisError
 from spacar.kinematics.advice import KEEPS
+from spacar.kinematics.constraint_matrices import ZERO, entries_of, scaled_difference_matrix
 from spacar.kinematics.diagnosis import Diagnosis, diagnose
-from spacar.kinematics.difference_matrix import ZERO, entries_of, scaled_difference_matrix
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
@@ -98,7 +98,7 @@ def position_failure(
         hardest = int(kinematics.c[int(np.argmax(np.abs(right[-1])))])
         where = f", motion that is hardest to determine: {numbering.x_name(hardest)}"
     # An iterate that met the constraints to rounding r and was left had a correction r/s that bends them by more than
-    # r: the root is not a single one (kinematics/difference_matrix.py).
+    # r: the root is not a single one (kinematics/constraint_condition.py).
     given = kinematics.target[kinematics.h]
     left = min(history, default=np.inf) <= kinematics.rounding(kinematics.x, given)  # iterates may be far from there
     if left or norm <= kinematics.rounding(x, given):

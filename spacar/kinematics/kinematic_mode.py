@@ -8,8 +8,8 @@ import numpy as np
 
 from spacar.frame import Frame
 from spacar.kinematics.constraint_condition import condition_number
+from spacar.kinematics.constraint_matrices import ZERO
 from spacar.kinematics.diagnosis import Diagnosis, diagnose
-from spacar.kinematics.difference_matrix import ZERO
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.kinematics import Kinematics
 from spacar.linear_systems import SingularMatrixError

@@ -22,7 +22,7 @@ deformations; with s = max(1, |x_i|/scale_i, |e_i|/scale_i) the scaled residual 
 as small as rounding allows and passes always. With an ill-conditioned matrix D' a residual of delta makes corrections
 up to |D'^-1| delta, which may stay above both: two residuals below delta one after the other are therefore accepted as
 well, if the position is determined. It is not near a double root (a dead point), where the residual is eps while the
-position is wrong by sqrt(eps): `spacar.kinematics.difference_matrix`.
+position is wrong by sqrt(eps): `spacar.kinematics.constraint_condition`.
 
 D(x) = e has several solutions (a rigid beam may point to either side), so a target is reached continuously: when an
 iteration fails, or ends farther than 0.8 model lengths or rad from where it began, the way to the target is halved, at
@@ -44,11 +44,10 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.errors import AnalysisError
-from spacar.kinematics.constraint_matrices import ConstraintMatrices
-from spacar.kinematics.difference_matrix import is_single_root
+from spacar.kinematics.constraint_matrices import ConstraintMatrices, is_single_root
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.linear_systems import SingularMatrixError
-from spacar.linear_systems.matrix import DENSE_LIMIT, matrix
+from spacar.linear_systems.linear_system import DENSE_LIMIT, matrix
 from spacar.mechanism.mechanism import Mechanism
 
 CONVERGED = 1e-11  # largest scaled correction that ends Newton's iteration: the relative error of velocities

@@ -19,7 +19,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.errors import AnalysisError
-from spacar.kinematics.difference_matrix import ZERO, entries_of, is_single_root, scaled_difference_matrix
+from spacar.kinematics.constraint_matrices import ZERO, entries_of, is_single_root, scaled_difference_matrix
 from spacar.linear_systems.linear_system import DenseSystem
 from spacar.linear_systems.reciprocal_condition import reciprocal_condition
 from spacar.mechanism.mechanism import Mechanism

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.kinematics.difference_matrix import entries_of, scaled_difference_matrix
+from spacar.kinematics.constraint_matrices import entries_of, scaled_difference_matrix
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.null_space import LARGEST_DECOMPOSED, norm_estimate, null_space, on_null_space
 from spacar.mechanism.layout import Batch

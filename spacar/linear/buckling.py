@@ -19,8 +19,7 @@ from spacar.arrays import Array, Index
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
 from spacar.linear.eigen import is_symmetric
-from spacar.linearization.matrices import Linearization
-from spacar.linearization.state_matrix import selected
+from spacar.linearization.matrices import Linearization, selected
 
 NOTHING = 1e-13  # mu below this fraction of the largest is an infinite multiplier
 PAIR = 1e-6  # relative difference of moduli below which multipliers count as +- the same: loads are known to 1e-8

@@ -22,8 +22,7 @@ from spacar.linear import backward_error
 from spacar.linear.eigenmodes import Modes, arranged
 from spacar.linear.graded import EPS, TEN_DIGITS, Factors, eigenvalues, graded_modes, keeps_digits
 from spacar.linear_systems import DENSE_LIMIT
-from spacar.linearization.matrices import Linearization
-from spacar.linearization.state_matrix import assembled_state_matrix, require_mass, selected
+from spacar.linearization.matrices import Linearization, assembled_state_matrix, require_mass, selected
 
 Complex = NDArray[np.complex128]
 FindFactors = Callable[[], Factors | None]

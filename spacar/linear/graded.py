@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
-from spacar.linear_systems.matrix import dense
+from spacar.linear_systems.linear_system import dense
 
 if TYPE_CHECKING:
     from spacar.linearization.matrices import Linearization

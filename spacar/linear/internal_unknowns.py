@@ -24,9 +24,8 @@ from numpy.typing import NDArray
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.elements.family import Family
-from spacar.linearization.contractions import geometric_rounding
-from spacar.linearization.matrices import Linearization
-from spacar.linearization.state_matrix import selected
+from spacar.linearization.coefficients import geometric_rounding
+from spacar.linearization.matrices import Linearization, selected
 
 EPS = float(np.finfo(float).eps)
 

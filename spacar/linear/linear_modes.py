@@ -15,8 +15,8 @@ from spacar.errors import AnalysisError
 from spacar.forward.motion import motion
 from spacar.frame import Frame
 from spacar.kinematics.constraint_condition import condition_number
-from spacar.kinematics.output import TransferOutput
 from spacar.kinematics.regularity import Regularity
+from spacar.kinematics.transfer import TransferOutput
 from spacar.linear import form
 from spacar.linear.buckling import NO_STRESS, BucklingModes, buckling_modes, directional_compliances
 from spacar.linear.descriptor_modes import lowest_modes
@@ -31,8 +31,7 @@ from spacar.linear.steady_equations import require_steady
 from spacar.linear.stored_system import StoredSystem, buckling_motions, sparse_matrices, vibration_motions
 from spacar.linear_systems import SingularMatrixError
 from spacar.linearization.coefficients import Coefficients, coefficients
-from spacar.linearization.matrices import Linearization, linearize
-from spacar.linearization.state_matrix import selected
+from spacar.linearization.matrices import Linearization, linearize, selected
 from spacar.stationary import LoadLevel, StationarySolver, load_program
 from spacar.stationary.tangent import SparseTangent
 from spacar.stream import Run

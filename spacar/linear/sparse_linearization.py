@@ -21,7 +21,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.dynamics.forces import StressLaw
+from spacar.dynamics.loaded_mechanism import StressLaw
 from spacar.errors import AnalysisError
 from spacar.linear.descriptor import DescriptorSystem
 from spacar.linear.state_space import DRIVING_SIGN, Signal

@@ -20,8 +20,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.linearization.matrices import Linearization
-from spacar.linearization.state_matrix import chosen_rows, require_mass, solve_mass, state_matrix
+from spacar.linearization.matrices import Linearization, chosen_rows, require_mass, solve_mass, state_matrix
 from spacar.mechanism.mechanism import Mechanism
 
 DRIVING_SIGN = 1.0  # s_u of theory-system.md 5.1

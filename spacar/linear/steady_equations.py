@@ -32,8 +32,7 @@ from spacar.errors import AnalysisError, Report
 from spacar.kinematics.kinematics import largest
 from spacar.kinematics.transfer import moved_along
 from spacar.linear_systems import SingularMatrixError
-from spacar.linearization.matrices import Linearization, linearize
-from spacar.linearization.state_matrix import selected
+from spacar.linearization.matrices import Linearization, linearize, selected
 from spacar.mechanism.mechanism import DriveState, Mechanism
 from spacar.stationary.loading import LoadLevel, SteadyDrive
 

@@ -13,8 +13,7 @@ from spacar.arrays import Array
 from spacar.dynamics.evaluator import Evaluator
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.kinematics.kinematics import CONVERGED
-from spacar.linearization.matrices import linearize
-from spacar.linearization.state_matrix import chosen_rows, state_matrix
+from spacar.linearization.matrices import chosen_rows, linearize, state_matrix
 from spacar.mechanism.mechanism import Polynomial
 
 FORWARD = np.array((-25.0, 48.0, -36.0, 16.0, -3.0)) / 12.0  # weights of F at t, t + h, ..., of the order 4

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.linear_systems.matrix import Matrix, matrix
+from spacar.linear_systems.linear_system import Matrix, matrix
 from spacar.mechanism.mechanism import Mechanism, UserForces
 
 STEP_SHARE = float(np.finfo(float).eps) ** 0.25

@@ -1,16 +1,26 @@
-"""The elements of a deck by type, as arrays: what numbering and element families are made of."""
+"""What numbering and element families are made of: the elements of a deck by type, and classes, as arrays.
+
+Classes of coordinates and deformations follow from statements and defaults (input-language.md sections 4.2 and 4.3,
+notes k5, k6). A class is the place of its name in X_ORDER or, behind those, in E_ORDER, so that codes are in the order
+of numbering; ABSENT stands for a coordinate or deformation that does not exist. Nodes have four places, one after the
+other, elements as many as the widest type, and the number 0, which nobody has, comes first.
+Warping coordinates are dynamic without a statement, the deformations that belong to them calculable
+(theory-warping.md section 1); other coordinates are calculable, other deformations fixed.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cache
 from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
-from spacar.deck import ELEMENT_TYPES, Deck
-from spacar.deck.table_types import ElementType
+from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
+from spacar.deck.table_types import ELEMENT_CLASSES, NODE_CLASSES, ElementType, independent_of
 
 
 class ElementRows(NamedTuple):
@@ -58,3 +68,99 @@ def value_rows(deck: Deck, keyword: str, block: int, kind: Any = float) -> Itera
     for group in deck.index.groups_of(keyword, block=block):
         table = np.fromiter(group.values, kind, len(group.values)).reshape(-1, group.width)
         yield table[:, 0].real.astype(np.int64), table[:, 1:]
+
+
+X_ORDER = ("fixed", "calculable", "input", "dynamic", "kinematic")
+E_ORDER = ("fixed", "input", "dynamic", "kinematic", "calculable")
+ABSENT = len(X_ORDER) + len(E_ORDER)
+ROLES = ("", "position", "orientation", "warping")  # of nodes; their places are the codes of `ClassCodes.roles`
+
+
+def _x(name: str) -> int:
+    return X_ORDER.index(name)
+
+
+def _e(name: str) -> int:
+    return len(X_ORDER) + E_ORDER.index(name)
+
+
+NAMES = {"prescribed": "input"}  # where the class of a statement is called otherwise here
+_X_CODE = {keyword: _x(NAMES.get(name, name)) for keyword, name in NODE_CLASSES.items()}
+_E_CODE = {keyword: _e(NAMES.get(name, name)) for keyword, name in ELEMENT_CLASSES.items()}
+_AS_INPUT = bytes.maketrans(bytes([_x("dynamic"), _e("dynamic")]), bytes([_x("input"), _e("input")]))
+_TYPE_CODE = {keyword: code for code, keyword in enumerate(ELEMENT_TYPES, 1)}
+
+
+class ClassCodes(NamedTuple):
+    """`codes`, of which the first `of_nodes` belong to nodes; elements have `width` places each.
+
+    roles   (1 + highest node,) place in ROLES of every node
+    """
+
+    codes: bytearray
+    of_nodes: int
+    width: int
+    roles: NDArray[np.uint8]
+
+
+def class_codes(deck: Deck, types: Sequence[ElementRows], prescribed: bool) -> ClassCodes:
+    """The classes of everything in a deck with these elements. `prescribed`: what is dynamic is an input."""
+    planar = types[0].kind.planar
+    width = max([6, *[len(rows.kind.modes) for rows in types]])  # 8 in a model with warping
+    roles = np.zeros(1 + max([rows.nodes.max() for rows in types]), np.uint8)
+    elements = np.zeros(1 + max([rows.numbers.item(-1) for rows in types]), np.uint8)
+    for rows in types:
+        roles.put(rows.nodes, _roles_of(rows.kind))  # again for every element
+        elements[rows.numbers] = _TYPE_CODE[rows.kind.keyword]
+    codes = bytearray(_coordinates(planar).take(roles, 0))
+    of_nodes = len(codes)
+    codes += _deformations(width).take(elements, 0).tobytes()
+    index, given = deck.index, deck.index.keywords(1)
+    for keywords, kinds, every, first, size in (
+        (_X_CODE, roles, _independent(planar), -1, 4),
+        (_E_CODE, elements, _classed(), of_nodes - 1, width),
+    ):
+        of = kinds.tobytes()
+        for keyword, code in keywords.items():
+            for number, *which in index.rows(keyword, 1) if keyword in given else ():
+                if number < len(of) and of[number]:  # a node that no element uses has a warning
+                    before = first + size * number
+                    for k in which or every[of[number]]:
+                        codes[before + k] = code
+    return ClassCodes(codes.translate(_AS_INPUT) if prescribed else codes, of_nodes, width, roles)
+
+
+@cache
+def _roles_of(kind: ElementType) -> NDArray[np.uint8]:
+    return np.array([ROLES.index(role) for role in kind.nodes], np.uint8)
+
+
+@cache
+def _coordinates(planar: bool) -> NDArray[np.uint8]:
+    """(roles, 4) codes of coordinates without a statement."""
+    table = np.full((len(ROLES), 4), ABSENT, np.uint8)
+    for place, role in enumerate(ROLES[1:], 1):
+        table[place, : coordinates_of(role, planar)] = _x("dynamic" if role == "warping" else "calculable")
+    return table
+
+
+@cache
+def _independent(planar: bool) -> list[tuple[int, ...]]:
+    """Coordinates that a statement without coordinate numbers is about."""
+    return [(), *[independent_of(role, planar) for role in ROLES[1:]]]
+
+
+@cache
+def _deformations(width: int) -> NDArray[np.uint8]:
+    """(1 + element types, width) codes of deformations without a statement."""
+    table = np.full((1 + len(ELEMENT_TYPES), width), ABSENT, np.uint8)
+    for place, kind in enumerate(ELEMENT_TYPES.values(), 1):
+        codes = [_e("calculable" if mode in kind.released else "fixed") for mode in range(1, 1 + len(kind.modes))]
+        table[place, : len(codes)] = codes[:width]
+    return table
+
+
+@cache
+def _classed() -> list[tuple[int, ...]]:
+    """Modes that a statement without mode numbers is about."""
+    return [(), *[kind.classed for kind in ELEMENT_TYPES.values()]]

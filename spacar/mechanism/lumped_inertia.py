@@ -1,22 +1,45 @@
 """Lumped inertia: XM of all node types, rotary inertia that elements put on orientation nodes, XGYRO, MEE.
 
-All tensors of one spatial orientation node are summed first: the node is then one rigid body (theory-spatial.md
-section 1).
+A lumped mass is an entry m of M per coordinate [kg or kg m^2], constant, without convective terms. All tensors of one
+spatial orientation node are summed first: the node is then one rigid body (theory-spatial.md section 1).
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.deck import Deck
-from spacar.elements import Family
-from spacar.elements.lumped import LumpedMass
+from spacar.elements.family import Configuration, Family
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import NO_ENTRIES
 from spacar.mechanism.numbering import Numbering
+
+
+class LumpedMass(Family):
+    """One entry per coordinate; `positions` tells which of them are position coordinates (they feel gravity)."""
+
+    n_coordinates: ClassVar[int] = 1
+    keyword = "XM"
+    has_mass = True
+    constant_mass = True
+
+    def __init__(self, nodes: NDArray[np.int64], m: Array) -> None:
+        self.numbers = nodes
+        self.m = m
+        self.length = np.zeros(len(m))
+
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> Configuration:
+        return None
+
+    def mass(self, c: Configuration, out: Array) -> None:
+        out[0, 0] = self.m
+
+    def inertia_force(self, c: Configuration, v: Array, a: Array | None) -> Array:
+        return np.zeros_like(v) if a is None else self.m * a
 
 
 def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple[Family, Index]]:

@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Index
 from spacar.deck import ELEMENT_TYPES, Deck, coordinates_of
-from spacar.mechanism.class_codes import ABSENT, E_ORDER, ROLES, X_ORDER, class_codes
-from spacar.mechanism.element_rows import ElementRows
+from spacar.mechanism.element_rows import ABSENT, E_ORDER, ROLES, X_ORDER, ElementRows, class_codes
 
 CLASSES = X_ORDER
 
@@ -216,6 +215,17 @@ class Numbering:
         """Kinematic configuration coordinates: x, then e."""
         x, e = self.x_class["kinematic"], self.e_class["kinematic"]
         return [self.x_name(i) for i in range(x.start, x.stop)] + [self.e_name(i) for i in range(e.start, e.stop)]
+
+    @property
+    def dynamic_names(self) -> list[str]:
+        """Names of the dynamic degrees of freedom."""
+        return [self.q_names[i] for i in self.dynamic]
+
+    @property
+    def state_names(self) -> list[str]:
+        """The state: configuration (dynamic degrees of freedom, kinematic coordinates), then velocities."""
+        dynamic = self.dynamic_names
+        return [*dynamic, *self.k_names, *(f"d/dt {name}" for name in dynamic)]
 
     @cached_property
     def q_x(self) -> Index:

@@ -15,7 +15,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.deck.directed import STEP
-from spacar.dynamics.forces import moment_gradient
+from spacar.dynamics.loaded_mechanism import moment_gradient
 from spacar.elements.family import Configuration, Family
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import DriveState, Loads, Mechanism

@@ -29,7 +29,7 @@ from spacar.linear.buckling import BucklingModes, buckling_modes, directional_co
 from spacar.linear.eigen import is_symmetric, matters, vibration_modes
 from spacar.linear.eigenmodes import Modes, is_zero
 from spacar.linear.internal_unknowns import bordered_pencil, buckling_matrices, internal_unknowns
-from spacar.linearization.contractions import geometric_stiffness
+from spacar.linearization.coefficients import geometric_stiffness
 from spacar.sensitivities.directed_elements import ElementMatrices
 from spacar.sensitivities.pencil_derivatives import Change, LinearizedState, PencilMode, null_vectors, together
 from spacar.sensitivities.state_derivatives import StateDerivative

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from spacar.arrays import Array, Index
 from spacar.deck.directed import STEP, nothing_lost
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.linear_systems.matrix import Matrix, matrix
+from spacar.linear_systems.linear_system import Matrix, matrix
 from spacar.linearization.matrices import Linearization
 from spacar.sensitivities.directed_elements import ElementMatrices
 from spacar.sensitivities.state_derivatives import StateDerivative

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.calls import frames
+from spacar.calls import Source, deck_of, frames
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.deck.directed import DirectedDeck, nothing_lost
 from spacar.deck.length_unit import shown_in
@@ -34,7 +34,7 @@ from spacar.linear.linear_modes import say_lost_digits
 from spacar.linearization.matrices import linearize
 from spacar.mechanism import Mechanism
 from spacar.mechanism.build import along
-from spacar.registry import registered
+from spacar.modes import registered
 from spacar.sensitivities.expression_derivatives import ChainValue, derivative, steps_of, variables
 from spacar.sensitivities.linear_quantities import LinearQuantities
 from spacar.sensitivities.pencil_derivatives import LinearizedState
@@ -48,7 +48,6 @@ from spacar.sensitivities.step_quantities import (
     check_variable,
     stress_derivatives,
 )
-from spacar.sources import Source, deck_of
 from spacar.stationary import StationarySolver, load_program
 from spacar.stream import Run
 from spacar.studies.assignments import Setting, change, parameters_of, setting

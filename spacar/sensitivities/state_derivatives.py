@@ -25,11 +25,10 @@ from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 from spacar.sensitivities.directed_elements import DirectedElements
 from spacar.stationary import LoadLevel, StationarySolver
-from spacar.stationary.contract import SINGULAR, Tangent
 from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import digits_left
 from spacar.stationary.singular import minimum_norm_solutions
-from spacar.stationary.stationary_equations import StationaryEquations
+from spacar.stationary.stationary_equations import SINGULAR, StationaryEquations, Tangent
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from spacar.expressions.expression_units import Unit, unit
 from spacar.expressions.result_places import ELEMENT, NODE, place
 from spacar.frame import Frame
 from spacar.mechanism.numbering import Numbering
-from spacar.registry import registered
+from spacar.modes import registered
 from spacar.sensitivities.linear_quantities import LinearQuantities
 from spacar.sensitivities.state_derivatives import StateDerivative
 

@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from spacar.arrays import Array, Index
+from spacar.calls import Source, deck_of
 from spacar.dynamics.array_evaluator import component_name
 from spacar.errors import UsageError
 from spacar.frame import Frame
@@ -20,7 +21,6 @@ from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
 from spacar.simulation.blocks import Block
 from spacar.simulation.evaluated_plant import ACCELERATION, POSITION, RATE, ArrayPlant, CompiledPlant, Driven
-from spacar.sources import Source, deck_of
 
 INPUT_KINDS = ("INPUTS", "INPUTF")
 OUTPUT_KINDS = ("OUTE", "OUTEP", "OUTEDP", "OUTX", "OUTXP", "OUTXDP")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.registry import registered
+from spacar.modes import registered
 from spacar.simulation.diagram import Diagram
 
 

@@ -22,12 +22,11 @@ from spacar.arrays import Array
 from spacar.errors import AnalysisError
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
-from spacar.stationary.contract import Astray, Tangent
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.loading import LoadLevel
 from spacar.stationary.newton import Corrections, Demand, correction
 from spacar.stationary.stability import critical_motion
-from spacar.stationary.stationary_equations import Iterate, Prescribed, StationaryEquations
+from spacar.stationary.stationary_equations import Astray, Iterate, Prescribed, StationaryEquations, Tangent
 
 At = Callable[[float], tuple[StationaryEquations, Tangent, Prescribed]]  # puts the loads of a place on the evaluator
 DISTANCE = 0.5  # of the two evaluations of the derivative

@@ -32,14 +32,12 @@ from spacar.errors import Report
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.arc_length import Arrived, LimitPoint, at_limit, follow, given_up, unsupported
-from spacar.stationary.contract import Astray, Tangent
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.loading import LoadLevel, loads_grow
-from spacar.stationary.newton import Converged, Demand
-from spacar.stationary.prediction import Known, predicted
+from spacar.stationary.newton import Converged, Demand, Known, predicted
 from spacar.stationary.singular import FreeMotion
 from spacar.stationary.stability import Stability, critical_motion, is_regular
-from spacar.stationary.stationary_equations import Iterate, Prescribed, StationaryEquations
+from spacar.stationary.stationary_equations import Astray, Iterate, Prescribed, StationaryEquations, Tangent
 
 REMEMBERED = 4  # states that the prediction uses: a cubic polynomial
 FASTER = 2.0  # change of x over that of the loading, against the part before, from which a part is walked back

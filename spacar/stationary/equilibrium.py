@@ -15,17 +15,15 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.dynamics.forces import constant_gravity, gravity_field
+from spacar.dynamics.loaded_mechanism import constant_gravity, gravity_field
 from spacar.kinematics.element_sweep import SweepArrays
 from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.linear_systems import BAND_LIMIT, DENSE_LIMIT
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import Mechanism
-from spacar.stationary.contract import NO_DIGITS, SINGULAR, SPREAD, Astray
 from spacar.stationary.definite import SAFE, WEIGHT, WIDEST
-from spacar.stationary.flexibility import is_tube
 from spacar.stationary.level_evaluator import LevelDynamics, LevelEvaluator
-from spacar.stationary.loading import LoadLevel
+from spacar.stationary.loading import LoadLevel, is_tube
 from spacar.stationary.newton import (
     FIRST_RATIO,
     FORCES,
@@ -40,7 +38,7 @@ from spacar.stationary.newton import (
 )
 from spacar.stationary.resting_tangent import SYMMETRIC
 from spacar.stationary.stability import CRITICAL, STABLE, Stability
-from spacar.stationary.stationary_equations import FLOOR, Iterate
+from spacar.stationary.stationary_equations import FLOOR, NO_DIGITS, SINGULAR, SPREAD, Astray, Iterate
 
 FOUND, ANOTHER_WAY, NOT_A_NUMBER, TOO_LARGE, GROWING, NO_END = range(6)  # as in equilibrium.c
 

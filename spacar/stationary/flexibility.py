@@ -14,7 +14,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.deck import ELEMENT_TYPES
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError
 from spacar.mechanism.mechanism import Batch
@@ -92,12 +91,6 @@ class Flexibility:
         """Rows, columns, values of C x size, (ne, ne)."""
         rows, columns = (np.concatenate((part, self.rigid)) for part in (self.rows, self.columns))
         return rows, columns, np.concatenate((self.values, self.rigid_diagonal))
-
-
-def is_tube(b: Batch) -> bool:
-    """May a fluid flow through the elements, whose momentum loads them?"""
-    kind = ELEMENT_TYPES.get(b.family.keyword)
-    return kind is not None and kind.carries_flow
 
 
 def _inverted(S: Array, batch: Batch) -> Array:

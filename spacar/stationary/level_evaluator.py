@@ -14,14 +14,13 @@ from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.kinematics.element_sweep import SweepArrays
 from spacar.kinematics.kinematics import Kinematics
 from spacar.mechanism.mechanism import Drive, Loads, Mechanism
-from spacar.stationary.contract import Tangent
 from spacar.stationary.flexibility import Flexibility
 from spacar.stationary.loading import WITHOUT_N0, LoadLevel, SteadyDrive, loads_at, with_flow
 from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import Converged, Demand, newton
 from spacar.stationary.resting_tangent import RestingTangent
 from spacar.stationary.stability import Stability, stability
-from spacar.stationary.stationary_equations import Iterate, Prescribed, StationaryEquations
+from spacar.stationary.stationary_equations import Iterate, Prescribed, StationaryEquations, Tangent
 from spacar.stationary.tangent import SparseTangent
 
 

@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from spacar.mechanism.mechanism import WITH_ADDITIONAL, DriveState, Loads, Mechanism, SolverSettings
+from spacar.deck import ELEMENT_TYPES
+from spacar.mechanism.mechanism import WITH_ADDITIONAL, Batch, DriveState, Loads, Mechanism, SolverSettings
 
 WITHOUT_N0 = (1, 3)  # ITERSTEP types whose Newton iteration leaves N0 out
 
@@ -87,6 +88,12 @@ def loads_grow(mechanism: Mechanism, level: LoadLevel) -> bool:
     if level.additional:
         return mechanism.additional is not None and mechanism.additional.present
     return mechanism.loads.present
+
+
+def is_tube(b: Batch) -> bool:
+    """May a fluid flow through the elements, whose momentum loads them?"""
+    kind = ELEMENT_TYPES.get(b.family.keyword)
+    return kind is not None and kind.carries_flow
 
 
 def with_flow(mechanism: Mechanism, loads: Loads) -> Mechanism:

@@ -25,15 +25,15 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
-from spacar.linear_systems.matrix import DENSE_LIMIT, Matrix, dense, diagonal_matrix, matrix, zero_matrix
+from spacar.linear_systems.linear_system import DENSE_LIMIT, Matrix, dense, diagonal_matrix, matrix, zero_matrix
 from spacar.linear_systems.reciprocal_condition import EPS
-from spacar.linearization.coefficients import load_gradient
-from spacar.linearization.contractions import (
+from spacar.linearization.coefficients import (
     geometric_stiffness,
     gradient_matrix,
     gradient_rate,
     gradient_transport,
     inertia_blocks,
+    load_gradient,
     mass_matrix,
     rate_gradient,
     scatter,

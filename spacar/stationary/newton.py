@@ -1,4 +1,5 @@
-"""Newton's iteration on the mixed equations, with its test of contraction.
+"""Newton's iteration on the mixed equations, with its test of contraction; where it begins: on the polynomial through
+earlier states of the path.
 
 Prescribed coordinates are unknowns that move with the first correction: V and the geometric stiffness at the last
 position take the others along, so that no configuration is evaluated in which only the prescribed coordinates have
@@ -20,7 +21,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from math import isfinite
+from math import isfinite, prod
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,9 +31,18 @@ from spacar.errors import AnalysisError
 from spacar.kinematics.kinematics import LARGEST_JUMP, largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.linear_systems.reciprocal_condition import lost
-from spacar.stationary.contract import NO_DIGITS, SINGULAR, SPREAD, Astray, Tangent
 from spacar.stationary.singular import minimum_norm
-from spacar.stationary.stationary_equations import FLOOR, Iterate, Prescribed, StationaryEquations
+from spacar.stationary.stationary_equations import (
+    FLOOR,
+    NO_DIGITS,
+    SINGULAR,
+    SPREAD,
+    Astray,
+    Iterate,
+    Prescribed,
+    StationaryEquations,
+    Tangent,
+)
 
 FORCES = 1e-9  # out-of-balance work / work of the forces in it
 LENGTHS = 1e-11  # incompatibility / model length, or rad
@@ -251,3 +262,31 @@ def _projected(q: StationaryEquations, p: Iterate, dx: Array, given: Prescribed)
     sigma[calculable] = law[calculable]
     p = q.point(x, sigma, given)
     return q.point(x, q.balanced(p), given)
+
+
+FARTHEST = 16.0  # weight of a state in the prediction: 6 for equal parts, more when the parts have grown
+
+
+class Known(NamedTuple):
+    """A state of the path: its place on the way (0 to 1 initial, 1 to 2 additional loading), x, sigma."""
+
+    path: float
+    x: Array
+    sigma: Array
+
+
+def predicted(known: list[Known], path: float, fixed: slice) -> Known:
+    """Lagrange's polynomial through the known states; fewer of them if they are close together."""
+    weights = _lagrange(known, path)
+    while len(known) > 1 and max(map(abs, weights)) > FARTHEST:
+        known = known[1:]
+        weights = _lagrange(known, path)
+    x, sigma = np.dot(weights, [k.x for k in known]), np.dot(weights, [k.sigma for k in known])
+    x[fixed] = known[-1].x[fixed]  # no iteration corrects them: rounding would grow from level to level
+    return Known(path, x, sigma)
+
+
+def _lagrange(known: list[Known], path: float) -> list[float]:
+    """Weights of the polynomial through the known states, at a place."""
+    at = [k.path for k in known]
+    return [prod((path - b) / (a - b) for j, b in enumerate(at) if j != i) for i, a in enumerate(at)]

@@ -11,7 +11,7 @@ from spacar.arrays import Array
 from spacar.linear_systems import LinearSystem, SingularMatrixError
 from spacar.linear_systems.matrix_inertia import Inertia
 from spacar.linear_systems.reciprocal_condition import entry_rounding
-from spacar.linearization.contractions import geometric_blocks
+from spacar.linearization.coefficients import geometric_blocks
 from spacar.stationary.definite import DefiniteStiffness
 from spacar.stationary.stationary_equations import Iterate
 from spacar.stationary.tangent import STATIC, SparseTangent, TangentTerm

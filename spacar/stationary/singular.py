@@ -12,8 +12,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
-from spacar.stationary.contract import SPREAD, Astray, Tangent
-from spacar.stationary.stationary_equations import EPS, Iterate, StationaryEquations
+from spacar.stationary.stationary_equations import EPS, SPREAD, Astray, Iterate, StationaryEquations, Tangent
 
 LARGEST = 2000  # unknowns: the singular value decomposition takes ten seconds there
 IN_RANGE = 1e-8  # relative: half of the digits of a matrix that is singular to working precision

@@ -14,13 +14,12 @@ from spacar.errors import AnalysisError, Report
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stationary.continuation import Continuation
-from spacar.stationary.contract import Tangent
 from spacar.stationary.equilibrium import level_evaluator
 from spacar.stationary.loading import LoadLevel
 from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import LENGTHS
 from spacar.stationary.stability import Stability, critical_motion
-from spacar.stationary.stationary_equations import Iterate, Motion, StationaryEquations
+from spacar.stationary.stationary_equations import Iterate, Motion, StationaryEquations, Tangent
 from spacar.stationary.tangent import SparseTangent
 
 SINGULAR_SLIP = 1e-8  # relative: the stress of a slip that its law does not give

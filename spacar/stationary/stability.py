@@ -19,10 +19,9 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.linear_systems import SingularMatrixError
-from spacar.stationary.contract import Tangent
 from spacar.stationary.newton import correction
 from spacar.stationary.resting_tangent import RestingTangent
-from spacar.stationary.stationary_equations import Iterate, StationaryEquations
+from spacar.stationary.stationary_equations import Iterate, StationaryEquations, Tangent
 
 CRITICAL = float(np.sqrt(np.finfo(float).eps))  # of the model: rounding takes half of the digits of the position
 BLOCK = 6  # vectors

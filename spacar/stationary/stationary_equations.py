@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -34,7 +34,8 @@ from spacar.dynamics.saddle_point import free_coordinates
 from spacar.kinematics.kinematics import largest
 from spacar.linearization.user_derivatives import UserDerivatives, user_derivatives
 from spacar.mechanism.mechanism import UserForces
-from spacar.stationary.flexibility import Flexibility, is_tube
+from spacar.stationary.flexibility import Flexibility
+from spacar.stationary.loading import is_tube
 
 EPS = float(np.finfo(float).eps)
 FLOOR = 8.0 * EPS  # of the sum of the sizes of all terms: a residual below it is rounding
@@ -225,3 +226,36 @@ class StationaryEquations:
         sigma = p.sigma.copy()
         d.kinematics.reactions(force, sigma)
         return sigma
+
+
+# Displacement under forces of the size of the stiffness, 1/(50 eps), from which it is asked whether digits are left.
+SINGULAR = 1e14
+# Part of such a displacement, or size of a correction [model lengths or rad], that is rounding: the matrix is singular.
+NO_DIGITS = 1e-4
+SPREAD = 10.0  # largest effect of rounding errors over that of one sample of their signs, which are not known
+
+
+class Tangent(Protocol):
+    """The matrix of the corrections; unknowns x_F, then sigma / size."""
+
+    @property
+    def exact(self) -> bool: ...
+    @property
+    def symmetric(self) -> bool: ...
+    def factor(self, point: Iterate) -> None: ...
+    def solve(self, right: Array) -> Array: ...
+    def along(self, dx: Array) -> Array: ...
+    def dense(self) -> Array: ...
+    def rounding(self, z: Array) -> Array:
+        """eps |matrix| |z| of z (n,): by what rounding of the entries changes the product."""
+    def sign(self) -> float:
+        """Of the determinant of the tangent stiffness: -1 where the number of its negative eigenvalues is odd."""
+
+
+class Astray(Exception):
+    """The iteration does not converge, or not to a neighbouring state; the code of an error that says so, and what
+    helps then."""
+
+    def __init__(self, text: str, code: str = "statics.no-convergence", remedy: str = "a smaller load") -> None:
+        super().__init__(text)
+        self.code, self.remedy = code, remedy

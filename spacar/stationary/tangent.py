@@ -23,13 +23,14 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.dynamics.forces import moment_gradient
+from spacar.dynamics.loaded_mechanism import moment_gradient
 from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
 from spacar.linear_systems.reciprocal_condition import entry_rounding, lost
-from spacar.linearization.contractions import configuration_of, geometric_blocks
+from spacar.linearization.coefficients import configuration_of, geometric_blocks
 from spacar.mechanism.mechanism import Batch
-from spacar.stationary.contract import NO_DIGITS, SINGULAR
-from spacar.stationary.flexibility import Flexibility, is_tube
+from spacar.stationary.flexibility import Flexibility
+from spacar.stationary.loading import is_tube
+from spacar.stationary.stationary_equations import NO_DIGITS, SINGULAR
 
 if TYPE_CHECKING:
     from spacar.linear_systems.banded import BandedSystem

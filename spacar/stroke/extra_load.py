@@ -20,13 +20,13 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.dynamics.forces import moment_entries
+from spacar.dynamics.loaded_mechanism import moment_entries
 from spacar.errors import Report
 from spacar.linear.buckling import BucklingModes, buckling_modes
 from spacar.linear.internal_unknowns import extra_load_matrices
 from spacar.linear.node_compliance import displacements
-from spacar.linear_systems.matrix import matrix
-from spacar.linearization.contractions import geometric_stiffness
+from spacar.linear_systems.linear_system import matrix
+from spacar.linearization.coefficients import geometric_stiffness
 from spacar.linearization.matrices import Linearization
 from spacar.mechanism.numbering import Numbering
 from spacar.stroke.driven_deck import Row

@@ -11,7 +11,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
-from spacar.registry import registered
+from spacar.modes import registered
 from spacar.result import Result
 from spacar.stroke.error_motions import ErrorMotions
 from spacar.stroke.observed_node import ObservedNode

@@ -25,16 +25,14 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.calls import frames
+from spacar.calls import Source, checked_options, deck_of, frames
 from spacar.deck import Deck
 from spacar.deck.length_unit import shown_in
 from spacar.errors import AnalysisError, Report, UsageError
 from spacar.linear.linear_modes import stationary
 from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
-from spacar.options import checked_options
 from spacar.result import Result
-from spacar.sources import Source, deck_of
 from spacar.stroke.driven_deck import Row, driven, load_row, own_move
 from spacar.stroke.error_motions import error_motions, rotation_vector
 from spacar.stroke.extra_load import ExtraLoad

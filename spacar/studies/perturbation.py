@@ -23,8 +23,7 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.errors import Report, UsageError
 from spacar.forward.driver import checked
-from spacar.linearization.matrices import linearize
-from spacar.linearization.state_matrix import chosen_rows, state_matrix
+from spacar.linearization.matrices import chosen_rows, linearize, state_matrix
 from spacar.mechanism import build
 from spacar.result import Result
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from spacar.deck import Deck
-from spacar.registry import registered
+from spacar.modes import registered
 from spacar.studies.policies.trade import Entry, Reference
 from spacar.studies.runs.rows import Row
 

@@ -7,12 +7,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from spacar.calls import Source, checked_options, deck_of, has_interval
 from spacar.deck import Deck
 from spacar.deck.rewrite.refine import flexible_beams
 from spacar.errors import UsageError
 from spacar.modes import MODES, Mode, find_mode
-from spacar.options import checked_options
-from spacar.sources import Source, deck_of, has_interval
 from spacar.studies.assignments import Axis, combine, setting
 from spacar.studies.assignments import values as listed_values
 from spacar.studies.batched_cases import in_batches, is_motion, reason

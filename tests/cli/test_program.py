@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from spacar_cli import command_table
 from spacar_cli.commands.run_mode import command_of_mode
-from spacar_cli.status import ExitStatus
+from spacar_cli.environment import ExitStatus
 
 import spacar
 from spacar.modes import MODES

@@ -9,7 +9,7 @@ import pytest
 from spacar_formats.sbf import SbfFile
 from spacar_formats.setpoint_files import check_same_model, find_setpoints
 from spacar_formats.sinks import result_sinks
-from spacar_formats.sinks.result_header import sbd_header
+from spacar_formats.sinks.results import sbd_header
 
 import spacar
 from spacar.errors import UsageError

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from spacar.deck import ELEMENT_TYPES
 from spacar.deck.checks_dynamics import _ADDITIONAL
-from spacar.deck.mode_blocks import uses
+from spacar.deck.table_types import uses
 from spacar.integrators.methods import METHODS
 from spacar.modes import MODES
 

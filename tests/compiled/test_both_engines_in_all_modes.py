@@ -13,7 +13,7 @@ from spacar.compiled.compiled_elements import CompiledElements, with_compiled_el
 from spacar.compiled.library import GENERAL, why_off
 from spacar.dynamics import Dynamics
 from spacar.errors import SpacarError
-from spacar.linear_systems.matrix import dense
+from spacar.linear_systems.linear_system import dense
 from spacar.linearization.coefficients import coefficients
 
 DATA = Path(__file__).parents[2] / "data"

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from spacar_formats.sbf import SbfFile
-from spacar_formats.sbf.variable_names import matlab_name
+from spacar_formats.sbf.record_layout import matlab_name
 from spacar_formats.sinks.results import result_sinks
 
 import spacar

@@ -15,7 +15,7 @@ import pytest
 import spacar_drawing
 from spacar_cli.environment import Environment
 from spacar_cli.main import main
-from spacar_formats.log.shown_units import ShownUnits
+from spacar_formats.log.text_layout import ShownUnits
 
 import spacar
 

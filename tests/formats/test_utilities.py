@@ -11,7 +11,6 @@ import pytest
 from scipy.io import loadmat
 from spacar_formats import exports, safety
 from spacar_formats.checksbf import checksbf, listing
-from spacar_formats.claim import Claim
 from spacar_formats.combsbd import combsbd
 from spacar_formats.exports import export_file
 from spacar_formats.getfrsbf import getfrsbf, step_numbers
@@ -19,6 +18,7 @@ from spacar_formats.getss import export_getss, getss
 from spacar_formats.loadsbd import loadsbd, loadsbm
 from spacar_formats.locate import digest, notes, result_path
 from spacar_formats.repinsbf import repinsbf
+from spacar_formats.safety import Claim
 from spacar_formats.sbf import SbfError, SbfFile, SbfWriter
 
 from spacar.errors import AnalysisError, UsageError

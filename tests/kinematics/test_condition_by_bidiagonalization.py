@@ -11,7 +11,7 @@ import pytest
 import spacar
 from spacar.deck import parse_deck
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.kinematics import constraint_condition, difference_matrix
+from spacar.kinematics import constraint_condition, constraint_matrices
 from spacar.mechanism import build
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
@@ -23,7 +23,7 @@ def test_three_digits(model, n):
     evaluator = Dynamics(build(parse_deck(sizes.MODELS[model](n), mode=1), 1))
     evaluator.place(0.0, evaluator.start())
     k = evaluator.kinematics
-    exact = constraint_condition.of_entries(k.mechanism, difference_matrix.entries_of(k.sweep))
+    exact = constraint_condition.of_entries(k.mechanism, constraint_matrices.entries_of(k.sweep))
     assert len(k.E) > 100
     assert constraint_condition._estimate(k) == pytest.approx(exact, rel=3e-3)
 
@@ -34,11 +34,11 @@ def test_a_submatrix_is_made_alone(monkeypatch):
     evaluator = Dynamics(build(parse_deck(sizes.MODELS["planar"](12), mode=1), 1))
     evaluator.place(0.0, evaluator.start())
     k = evaluator.kinematics
-    rows, columns, values = difference_matrix.entries_of(k.sweep)
+    rows, columns, values = constraint_matrices.entries_of(k.sweep)
     whole = k.sweep.gradient() * k.mechanism.scale / k.mechanism.deformation_scale[:, None]
     twice = np.tile(rows, 2), np.tile(columns, 2), np.concatenate((0.25 * values, 0.75 * values))
     monkeypatch.setattr(k.sweep, "gradient", None)
-    D = difference_matrix.scaled_difference_matrix(k.mechanism, twice, k.E, k.U)
+    D = constraint_matrices.scaled_difference_matrix(k.mechanism, twice, k.E, k.U)
     np.testing.assert_allclose(D, whole[np.ix_(k.E, k.U)], rtol=1e-15)
     assert constraint_condition.condition_number(k) == pytest.approx(constraint_condition.of_scaled(D), rel=1e-12)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spacar import Deck
-from spacar.kinematics.difference_matrix import is_single_root
+from spacar.kinematics.constraint_matrices import is_single_root
 from spacar.kinematics.kinematics import ROUNDING, Kinematics
 from spacar.linear_systems.reciprocal_condition import smallest
 from spacar.mechanism import build

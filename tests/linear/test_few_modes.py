@@ -7,8 +7,8 @@ import pytest
 
 from spacar.errors import Report
 from spacar.linear import eigen
-from spacar.linear_systems.matrix import is_zero_matrix, matrix, zero_matrix
-from spacar.linearization.state_matrix import selected
+from spacar.linear_systems.linear_system import is_zero_matrix, matrix, zero_matrix
+from spacar.linearization.matrices import selected
 
 
 def random_pencil(n: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

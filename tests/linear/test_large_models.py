@@ -18,9 +18,9 @@ import spacar
 from spacar.deck import parse_deck
 from spacar.errors import UsageError
 from spacar.linear import form
-from spacar.linear_systems import assemble, matrix
+from spacar.linear_systems import assemble, linear_system
 from spacar.linear_systems.selected_inverse import inverse_diagonal
-from spacar.linearization import contractions, linearize
+from spacar.linearization import coefficients, linearize
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 from models import cantilever, spatial_chain
@@ -140,9 +140,9 @@ def test_sparse_and_dense_linearization(moving, monkeypatch):
     d.xd = d.kinematics.dependent(0.1 * moving * rng.standard_normal(m.numbering.nx), np.zeros(m.numbering.ne))
     xdd = 0.1 * moving * rng.standard_normal(m.numbering.nx)
     full = linearize(d, xdd, np.zeros(m.numbering.ne))
-    monkeypatch.setattr(matrix, "DENSE_LIMIT", 0)
+    monkeypatch.setattr(linear_system, "DENSE_LIMIT", 0)
     sparse = linearize(d, xdd, np.zeros(m.numbering.ne))
-    assert not isinstance(contractions.mass_matrix(d.sweep), np.ndarray)
+    assert not isinstance(coefficients.mass_matrix(d.sweep), np.ndarray)
     for name in ("m0", "c0", "d0", "k0", "n0", "g0", "ak0", "bk0"):
         a, b = getattr(sparse, name), getattr(full, name)
         np.testing.assert_allclose(a, b, atol=1e-12 * max(np.abs(b).max(), 1e-300), rtol=0.0, err_msg=name)

@@ -8,7 +8,7 @@ import pytest
 import spacar
 from spacar import Deck
 from spacar.dynamics import Dynamics
-from spacar.dynamics.forces import moment_gradient
+from spacar.dynamics.loaded_mechanism import moment_gradient
 from spacar.mechanism import Mechanism, build
 
 G = 9.81

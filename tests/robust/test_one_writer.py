@@ -10,9 +10,9 @@ import time
 import pytest
 from spacar_cli.environment import Environment
 from spacar_cli.main import main
-from spacar_formats import claim as claims
-from spacar_formats.claim import Claim
+from spacar_formats import safety as claims
 from spacar_formats.getfrsbf import getfrsbf
+from spacar_formats.safety import Claim
 
 import spacar
 from spacar import locks

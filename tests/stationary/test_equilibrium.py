@@ -14,11 +14,11 @@ from spacar.deck import parse_deck, read_deck
 from spacar.errors import AnalysisError, Report
 from spacar.mechanism import build
 from spacar.stationary import LoadLevel, StationarySolver, equilibrium, load_program
-from spacar.stationary.contract import Astray
 from spacar.stationary.equilibrium import CompiledLevelEvaluator, level_evaluator
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.newton import Demand, newton
 from spacar.stationary.resting_tangent import RestingTangent
+from spacar.stationary.stationary_equations import Astray
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 from statics import cantilever

@@ -7,9 +7,8 @@ from pathlib import Path
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.drawing_options import PICTURES
-from spacar_cli.environment import Environment
+from spacar_cli.environment import Environment, tell_notes
 from spacar_cli.row_output import put_rows
-from spacar_cli.status import tell_notes
 
 
 @words.command("bode")

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 from spacar.modes import find_mode
 from spacar_cli import vocabulary as words
 from spacar_cli.deck_checking import checked_deck
-from spacar_cli.environment import Environment
+from spacar_cli.environment import Environment, ExitStatus, tell_error, tell_messages
 from spacar_cli.input_files import PIPED, STANDARD_INPUT, input_file, parse_piped, piped_text
-from spacar_cli.status import ExitStatus, tell_error, tell_messages
 
 if TYPE_CHECKING:
     from spacar.deck import Deck

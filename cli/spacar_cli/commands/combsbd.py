@@ -5,8 +5,7 @@ from __future__ import annotations
 import click
 
 from spacar_cli import vocabulary as words
-from spacar_cli.environment import Environment
-from spacar_cli.status import tell_notes
+from spacar_cli.environment import Environment, tell_notes
 
 
 @words.command("combsbd")

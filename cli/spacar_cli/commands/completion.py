@@ -9,8 +9,7 @@ from click.shell_completion import get_completion_class
 
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
-from spacar_cli.environment import Environment
-from spacar_cli.status import tell
+from spacar_cli.environment import Environment, tell
 
 SHELLS = ("bash", "zsh", "fish")
 

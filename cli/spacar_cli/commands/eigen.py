@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.drawing_options import PICTURES
-from spacar_cli.environment import Environment
+from spacar_cli.environment import Environment, tell_notes
 from spacar_cli.row_output import put_rows
-from spacar_cli.status import tell_notes
 
 if TYPE_CHECKING:
     import numpy as np

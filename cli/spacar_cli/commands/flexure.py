@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from spacar.calls import BEAMS
 from spacar.errors import UsageError
-from spacar.options import BEAMS
 from spacar_cli import vocabulary as words
-from spacar_cli.environment import Environment
+from spacar_cli.environment import Environment, tell, tell_messages, tell_notes
 from spacar_cli.row_output import put_rows
-from spacar_cli.status import tell, tell_messages, tell_notes
 from spacar_cli.vocabulary import Whole
 
 if TYPE_CHECKING:

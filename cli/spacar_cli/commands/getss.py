@@ -9,8 +9,7 @@ import click
 
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
-from spacar_cli.environment import Environment
-from spacar_cli.status import tell_notes
+from spacar_cli.environment import Environment, tell_notes
 from spacar_cli.vocabulary import StepNumber
 
 

@@ -7,9 +7,8 @@ from pathlib import Path
 import click
 
 from spacar_cli import vocabulary as words
-from spacar_cli.environment import Environment
+from spacar_cli.environment import Environment, tell_notes
 from spacar_cli.scope_output import show_scopes, signal_options, sorted_files
-from spacar_cli.status import tell_notes
 
 
 @words.command("ltv")

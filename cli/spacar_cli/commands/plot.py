@@ -8,9 +8,8 @@ import click
 
 from spacar_cli import vocabulary as words
 from spacar_cli.drawing_options import PICTURES
-from spacar_cli.environment import Environment
+from spacar_cli.environment import Environment, tell_notes
 from spacar_cli.row_output import put_text
-from spacar_cli.status import tell_notes
 
 
 @words.command("plot")

@@ -11,18 +11,15 @@ from spacar_formats.disk_room import require_room
 from spacar_formats.log import LogSink
 from spacar_formats.sinks import ResultSink, begin, give_up, result_sinks
 
-from spacar.calls import frames
+from spacar.calls import BEAMS, check_modes, frames, integrator
 from spacar.errors import InputError, SpacarError, UsageError
 from spacar.modes import Mode, find_mode
-from spacar.options import BEAMS, check_modes, integrator
 from spacar.stream import Outcome, Run
-from spacar_cli import accuracy_options
 from spacar_cli import vocabulary as words
-from spacar_cli.environment import Environment
+from spacar_cli.environment import Environment, ExitStatus, tell, tell_error, tell_messages, tell_notes
 from spacar_cli.input_files import PIPED, STANDARD_INPUT, input_file, parse_piped, piped_text, result_stem
 from spacar_cli.progress import Progress
-from spacar_cli.status import ExitStatus, tell, tell_error, tell_messages, tell_notes
-from spacar_cli.vocabulary import Whole
+from spacar_cli.vocabulary import TOLERANCE, Whole
 
 if TYPE_CHECKING:
     from spacar_drawing.window import LivePlot
@@ -36,13 +33,14 @@ OVERRIDES = {
     "duration": "TIMESTEP",
 }  # fmt: skip
 FLAGS = ("beams", "elements", "rigid_beams", "modes")
+MEASURE = ""  # the value of --accuracy without a target
 
 
 def command_of_mode(word: str) -> click.Command:
     """The command for a word such as `1` or `-7`, with the options that this mode has. Raises UsageError."""
     mode = find_mode(int(word))
     releases = not mode.forces
-    needed = not (releases or accuracy_options.of(mode))  # there the word may have gone to an option
+    needed = not (releases or _takes_accuracy(mode))  # there the word may have gone to an option
     params: list[click.Parameter] = [
         click.Argument(["file"], type=click.Path(path_type=Path), required=needed),
         words.parameter("output_dir", ": the log and the results"),
@@ -57,8 +55,8 @@ def command_of_mode(word: str) -> click.Command:
             params.append(words.parameter(name, default=None))
         else:
             params.append(words.parameter(name, f", instead of {OVERRIDES[name]}"))
-    if accuracy_options.of(mode):
-        params += accuracy_options.options(mode)
+    if _takes_accuracy(mode):
+        params += _accuracy_options(mode)
     if mode.stationary or mode.third == "linearization" or mode.takes_setpoints:
         text = ", instead of MODES; 0: all of them, with the reduced matrices."
         if mode.third:
@@ -82,13 +80,68 @@ def command_of_mode(word: str) -> click.Command:
     return words.Command(word, params=params, callback=click.pass_obj(partial(run_mode, mode)), help=short)
 
 
+def _takes_accuracy(mode: Mode) -> bool:
+    """Has this mode the options?"""
+    return mode.integrated or mode.stationary
+
+
+def _accuracy_options(mode: Mode) -> list[click.Parameter]:
+    """The options of a mode that has them."""
+    runs = "choose method, tolerance and mesh" if mode.integrated else "choose the mesh of the beams"
+    text = (
+        f": several runs {runs}, estimate the error and keep it below TARGET; without it that of this run is estimated."
+    )
+    all_of = ", reactions, lowest frequencies and load multipliers" if mode.stationary else ""
+    found: list[click.Parameter] = [
+        words.parameter("accuracy", text, is_flag=False, flag_value=MEASURE, type=str),
+        words.parameter("variables", f": 'x[6,1]'. Default: all free coordinates{all_of}.", multiple=True),
+    ]
+    if mode.integrated:
+        found.append(words.parameter("fixed_mesh"))
+    return found
+
+
+def _accuracy_asked(file: Path | None, options: dict[str, Any]) -> tuple[Path | None, dict[str, Any]]:
+    """The input file, and the arguments of `spacar.frames` for the accuracy, which are taken out of `options`.
+
+    In `spacar 1 --accuracy FILE` the word is the file. Raises UsageError for a target that is no number.
+    """
+    word, variables = options.pop("accuracy", None), tuple(options.pop("variables", ()))
+    fixed = options.pop("fixed_mesh", False)
+    if word is None:
+        for given, text in ((variables, "--variable says whose"), (fixed, "--fixed-mesh says whose")):
+            if given:
+                raise UsageError(f"{text} --accuracy is meant; give --accuracy too", "usage.accuracy")
+        return file, {}
+    asked = {"variables": variables} | ({"mesh": False} if fixed else {})
+    if file is None and word != MEASURE:
+        file, word = Path(word), MEASURE
+    if word == MEASURE:
+        return file, asked | {"accuracy": True}
+    try:
+        target = TOLERANCE.convert(word, None, None)
+    except click.UsageError as error:
+        raise UsageError(f"--accuracy: {error.message}", "usage.accuracy") from None
+    return file, asked | {"accuracy": target}
+
+
+def _accuracy_flags(asked: dict[str, Any]) -> dict[str, Any]:
+    """The options as given, for the log."""
+    if not asked:
+        return {}
+    target = asked["accuracy"]
+    found: dict[str, Any] = {"--accuracy": "measured" if target is True else target}
+    found |= {"--variable": ", ".join(asked["variables"])} if asked["variables"] else {}
+    return found | ({} if asked.get("mesh", True) else {"--fixed-mesh": True})
+
+
 def run_mode(
     mode: Mode, environment: Environment, *, file: Path | None, output_dir: Path | None, as_json: bool,
     wait: bool = False, regardless: bool = False, setpoints: str | None = None, show: bool = False,
     release: str | None = None, **options: Any,
 ) -> ExitStatus:  # fmt: skip
     """Run the analysis and report. Errors before the log exists are raised, others are told and logged."""
-    file, asked = accuracy_options.taken(file, options)
+    file, asked = _accuracy_asked(file, options)
     if file is None:  # `spacar 0 --release FILE`: the word belongs to the argument
         if not release:
             raise UsageError("Missing argument 'FILE'.", "usage")
@@ -113,7 +166,7 @@ def run_mode(
     try:
         log = LogSink(
             stem.with_name(f"{stem.name}.log"), mode, Path("standard input") if piped else source,
-            _flags(overrides, setpoints) | accuracy_options.flags(asked),
+            _flags(overrides, setpoints) | _accuracy_flags(asked),
         )  # fmt: skip
     except BaseException:
         give_up(results)

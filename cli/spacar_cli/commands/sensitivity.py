@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from spacar.calls import BEAMS
 from spacar.errors import UsageError
-from spacar.options import BEAMS
 from spacar_cli import vocabulary as words
-from spacar_cli.environment import Environment
+from spacar_cli.environment import Environment, tell
 from spacar_cli.input_files import input_file
 from spacar_cli.row_output import put_rows
-from spacar_cli.status import tell
 
 if TYPE_CHECKING:
     from spacar.sensitivities.sensitivity import Sensitivity

@@ -7,10 +7,9 @@ from pathlib import Path
 
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
-from spacar_cli.environment import Environment
+from spacar_cli.environment import Environment, tell, tell_notes
 from spacar_cli.progress import Bar
 from spacar_cli.scope_output import show_scopes, signal_options, sorted_files
-from spacar_cli.status import tell, tell_notes
 
 LONG = 5.0  # seconds of a run that is told what it waits for
 

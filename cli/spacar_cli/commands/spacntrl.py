@@ -8,8 +8,7 @@ from typing import Any
 
 from spacar.errors import BY_USERS, AnalysisError, UsageError, type_and_text
 from spacar_cli import vocabulary as words
-from spacar_cli.environment import Environment
-from spacar_cli.status import tell_notes
+from spacar_cli.environment import Environment, tell_notes
 
 
 @words.command("spacntrl")

@@ -10,9 +10,8 @@ import click
 
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
-from spacar_cli.environment import Environment
+from spacar_cli.environment import Environment, tell
 from spacar_cli.row_output import put_rows
-from spacar_cli.status import tell
 from spacar_cli.vocabulary import Whole
 
 if TYPE_CHECKING:

@@ -11,9 +11,8 @@ from typing import Any
 from spacar.errors import UsageError
 from spacar.modes import find_mode
 from spacar_cli import vocabulary as words
-from spacar_cli.environment import Environment
+from spacar_cli.environment import Environment, ExitStatus, tell
 from spacar_cli.input_files import input_file
-from spacar_cli.status import ExitStatus, tell
 from spacar_cli.studying import ROWS, common, counted
 
 

@@ -13,8 +13,7 @@ import click
 
 from spacar.errors import SpacarError, UsageError
 from spacar_cli import vocabulary as words
-from spacar_cli.environment import Environment
-from spacar_cli.status import tell
+from spacar_cli.environment import Environment, tell
 from spacar_cli.vocabulary import Real, Whole
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from spacar_drawing.picture_source import PictureSource, open_source
 from spacar_drawing.viewer_page import view_model
 from spacar_formats.safety import part_path
 
-from spacar.calls import run
+from spacar.calls import has_interval, run
 from spacar.deck import Deck
 from spacar.deck.deck import parse
 from spacar.deck.lexer import visualization_of
@@ -29,7 +29,6 @@ from spacar.kinematics.advice import HINGE, KEEPS, REDUNDANT
 from spacar.kinematics.release import release
 from spacar.mechanism.user_files import without_functions
 from spacar.modes import MODES
-from spacar.sources import has_interval
 from spacar_cli.deck_checking import CheckedDeck, checked_deck
 from spacar_cli.editor.edited_file import result_file
 from spacar_cli.releasing import as_record

@@ -10,9 +10,7 @@ import numpy as np
 from spacar.frame import Frame
 from spacar.mechanism.numbering import Numbering
 from spacar_formats.log.model_sections import coordinates
-from spacar_formats.log.shown_units import ShownUnits
-from spacar_formats.log.text_layout import COLUMNS_IN_BLOCK, matrix, real, table
-from spacar_formats.signal_names import dynamic_names, state_names
+from spacar_formats.log.text_layout import COLUMNS_IN_BLOCK, ShownUnits, matrix, real, table
 
 MATRICES = {
     "m0": "reduced mass matrix M0", "c0": "velocity sensitivity matrix C0", "d0": "damping matrix D0",
@@ -46,7 +44,7 @@ def eigenvalues(n: Numbering, frame: Frame) -> list[str]:
     if "eigvre" not in m:
         return lines
     vectors = (m["eigvre"] + 1j * m["eigvim"])[:, order]
-    names = state_names(n)
+    names = n.state_names
     label = names if len(names) == len(vectors) else []
     lines += ["Eigenvectors of the state (degrees of freedom and their rates), Euclidean norm 1", ""]
     for first in range(0, vectors.shape[1], COLUMNS_IN_BLOCK // 2):
@@ -72,7 +70,7 @@ def buckling(n: Numbering, frame: Frame) -> list[str]:
         return lines
     heads = [f"mode {k + 1}" for k in range(len(values))]
     modes = np.asarray(modes).reshape(-1, len(values))
-    return [*lines, "Buckling modes, Euclidean norm 1", "", *matrix(modes, dynamic_names(n), heads)]
+    return [*lines, "Buckling modes, Euclidean norm 1", "", *matrix(modes, n.dynamic_names, heads)]
 
 
 def compliances(n: Numbering, frame: Frame, metre: float = 1.0) -> list[str]:
@@ -91,7 +89,7 @@ def matrices(n: Numbering, frame: Frame) -> list[str]:
     lines = []
     trivial = KINEMATIC if n.holonomic else ()  # identity and zero
     known = [
-        (title, frame.matrices[name], dynamic_names(n))
+        (title, frame.matrices[name], n.dynamic_names)
         for name, title in MATRICES.items()
         if name in frame.matrices and name not in trivial
     ]

@@ -1,18 +1,21 @@
-"""Log sections 2 and 3: the mechanism, its numbering and classes, its dynamic data (reference/files.md 2)."""
+"""Log sections 2 and 3: the mechanism, its numbering and classes, its dynamic data (reference/files.md 2);
+sections and materials of beams, and what they give (sections.md section 2)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import astuple
 
-from spacar.deck import ELEMENT_TYPES, Statement
+from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.deck.cross_section import SHAPES
+from spacar.deck.findings import ranges
 from spacar.deck.keyword_table import KEYWORDS
 from spacar.deck.length_unit import shown_in
 from spacar.deck.statement import Value
 from spacar.deck.table_types import BlockKind, Keyword, Variant
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import CLASSES, Numbering
-from spacar_formats.log.shown_units import shown_head, shown_values
-from spacar_formats.log.text_layout import real, table
+from spacar_formats.log.text_layout import real, shown_head, shown_values, table
 
 LETTER = {"fixed": "O", "calculable": "C", "input": "M", "dynamic": "M", "kinematic": "K"}
 WORDS = {
@@ -193,3 +196,53 @@ def coordinates(n: Numbering, metre: float = 1.0) -> tuple[list[tuple[int, str]]
             words, unit = ELEMENT_TYPES[n.keyword[element]].modes[mode - 1]
             e.append((element, f"e{mode} {words} [{shown_in(unit, metre)[1]}]"))
     return x, e
+
+
+CONSTANTS = (
+    ("A", "m^2"), ("Iy", "m^4"), ("Iz", "m^4"), ("It", "m^4"), ("ky", ""), ("kz", ""), ("Cw", "m^6"),
+)  # fmt: skip
+PROPERTIES = (("E", "N/m^2"), ("G", "N/m^2"), ("nu", ""), ("rho", "kg/m^3"))
+
+
+def beam_sections(deck: Deck) -> list[str]:
+    """Constants of every section with its material, and the elements that have it; nothing without BEAMSEC."""
+    lines = []
+    if deck.first("UNITS") is not None:
+        unit = shown_in("m", deck.metre)[1]
+        lines += [
+            f"UNITS: sections, statements, coordinates, deformations, forces and compliances are shown in {unit}, N,"
+            f" N {unit}, kg, s;",
+            "transfer functions, matrices, modes and all result files are in SI (m, kg, s, N)",
+            "",
+        ]
+    if not deck.sections:
+        return lines
+    groups: dict[tuple[str, str], list[int]] = {}
+    of = {}
+    for use in deck.sections:
+        key = use.section.casefold(), use.material_name.casefold()
+        groups.setdefault(key, []).extend(use.parts)
+        of[key] = use
+    sections, materials = [], {}
+    for key, numbers in groups.items():
+        use = of[key]
+        dims = ", ".join(
+            f"{what} {real(v / deck.metre**power)}"
+            for v, (what, power) in zip(use.dims, SHAPES[use.shape].dims, strict=True)
+        )
+        row = [use.section, use.material_name, ranges(set(numbers), 20), f"{use.shape}: {dims}"]
+        sections.append([*row, *_in_units(astuple(use.constants), CONSTANTS, deck.metre)])
+        m = use.material
+        materials[key[1]] = [use.material_name, *_in_units((m.E, m.G, m.nu, m.rho), PROPERTIES, deck.metre)]
+    lines += ["Sections of beams, from which ESTIFF and EM follow", ""]
+    heads = ["section", "material", "elements", f"shape ({shown_in('m', deck.metre)[1]})"]
+    lines += [*table([*heads, *_heads(CONSTANTS, deck.metre)], sections), ""]
+    return [*lines, *table(["material", *_heads(PROPERTIES, deck.metre)], materials.values()), ""]
+
+
+def _heads(quantities: Sequence[tuple[str, str]], metre: float) -> list[str]:
+    return [f"{name} ({shown_in(unit, metre)[1]})" if unit else name for name, unit in quantities]
+
+
+def _in_units(values: Sequence[float], quantities: Sequence[tuple[str, str]], metre: float) -> list[float]:
+    return [value * shown_in(unit, metre)[0] for value, (_, unit) in zip(values, quantities, strict=True)]

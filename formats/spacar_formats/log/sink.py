@@ -19,7 +19,7 @@ from spacar.frame import Frame
 from spacar.modes import Mode
 from spacar.stream import Run
 from spacar_formats.log import linear_sections, model_sections, step_sections
-from spacar_formats.log.section_tables import beam_sections
+from spacar_formats.log.model_sections import beam_sections
 from spacar_formats.log.text_layout import heading, real, table
 from spacar_formats.safety import backup_path
 
@@ -71,7 +71,8 @@ class LogSink:
             self._write(heading("Initial state" if timed else "Solution" if run.mode.forces else "Configuration"))
             self._write(step_sections.state(n, frame, run.mode.forces, run.mechanism.deck.metre))
             if timed:
-                self._write([*linear_sections.matrices(n, frame), *heading("Steps")])
+                found = linear_sections.matrices(n, frame) if frame.matrices or frame.state_space else []
+                self._write([*found, *heading("Steps")])
         if timed:
             if run.mechanism.settings.log_level:
                 self._write(step_sections.transfer_functions(run, frame))

@@ -13,8 +13,7 @@ from spacar.mechanism.mechanism import WITH_ADDITIONAL, Mechanism
 from spacar.mechanism.numbering import Numbering
 from spacar.stream import Run
 from spacar_formats.log.model_sections import class_letters, coordinates, statements, variant_of
-from spacar_formats.log.shown_units import ShownUnits, shown_values
-from spacar_formats.log.text_layout import cell, matrix, real, table
+from spacar_formats.log.text_layout import ShownUnits, cell, matrix, real, shown_values, table
 
 # Words for the counters of a frame; another name is printed as it is.
 COUNTERS = {"steps": "internal steps", "rhs": "evaluations", "jacobians": "Jacobians", "rejected": "rejected"}

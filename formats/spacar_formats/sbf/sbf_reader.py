@@ -28,9 +28,10 @@ from spacar_formats.sbf.record_layout import (
     SbfError,
     data_offset_of,
     decode,
+    find,
+    not_found,
     parse,
 )
-from spacar_formats.sbf.variable_names import find, not_found
 
 
 class Header(Mapping[str, "np.ndarray | list[str]"]):

@@ -1,7 +1,8 @@
 """The result files as consumers of a stream of frames (reference/files.md sections 4, 5, 6, 9).
 
 A sink is started with the run, gets every frame, and is finished with the error that ended the run, or None.
-Its file grows under the name `NAME.part`; only a run that came to its end gives it the final name.
+Its file grows under the name `NAME.part`; only a run that came to its end gives it the final name. Header variables are
+what a run knows with its first step (section 3).
 """
 
 from __future__ import annotations
@@ -12,11 +13,13 @@ from typing import Any
 
 import numpy as np
 
+import spacar
 from spacar.frame import Frame
+from spacar.mechanism.result_tables import counts, model_tables
 from spacar.stream import Run
-from spacar_formats.claim import Claim
+from spacar_formats.safety import Claim
 from spacar_formats.sbf import SbfWriter
-from spacar_formats.sinks.result_header import ltv_header, sbd_header, sbm_header
+from spacar_formats.sbf.record_layout import identifier
 
 Header = Callable[[Run, Container[str]], Mapping[str, Any]]  # of a run and the names of its step variables
 STATE = ("x", "xd", "xdd", "fx", "fxgrav", "e", "ed", "edd", "sig")
@@ -121,6 +124,50 @@ def ltv_values(frame: Frame) -> dict[str, Any]:
     return {"T": frame.t} | {n.upper(): v for n, v in frame.state_space.items() if np.size(v)}
 
 
+def provenance(run: Run) -> dict[str, Any]:
+    """Which program, from which input: the text variables of files.md section 9."""
+    deck = run.mechanism.deck
+    return {
+        "VERSION": f"spacar {spacar.__version__}", "SOURCE": deck.source, "SHA256": deck.sha256,
+        "MODE": run.mode.number,
+    }  # fmt: skip
+
+
+def sbd_header(run: Run, stored: Container[str] = ()) -> dict[str, Any]:
+    """Everything of files.md section 4 that does not change with time."""
+    n = run.mechanism.numbering
+    keywords = [n.keyword.get(i, "") for i in range(1, len(n.le) + 1)]
+    tables = {identifier(name): value for name, value in model_tables(run.mechanism).items()}
+    return provenance(run) | {"ETYPE": keywords} | _accuracy(run) | tables
+
+
+def _accuracy(run: Run) -> dict[str, Any]:
+    """Of a run with an accuracy: ACCURACY = estimated error, error asked for (0: none), cost; ACCWAY: how, in words."""
+    found = run.header.get("accuracy")
+    if found is None:
+        return {}
+    return {"ACCURACY": np.array([found.estimate, found.target or 0.0, found.cost]), "ACCWAY": [found.way]}
+
+
+def sbm_header(run: Run, stored: Container[str] = ()) -> dict[str, Any]:
+    """Sizes of the matrices (files.md section 5)."""
+    sizes = {name.upper(): value for name, value in counts(run.mechanism.numbering).items()}
+    return provenance(run) | sizes | {"NNOM": int(run.header.get("NNOM", 0))}
+
+
+def ltv_header(run: Run, stored: Container[str]) -> dict[str, Any]:
+    """Sizes, indices, initial state, names of the signals (files.md section 6); DFT: whether D is stored."""
+    header = provenance(run) | {"NNOM": 0, "NU": 0, "NY": 0}
+    if "A" in stored:
+        header["DFT"] = int("D" in stored)
+    header |= {ident: run.header[ident] for ident in LTV_COUNTS if ident in run.header}
+    linear = "A" in stored or "ASP" in stored
+    names = {"UNAMES": run.header.get("inputs"), "YNAMES": run.header.get("outputs")}
+    if linear:
+        names["XNAMES"] = run.header.get("states") or run.mechanism.numbering.state_names
+    return header | {ident: list(lines) for ident, lines in names.items() if lines}
+
+
 KINDS: dict[str, tuple[Header, Callable[[Frame], dict[str, Any]]]] = {
     "sbd": (sbd_header, sbd_values), "sbm": (sbm_header, sbm_values), "ltv": (ltv_header, ltv_values),
 }  # fmt: skip
@@ -130,3 +177,6 @@ def _shape(value: Any) -> tuple[int, int]:
     """Rows and columns as stored: a number 1 x 1, a vector as a column."""
     shape = np.shape(value)
     return (1, 1) if not shape else (shape[0], 1) if len(shape) == 1 else (shape[0], shape[1])
+
+
+LTV_COUNTS = ("NNOM", "NX", "NU", "NY", "NRBM", "NYS", "NYSI", "DFT", "X0")

@@ -17,12 +17,10 @@ from spacar.deck.deck_checks import check
 from spacar.deck.deck_writer import value_text
 from spacar.deck.findings import Findings
 from spacar.deck.lexer import LONGEST_LINE, is_in_range, split_lines, without_comments, word_end
-from spacar.deck.mode_blocks import uses
 from spacar.deck.outline import Outline
-from spacar.deck.statement import Statement, Value
-from spacar.deck.statement_group import StatementGroup
-from spacar.deck.statement_index import StatementIndex
+from spacar.deck.statement import Statement, StatementGroup, StatementIndex, Value
 from spacar.deck.table_elements import ELEMENT_TYPES
+from spacar.deck.table_types import uses
 from spacar.errors import Message
 
 Edit = tuple[Statement, int, float]  # statement of the deck, argument from 1, new value

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from spacar.calls import frames
+from spacar.calls import frames, integrator
 from spacar.deck import Deck
 from spacar.deck.rewrite.coarser import merged
 from spacar.deck.rewrite.rebuild import rebuilt, rows
@@ -25,7 +25,6 @@ from spacar.integrators.methods import METHODS
 from spacar.mechanism import build
 from spacar.mechanism.user_files import model_digest
 from spacar.modes import find_mode
-from spacar.options import integrator
 from spacar.result import Result
 from spacar.studies.perturbation import perturbation, require_perturbation
 from spacar.studies.policies.sweep import explain
