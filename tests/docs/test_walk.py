@@ -28,4 +28,4 @@ def test_a_run_passes_through_few_files(words, most, tmp_path, monkeypatch):
     if name == "crank":
         image = pytest.importorskip("PIL.Image")
         with image.open(HOUSE / "docs" / "pictures" / "walk.png") as picture:
-            assert picture.text["Description"].splitlines() == files, "draw it again: python docs/figures.py docs/pictures walk.png"
+            assert picture.text["Description"].splitlines() == files, "python docs/figures.py docs/pictures walk.png"
