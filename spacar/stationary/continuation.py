@@ -32,7 +32,7 @@ from spacar.errors import Report
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.arc_length import Arrived, LimitPoint, at_limit, follow, given_up, unsupported
-from spacar.stationary.level_evaluator import LevelEvaluator
+from spacar.stationary.level_evaluator import LevelEvaluator, StaticEquilibrium
 from spacar.stationary.loading import LoadLevel, loads_grow
 from spacar.stationary.newton import Converged, Demand, Known, predicted
 from spacar.stationary.singular import FreeMotion
@@ -62,14 +62,14 @@ class Continuation:
     point   the last state;  stable  its stability if known;  iterations  their number at the last level
     """
 
-    def __init__(self, evaluator: LevelEvaluator, point: Iterate, known: bool, report: Report) -> None:
-        self.evaluator, self.point, self.report = evaluator, point, report
+    def __init__(self, statics: StaticEquilibrium, point: Iterate, known: bool, report: Report) -> None:
+        self.statics, self.evaluator, self.point, self.report = statics, statics.levels, point, report
         self.level = LoadLevel(0.0, 0.0)
         self.path = [Known(0.0, point.x, point.sigma)]
         self.stable: Stability | None = None
         self.iterations = 0
         self.noise, self._regular, self._factored = 0.0, False, False
-        settings = evaluator.mechanism.settings
+        settings = self.evaluator.mechanism.settings
         self.limit, self.tolerance = settings.max_iterations, settings.tolerance
         self.follow = bool(settings.follow_path)
         self._count(stored=True)
@@ -80,7 +80,7 @@ class Continuation:
         self._guess = zero > 0 or not (known or negative == 0)
         self._unstable: tuple[Array, Array, Array] | None = None  # the start, if it is held and not stable
         if self._guess and not known:
-            self._unstable = (point.x, point.sigma, evaluator.branch.copy()) if negative else None
+            self._unstable = (point.x, point.sigma, self.evaluator.branch.copy()) if negative else None
             self.stable = None
 
     def advance(self, target: LoadLevel) -> None:
@@ -125,8 +125,8 @@ class Continuation:
                 self.iterations += self._turn(origin, until, target, place, reason)
             except Bifurcation:
                 self.point, self.stable, self.path = found
-                self.evaluator.load(level)
-                self.evaluator.set_state(self.point)
+                self.statics.load(level)
+                self.statics.set_state(self.point)
                 self.evaluator.follow(self.point.x)
                 self._say_passed(level, before[1])
                 self.iterations += steps
@@ -150,7 +150,7 @@ class Continuation:
 
     def stay(self, target: LoadLevel) -> None:
         """At the last state, at a level at which the same acts."""
-        self.evaluator.load(target)
+        self.statics.load(target)
         self.iterations = 0
         self._accept(target.path, Converged(self.point, 0, 0.0, regular=False))
         self._reach(target)
@@ -162,25 +162,26 @@ class Continuation:
         self._arbitrary, self._guess, self._unstable = False, False, None
         if self.evaluator.fading_force is not None:
             self.evaluator.set_fading_force(None)
+            self.statics.load(level)
 
     # -- one part -------------------------------------------------------------------------------------------------
     def _advance(self, reached: LoadLevel, level: LoadLevel, demand: Demand) -> int:
         """Newton's iteration at the level from the prediction, then from the last state; the number of iterations."""
         e = self.evaluator
-        e.load(level)
+        self.statics.load(level)
         branch = e.branch.copy()
         reason: Exception = Astray("no start")
         for start in self._starts(level.path):
             e.branch[:] = branch
             try:
                 known = start()
-                found = e.newton(known.x, known.sigma, demand)
+                found = self.statics.newton(known.x, known.sigma, demand)
             except (Astray, SingularMatrixError) as failure:
                 reason = reason if isinstance(reason, FreeMotion) else failure
                 continue
             if self._jumped(reached, level, found):
                 reason = Astray("the state that was found does not lead back to the one before")
-                e.load(level)
+                self.statics.load(level)
                 continue
             self._accept(level.path, found)
             return found.iterations
@@ -197,18 +198,18 @@ class Continuation:
         if free or moved < WIDE or self._steady(level, moved):
             return False
         branch = e.branch.copy()
-        e.load(reached)  # with other equations, where the flow in tubes changes
+        self.statics.load(reached)  # with other equations, where the flow in tubes changes
         e.branch[:] = branch
         try:
             demand = Demand.of_return(self.limit, RETURNED * moved)
-            back = e.newton(point.x, point.sigma, demand)
+            back = self.statics.newton(point.x, point.sigma, demand)
             if largest((back.point.x - last.x) / e.scale) > ELSEWHERE * moved:
                 return True
         except (Astray, SingularMatrixError):  # too far back, or from elsewhere: smaller parts tell
             return True
-        e.load(level)
+        self.statics.load(level)
         e.branch[:] = branch
-        e.set_state(point)
+        self.statics.set_state(point)
         return False
 
     def _steady(self, level: LoadLevel, moved: float) -> bool:
@@ -256,7 +257,7 @@ class Continuation:
         e, before = self.evaluator, self.stable
         if (e.unknowns > LARGE or not e.plain) and not stored and not self._odd():
             return False
-        self.stable = e.stability(self.point, self.noise, self._regular, before)
+        self.stable = self.statics.stability(self.point, self.noise, self._regular, before)
         return before is not None and self.stable is not None and self.stable.differs(before)
 
     def _odd(self) -> bool:
@@ -265,7 +266,7 @@ class Continuation:
         if self.stable is None or self.stable.zero:
             return self.stable is None
         try:  # not factored: the prediction was the solution
-            sign = self.evaluator.sign(self.point, self._factored)
+            sign = self.statics.sign(self.point, self._factored)
         except SingularMatrixError:
             return True
         return sign * (-1.0) ** self.stable.negative < 0.0
@@ -308,7 +309,7 @@ class Continuation:
         except (Astray, SingularMatrixError):
             if not whole:
                 raise Bifurcation from None
-            e.load(origin.towards(target, place))
+            self.statics.load(origin.towards(target, place))
             raise given_up(origin.towards(target, place), target, SMALLEST_PART, reason, self._known_here()) from None
         before = self.stable
         self._count(until.store)
@@ -334,15 +335,15 @@ class Continuation:
         try:
             begin = x, sigma, 0.0, np.zeros_like(x)
             steps = self._land(self._follow(origin, target, 1.0, begin, True, backward=True), target)
-            self.stable = e.stability(self.point, self.noise, self._regular, None)
+            self.stable = self.statics.stability(self.point, self.noise, self._regular, None)
             if self.stable is not None and not self.stable.negative:
                 self.iterations += steps
                 return
         except (Astray, SingularMatrixError):
             pass
         self.point, self.stable, self.path, e.branch[:] = found
-        e.load(target)
-        e.set_state(self.point)
+        self.statics.load(target)
+        self.statics.set_state(self.point)
 
     def _follow(
         self, origin: LoadLevel, target: LoadLevel, end: float, begin: tuple[Array, Array, float, Array], beyond: bool,
@@ -352,15 +353,15 @@ class Continuation:
         e = self.evaluator
 
         def at(p: float) -> tuple[StationaryEquations, Tangent, Prescribed]:
-            e.load(origin.towards(target, p))
+            self.statics.load(origin.towards(target, p))
             return e.equations, e.tangent, e.given
 
         return follow(at, *begin, end, self.limit, beyond, backward)
 
     def _land(self, found: Arrived, level: LoadLevel) -> int:
         """From near a level onto it; the number of iterations."""
-        self.evaluator.load(level)
-        last = self.evaluator.newton(found.x, found.sigma, Demand.of(self.limit, self.tolerance, level.store))
+        self.statics.load(level)
+        last = self.statics.newton(found.x, found.sigma, Demand.of(self.limit, self.tolerance, level.store))
         self.path = []
         self._accept(level.path, last)
         return found.iterations + last.iterations
@@ -380,12 +381,12 @@ class Continuation:
         for k, there in tries:
             known, place = path[k], (there - origin.path) / span
             motion = known.x - path[k - 1].x if k else np.zeros_like(known.x)
-            e.load(origin.towards(target, place))
+            self.statics.load(origin.towards(target, place))
             branch = e.branch.copy()
             try:
-                found = e.newton(known.x, known.sigma, Demand(self.limit).exactly()).point
+                found = self.statics.newton(known.x, known.sigma, Demand(self.limit).exactly()).point
                 e.follow(found.x)
-                if self.stable is None or e.sign(found, False) * (-1.0) ** self.stable.negative > 0.0:
+                if self.stable is None or self.statics.sign(found, False) * (-1.0) ** self.stable.negative > 0.0:
                     return found.x, found.sigma, place, motion
             except (Astray, SingularMatrixError):
                 pass

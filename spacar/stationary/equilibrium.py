@@ -4,7 +4,8 @@ rest_equations.c, rest_newton.c, definite.c).
 The equations, the criteria and the constants are those of `StationaryEquations`, `newton` and `DefiniteStiffness`; both
 ways give the same states to rounding (tests/stationary/test_equilibrium.py). The engine takes what most models are:
 holonomic, at rest, no user function, no moments, no tubes, all elements in C, and a system that is dense or has a
-narrow band. It answers None where something is unusual: a singular matrix, a gradient of gravity that is not symmetric.
+narrow band. Where something is unusual (a singular matrix, a gradient of gravity that is not symmetric) the equations
+of NumPy are asked, whose elements share deformations and V with C.
 """
 
 from __future__ import annotations
@@ -16,13 +17,12 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.dynamics.loaded_mechanism import constant_gravity, gravity_field
-from spacar.kinematics.element_sweep import SweepArrays
 from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.linear_systems import BAND_LIMIT, DENSE_LIMIT
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stationary.definite import SAFE, WEIGHT, WIDEST
-from spacar.stationary.level_evaluator import LevelDynamics, LevelEvaluator
+from spacar.stationary.level_evaluator import ArrayEquilibrium, LevelEvaluator, StaticEquilibrium
 from spacar.stationary.loading import LoadLevel, is_tube
 from spacar.stationary.newton import (
     FIRST_RATIO,
@@ -38,23 +38,28 @@ from spacar.stationary.newton import (
 )
 from spacar.stationary.resting_tangent import SYMMETRIC
 from spacar.stationary.stability import CRITICAL, STABLE, Stability
-from spacar.stationary.stationary_equations import FLOOR, NO_DIGITS, SINGULAR, SPREAD, Astray, Iterate
+from spacar.stationary.stationary_equations import FLOOR, NO_DIGITS, SINGULAR, SPREAD, Iterate
 
 FOUND, ANOTHER_WAY, NOT_A_NUMBER, TOO_LARGE, GROWING, NO_END = range(6)  # as in equilibrium.c
 
 
-class Equilibrium:
-    """The equations of one mechanism in C. They keep `arrays` alive, which a sweep of its elements may share.
+class CompiledEquilibrium:
+    """`StaticEquilibrium` in C, for `levels` of which nothing moves.
 
-    Raises NotCompiled where the band is wide, or a stiffness is singular.
+    Raises NotCompiled where something does, the band is wide, or a stiffness is singular.
     """
 
-    def __init__(self, m: Mechanism) -> None:
+    def __init__(self, levels: LevelEvaluator) -> None:
         from spacar.compiled.interface import structure
         from spacar.compiled.library import address_of, element_functions
 
+        if not levels.plain:
+            raise NotCompiled
+        self.levels, self.general = levels, ArrayEquilibrium(levels)
+        self.mechanism, self.arrays = levels.mechanism, levels.arrays
+        m = self.mechanism
         self._call, n = element_functions(), m.numbering
-        self.mechanism, self.arrays = m, SweepArrays.of(m)
+        self._factored_in_c = False
         xs, es = n.x_class["input"], n.e_class["input"]
         first, count = n.x_class["calculable"].start, xs.stop - xs.start
         self.nx, self.ne, self.nf = n.nx, n.ne, n.nx - first - count
@@ -87,42 +92,66 @@ class Equilibrium:
         if address is not None:
             self._call.equilibrium_end(address)
 
-    def load(self, level: LoadLevel, held: Array | None, hold: float) -> None:
-        """Take the loads of a level; the force `held` (nx,) times `hold` is held back."""
-        c = self.c
-        c.parts[0], c.parts[1], c.hold = level.initial, level.additional, hold
+    def load(self, level: LoadLevel) -> None:
+        self.levels.load(level)
+        c, held, acting = self.c, self.levels.fading_force, self.levels.acting
+        c.parts[0], c.parts[1], c.hold = acting.initial, acting.additional, self.levels.fading_part
         if held is not self._held:
             self._held = held
             c.held = None if held is None else held.ctypes.data
 
-    def newton(self, x: Array, sigma: Array, demand: Demand) -> Converged | None:
-        """As `spacar.stationary.newton.newton`. Raises Astray."""
+    def newton(self, x: Array, sigma: Array, demand: Demand) -> Converged:
+        self.levels.evaluated = x
+        found = self.tried(x, sigma, demand)
+        self._factored_in_c = found is not None
+        if found is None:
+            return self.general.newton(x, sigma, demand)
+        self.levels.evaluated = found.point.x
+        return found
+
+    def tried(self, x: Array, sigma: Array, demand: Demand) -> Converged | None:
+        """As `newton`; None where C does not find the state. Raises Astray."""
         c = self.c
         self._from(x, sigma)
         c.forces, c.lengths, c.correction, c.tolerance = demand.sizes
         c.limit = min(demand.limit, len(self._sizes))
         status = self._call.equilibrium_newton(self.address)
+        sizes = self._sizes[: c.iterations].tolist()
         if status == FOUND:
             return Converged(self._iterate(), c.iterations, c.noise, regular=c.iterations > 0)
-        if status == ANOTHER_WAY:
-            return None
-        raise self._astray(status)
-
-    def _astray(self, status: int) -> Astray:
-        sizes = self._sizes[: self.c.iterations].tolist()
         if status == TOO_LARGE:
-            return too_large(sizes[-1])
+            raise too_large(sizes[-1])
         if status == GROWING:
-            return growing(sizes)
-        return no_convergence(self.c.limit) if status == NO_END else not_finite()
+            raise growing(sizes)
+        if status in (NO_END, NOT_A_NUMBER):
+            raise no_convergence(c.limit) if status == NO_END else not_finite()
+        return None
 
     def point(self, x: Array, sigma: Array) -> Iterate:
-        """As `StationaryEquations.point`."""
+        self.levels.evaluated = x
         self._from(x, sigma)
         self._call.equilibrium_point(self.address)
         return self._iterate()
 
-    def sign(self, p: Iterate) -> float | None:
+    def set_state(self, p: Iterate) -> None:
+        self.levels.evaluated = p.x
+        self._factored_in_c = self.factored_sign(p) is not None
+        if not self._factored_in_c:
+            self.general.set_state(p)
+
+    def stability(self, p: Iterate, noise: float, regular: bool, before: Stability | None) -> Stability | None:
+        hopeful = noise <= CRITICAL and (before is None or before.negative == 0) and self.mechanism.numbering.nddof
+        if hopeful and self.is_definite(p) and (regular or self.factored_sign(p) is not None):
+            return STABLE
+        return self.general.stability(p, noise, regular, before)
+
+    def sign(self, p: Iterate, factored: bool) -> float:
+        if factored and self._factored_in_c:
+            return self.last_sign()
+        sign = None if factored else self.factored_sign(p)
+        return self.general.sign(p, factored) if sign is None else sign
+
+    def factored_sign(self, p: Iterate) -> float | None:
         """The sign of the determinant of the tangent stiffness at a point; None where the matrix may be singular."""
         self._from(p.x, p.sigma)
         if self._call.equilibrium_factor(self.address):
@@ -226,82 +255,12 @@ def takes(m: Mechanism) -> bool:
     return all(b.family.compiled for b in (*m.layout.strained, *m.layout.moving))
 
 
-def level_evaluator(mechanism: Mechanism) -> LevelEvaluator:
+def level_equilibrium(mechanism: Mechanism) -> StaticEquilibrium:
     """In C where the mechanism has compiled elements and C has all that acts on it."""
+    levels = LevelEvaluator(mechanism)
     if takes(mechanism):
         try:
-            return CompiledLevelEvaluator(mechanism)
+            return CompiledEquilibrium(levels)
         except NotCompiled:
             pass
-    return LevelEvaluator(mechanism)
-
-
-class CompiledLevelEvaluator(LevelEvaluator):
-    """Iterations and proofs of stability are those of `equilibrium`; what it leaves is done over in NumPy.
-
-    What NumPy needs of loads and elements is made, or put in place, when something asks for `dynamics`, `equations` or
-    `tangent`; the elements share deformations and V with C. Raises NotCompiled where something moves.
-    """
-
-    def __init__(self, mechanism: Mechanism) -> None:
-        super().__init__(mechanism)
-        if not self.plain:
-            raise NotCompiled
-        self.equilibrium = Equilibrium(mechanism)
-        self._dynamics.arrays = self.equilibrium.arrays
-        self._at: Array | None = None  # where the sweep has to be
-        self._factored_in_c = False
-
-    def load(self, level: LoadLevel) -> None:
-        self._level, self._given = level, None
-        self.equilibrium.load(self._acting(level), self.fading_force, self._held(level))
-
-    def _settle(self) -> None:
-        super()._settle()
-        if self._at is not None:
-            x, self._at = self._at, None
-            self._dynamics.evaluate(x)
-
-    @property
-    def e(self) -> Array:
-        return self.equilibrium.arrays.e
-
-    @property
-    def branch(self) -> Array:
-        return self.equilibrium.arrays.branch
-
-    def stand_at(self, x: Array) -> LevelDynamics:
-        self._at = None
-        return super().stand_at(x)
-
-    def newton(self, x: Array, sigma: Array, demand: Demand) -> Converged:
-        self._at = x
-        found = self.equilibrium.newton(x, sigma, demand)
-        self._factored_in_c = found is not None
-        if found is None:
-            return super().newton(x, sigma, demand)
-        self._at = found.point.x
-        return found
-
-    def point(self, x: Array, sigma: Array) -> Iterate:
-        self._at = x
-        return self.equilibrium.point(x, sigma)
-
-    def set_state(self, p: Iterate) -> None:
-        self._at = p.x
-        self._factored_in_c = self.equilibrium.sign(p) is not None
-        if not self._factored_in_c:
-            super().set_state(p)
-
-    def stability(self, p: Iterate, noise: float, regular: bool, before: Stability | None) -> Stability | None:
-        c = self.equilibrium
-        hopeful = noise <= CRITICAL and (before is None or before.negative == 0) and self.mechanism.numbering.nddof
-        if hopeful and c.is_definite(p) and (regular or c.sign(p) is not None):
-            return STABLE
-        return super().stability(p, noise, regular, before)
-
-    def sign(self, p: Iterate, factored: bool) -> float:
-        if factored and self._factored_in_c:
-            return self.equilibrium.last_sign()
-        sign = None if factored else self.equilibrium.sign(p)
-        return super().sign(p, factored) if sign is None else sign
+    return ArrayEquilibrium(levels)

@@ -1,4 +1,4 @@
-"""Loads of a level put on the evaluator, with the equations and the tangent that belong to it.
+"""Loads of a level put on the evaluator, with the equations and the tangent that belong to it; states of the level.
 
 The elements and matrices of NumPy are made when something asks for them: where states are found in C
 (`spacar.stationary.equilibrium`) an ordinary run asks for none of them.
@@ -7,6 +7,7 @@ The elements and matrices of NumPy are made when something asks for them: where 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Protocol
 
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
@@ -27,13 +28,13 @@ from spacar.stationary.tangent import SparseTangent
 class LevelDynamics(Dynamics):
     """The evaluator of one mechanism, which goes from state to state of load levels.
 
-    arrays  what its elements share with equations in C
+    arrays  what its elements have in common with equations in C
     y       state vector: the kinematic values, and the rates that are kept
     """
 
     def __init__(self, mechanism: Mechanism, loads: Loads, drive: Drive) -> None:
         super().__init__(mechanism, loads=loads, drive=drive)
-        self.arrays: SweepArrays | None = None
+        self.arrays = SweepArrays.of(mechanism)
         self._at: tuple[Array, bool] | None = None  # x, and is it a solution?
         self._is_made = False
         self.y = self.start_values()
@@ -85,12 +86,14 @@ class LevelEvaluator:
 
     `y` (state vector) holds the kinematic values and the rates that non-holonomic systems keep; `fading_force` (nx +
     ne,), forces and misfits of deformations, holds a start which is no equilibrium, and fades on the way to the first
-    level. The initial loading grows, or acts as a whole from the start on (`whole_from_start`).
+    level. The initial loading grows, or acts as a whole from the start on (`whole_from_start`). `evaluated`: where the
+    elements have to be when they are asked for, if that is elsewhere than before.
     """
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism, self.scale = mechanism, mechanism.scale
-        self._level = LoadLevel(0.0, 0.0)
+        self.level = LoadLevel(0.0, 0.0)
+        self.evaluated: Array | None = None
         self._in_place = 1.0, 0.0  # fractions of both parts of the loading that `_dynamics` has
         self.whole = SteadyDrive.at_level(mechanism, LoadLevel(1.0, 0.0))  # prescribed values of the initial loading
         self._dynamics = LevelDynamics(with_flow(mechanism, mechanism.loads), mechanism.loads, self.whole)
@@ -123,30 +126,33 @@ class LevelEvaluator:
 
     # -- loads --------------------------------------------------------------------------------------------------
     def set_fading_force(self, force: Array | None, until: float = 1.0) -> None:
-        """The force and the misfits (nx + ne,) act at the start and fade until this place on the way."""
+        """From the next load on the force and the misfits (nx + ne,) act at the start and fade until this place."""
         self.fading_force, self._fades_until = force, until
-        self.load(self._level)
 
-    def _held(self, level: LoadLevel) -> float:
+    @property
+    def fading_part(self) -> float:
         """The part of the fading force that acts: linear in the level, also where differences look beyond it."""
-        return 0.0 if self.fading_force is None else 1.0 - level.path / self._fades_until
+        return 0.0 if self.fading_force is None else 1.0 - self.level.path / self._fades_until
 
     def load(self, level: LoadLevel) -> None:
-        """Put the loads of a level on the evaluator. Where the flow in tubes changes, `dynamics`, `equations` and
-        `tangent` are made anew."""
-        self._level, self._given = level, None
-        self._settle()
+        """Go to the loads of a level. Where the flow in tubes changes, `settle` makes `dynamics`, `equations` and
+        `tangent` anew."""
+        self.level, self._given = level, None
 
-    def _acting(self, level: LoadLevel) -> LoadLevel:
+    @property
+    def acting(self) -> LoadLevel:
         """The level with the part of the initial loading that acts."""
-        return level._replace(initial=1.0) if self.whole_from_start else level
+        return self.level._replace(initial=1.0) if self.whole_from_start else self.level
 
-    def _settle(self) -> None:
+    def settle(self) -> None:
         """Loads and elements as Python needs them."""
-        level = self._acting(self._level)
+        level = self.acting
         if (level.initial, level.additional) != self._in_place:
             self._in_place = level.initial, level.additional
             self._use(loads_at(self.mechanism, level), SteadyDrive.at_level(self.mechanism, level))
+        if self.evaluated is not None:
+            x, self.evaluated = self.evaluated, None
+            self._dynamics.evaluate(x)
 
     def _use(self, loads: Loads, drive: SteadyDrive) -> None:
         mechanism = with_flow(self.mechanism, loads)
@@ -164,7 +170,7 @@ class LevelEvaluator:
 
     @property
     def dynamics(self) -> LevelDynamics:
-        self._settle()
+        self.settle()
         return self._dynamics
 
     @property
@@ -173,11 +179,11 @@ class LevelEvaluator:
 
     @property
     def equations(self) -> StationaryEquations:
-        self._settle()
+        self.settle()
         q = self._equations
-        held = self._held(self._level)
+        held = self.fading_part
         q.held = held * self.fading_force if self.fading_force is not None and held else None
-        q.user_part = self._acting(self._level).initial
+        q.user_part = self.acting.initial
         return q
 
     @property
@@ -207,14 +213,19 @@ class LevelEvaluator:
 
     # -- what stays the same --------------------------------------------------------------------------------------
     @property
+    def arrays(self) -> SweepArrays:
+        """What the elements share with equations in C."""
+        return self._dynamics.arrays
+
+    @property
     def e(self) -> Array:
         """The deformations that were evaluated last, (ne,)."""
-        return self._dynamics.sweep.e
+        return self.arrays.e
 
     @property
     def branch(self) -> Array:
         """What the branch of the next state is chosen by, (ne,)."""
-        return self._dynamics.sweep.branch
+        return self.arrays.branch
 
     def follow(self, x: Array) -> None:
         """The next state is on the branch of the one at x (nx,), which was evaluated last."""
@@ -228,37 +239,64 @@ class LevelEvaluator:
 
     def stand_at(self, x: Array) -> LevelDynamics:
         """`dynamics` under the loads of the level, at its solution x (nx,)."""
-        self._settle()
+        self.evaluated = None
+        self.settle()
         self._dynamics.stand_at(x)
         return self._dynamics
 
-    # -- states of the level --------------------------------------------------------------------------------------
+    def place(self) -> None:
+        """A mechanism without dynamic degrees of freedom: the configuration of the prescribed values."""
+        self.dynamics.place(0.0, self.y)
+
+
+class StaticEquilibrium(Protocol):
+    """The states of a load level: what a continuation asks for, in NumPy (`ArrayEquilibrium`) or in C
+    (`spacar.stationary.equilibrium.CompiledEquilibrium`); `level_equilibrium` there chooses."""
+
+    @property
+    def levels(self) -> LevelEvaluator: ...
+    def load(self, level: LoadLevel) -> None:
+        """Put the loads of a level on the evaluator, with the fading force as it is now."""
     def newton(self, x: Array, sigma: Array, demand: Demand) -> Converged:
         """The state in equilibrium near x (nx,), sigma (ne,).
 
         Raises Astray, SingularMatrixError, AnalysisError of user functions.
         """
-        return newton(self.equations, self.tangent, x, sigma, self.given, demand)
-
     def point(self, x: Array, sigma: Array) -> Iterate:
         """Evaluate at x (nx,), sigma (ne,). Raises SingularMatrixError as `StationaryEquations.motion`."""
-        return self.equations.point(x, sigma, self.given)
-
     def set_state(self, p: Iterate) -> None:
         """Evaluate at a state of this level again, and factor its matrix. Raises SingularMatrixError."""
-        self.tangent.factor(self.equations.point(p.x, p.sigma, self.given))
-
     def stability(self, p: Iterate, noise: float, regular: bool, before: Stability | None) -> Stability | None:
         """As `stability`, at a state of this level that was evaluated last."""
-        return stability(self.equations, self.tangent, p, noise, regular, before)
-
     def sign(self, p: Iterate, factored: bool) -> float:
         """Sign of the determinant of the tangent stiffness at a state of this level; `factored`: where the last matrix
         was factored, near it. Raises SingularMatrixError."""
-        if not factored:
-            self.tangent.factor(p)
-        return self.tangent.sign()
 
-    def place(self) -> None:
-        """A mechanism without dynamic degrees of freedom: the configuration of the prescribed values."""
-        self.dynamics.place(0.0, self.y)
+
+class ArrayEquilibrium:
+    """`StaticEquilibrium` on the equations and the tangent of NumPy."""
+
+    def __init__(self, levels: LevelEvaluator) -> None:
+        self.levels = levels
+
+    def load(self, level: LoadLevel) -> None:
+        self.levels.load(level)
+        self.levels.settle()
+
+    def newton(self, x: Array, sigma: Array, demand: Demand) -> Converged:
+        v = self.levels
+        return newton(v.equations, v.tangent, x, sigma, v.given, demand)
+
+    def point(self, x: Array, sigma: Array) -> Iterate:
+        return self.levels.equations.point(x, sigma, self.levels.given)
+
+    def set_state(self, p: Iterate) -> None:
+        self.levels.tangent.factor(self.point(p.x, p.sigma))
+
+    def stability(self, p: Iterate, noise: float, regular: bool, before: Stability | None) -> Stability | None:
+        return stability(self.levels.equations, self.levels.tangent, p, noise, regular, before)
+
+    def sign(self, p: Iterate, factored: bool) -> float:
+        if not factored:
+            self.levels.tangent.factor(p)
+        return self.levels.tangent.sign()

@@ -14,7 +14,7 @@ from spacar.errors import AnalysisError, Report
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stationary.continuation import Continuation
-from spacar.stationary.equilibrium import level_evaluator
+from spacar.stationary.equilibrium import level_equilibrium
 from spacar.stationary.loading import LoadLevel
 from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.newton import LENGTHS
@@ -57,7 +57,8 @@ class StationarySolver:
         start = m.drive.at(0.0) if n.ndof > n.nddof else None
         if start is not None and (start.xdd.any() or start.edd.any()):
             self.report.add("warning: prescribed accelerations are ignored in a stationary solution")
-        self._evaluator = e = level_evaluator(m)
+        self._statics = level_equilibrium(m)
+        self._evaluator = e = self._statics.levels
         if e.leaves_rates:
             self.report.add("warning: start rates of dynamic degrees of freedom are ignored in a stationary solution")
         # When the loading does nothing, all levels have the solution of the first one.
@@ -157,8 +158,8 @@ class StationarySolver:
         first level. `whole`: all of the initial loading acts from the start on."""
         e, n = self._evaluator, self.mechanism.numbering
         e.whole_from_start = whole
-        e.load(LoadLevel(0.0, 0.0))
         e.set_fading_force(None)
+        self._statics.load(LoadLevel(0.0, 0.0))
         p = self._reference()
         self._is_placed = p is None
         if p is None:
@@ -167,20 +168,21 @@ class StationarySolver:
             d.place(0.0, e.y)
             sigma = d.law(d.sweep.e, np.zeros(n.ne))
             d.sweep.follow(d.kinematics.x, d.sweep.e)
-            p = e.point(d.kinematics.x, sigma)
+            p = self._statics.point(d.kinematics.x, sigma)
         if not p.quiet:
             with suppress(SingularMatrixError):  # degrees of freedom that do not determine the start leave it as it is
-                p = e.point(p.x, e.equations.balanced(p))
+                p = self._statics.point(p.x, e.equations.balanced(p))
         known = p.quiet
         if not known:
             q, force = e.equations, np.zeros(n.nx + n.ne)
             force[q.F], force[n.nx :] = p.right[: q.nf], -p.right[q.nf :] / q.flexibility.size
             e.set_fading_force(force, first.path)
-            p = e.point(p.x, p.sigma)
+            self._statics.load(e.level)
+            p = self._statics.point(p.x, p.sigma)
         try:
-            return Continuation(e, p, known, self.report)
+            return Continuation(self._statics, p, known, self.report)
         except SingularMatrixError:
-            return Continuation(e, p, False, self.report)
+            return Continuation(self._statics, p, False, self.report)
 
     def _in_other_order(self, failure: AnalysisError, target: LoadLevel) -> Continuation:
         """The path to a level with the loading applied in the other order, or, where start values do not lead there,
@@ -232,7 +234,7 @@ class StationarySolver:
             return None
         if not n.nddof:
             e.dynamics.kinematics.begin()  # it finds the positions of all levels
-        p = e.point(m.x0.copy(), np.zeros(n.ne))
+        p = self._statics.point(m.x0.copy(), np.zeros(n.ne))
         e.follow(m.x0)
         return p if p.gap <= LENGTHS else None
 

@@ -14,7 +14,7 @@ from spacar.deck import parse_deck, read_deck
 from spacar.errors import AnalysisError, Report
 from spacar.mechanism import build
 from spacar.stationary import LoadLevel, StationarySolver, equilibrium, load_program
-from spacar.stationary.equilibrium import CompiledLevelEvaluator, level_evaluator
+from spacar.stationary.equilibrium import CompiledEquilibrium, level_equilibrium
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.newton import Demand, newton
 from spacar.stationary.resting_tangent import RestingTangent
@@ -76,16 +76,16 @@ END
 TEXTS = {"cantilever": cantilever(6), "long": cantilever(90), "prescribed": PRESCRIBED, "spatial": SPATIAL}
 
 
-def evaluator(text: str) -> CompiledLevelEvaluator:
-    return CompiledLevelEvaluator(with_compiled_elements(build(parse_deck(text, mode=7), 7)))
+def evaluator(text: str) -> CompiledEquilibrium:
+    return CompiledEquilibrium(LevelEvaluator(with_compiled_elements(build(parse_deck(text, mode=7), 7))))
 
 
-def near_start(e: CompiledLevelEvaluator) -> tuple[np.ndarray, np.ndarray]:
+def near_start(e: CompiledEquilibrium) -> tuple[np.ndarray, np.ndarray]:
     """A state that is no equilibrium."""
     rng, n = np.random.default_rng(3), e.mechanism.numbering
-    x, sigma = e.mechanism.x0.copy(), np.where(e._equations.passive, 0.0, rng.normal(size=n.ne))
-    F = e._equations.F
-    x[F] += 0.02 * e.scale[F] * rng.normal(size=len(F))
+    x, sigma = e.mechanism.x0.copy(), np.where(e.levels._equations.passive, 0.0, rng.normal(size=n.ne))
+    F = e.levels._equations.F
+    x[F] += 0.02 * e.levels.scale[F] * rng.normal(size=len(F))
     return x, sigma
 
 
@@ -95,11 +95,11 @@ def test_the_residual_and_the_size_of_its_terms_are_those_of_the_general_path(na
     n = e.mechanism.numbering
     held = 1e-3 * np.random.default_rng(5).normal(size=n.nx + n.ne)
     for level in (LoadLevel(0.0, 0.0), LoadLevel(0.4, 0.0), LoadLevel(1.0, 0.7)):
+        e.levels.set_fading_force(held, until=0.9)
         e.load(level)
-        e.set_fading_force(held, until=0.9)  # from the next level on
         x, sigma = near_start(e)
         found = e.point(x, sigma)
-        p = e.equations.point(x, sigma, e.given)  # puts loads and elements in place
+        p = e.levels.equations.point(x, sigma, e.levels.given)  # puts loads and elements in place
         size = np.abs(p.rounding) / np.finfo(float).eps
         np.testing.assert_allclose(found.right, p.right, rtol=0.0, atol=1e-13 * max(1.0, size.max()))
         np.testing.assert_allclose(found.rounding, p.rounding, rtol=1e-12, atol=1e-30)
@@ -114,20 +114,20 @@ def test_the_residual_and_the_size_of_its_terms_are_those_of_the_general_path(na
 def test_iterations_are_those_of_the_general_path(name):
     e = evaluator(TEXTS[name])
     x, sigma = e.mechanism.x0.copy(), np.zeros(e.mechanism.numbering.ne)
-    branch = e.branch.copy()
+    branch = e.levels.branch.copy()
     for stored in (False, True):
         e.load(LoadLevel(0.1, 0.0))
-        e.branch[:] = branch
+        e.levels.branch[:] = branch
         demand = Demand.of(20, 1e-8, stored)
         found = e.newton(x, sigma, demand)
-        turns = e.branch.copy()
-        e.branch[:] = branch
-        general = newton(e.equations, e.tangent, x, sigma, e.given, demand)
+        turns = e.levels.branch.copy()
+        e.levels.branch[:] = branch
+        general = newton(e.levels.equations, e.levels.tangent, x, sigma, e.levels.given, demand)
         assert found.iterations == general.iterations > 0
         assert found.regular == general.regular
         np.testing.assert_allclose(found.point.x, general.point.x, rtol=0.0, atol=1e-12)
         np.testing.assert_allclose(found.point.sigma, general.point.sigma, rtol=1e-9, atol=1e-9)
-        np.testing.assert_allclose(turns, e.branch, rtol=0.0, atol=1e-12)
+        np.testing.assert_allclose(turns, e.levels.branch, rtol=0.0, atol=1e-12)
         assert found.noise == pytest.approx(general.noise, rel=0.5)
 
 
@@ -139,9 +139,9 @@ def test_an_iteration_that_goes_astray_says_the_same(part, limit):
     e.load(LoadLevel(part, 0.0))
     with pytest.raises(Astray) as ours:
         e.newton(x, sigma, demand)
-    e.branch[:] = 0.0
+    e.levels.branch[:] = 0.0
     with pytest.raises(Astray) as general:
-        newton(e.equations, e.tangent, x, sigma, e.given, demand)
+        newton(e.levels.equations, e.levels.tangent, x, sigma, e.levels.given, demand)
     assert str(ours.value) == str(general.value)
 
 
@@ -150,11 +150,11 @@ def test_the_sign_of_the_determinant(name):
     e = evaluator(TEXTS[name])
     e.load(LoadLevel(0.3, 0.0))
     p = e.point(*near_start(e))
-    sign = e.equilibrium.sign(p)
-    assert isinstance(e.tangent, RestingTangent)
-    e.tangent.factor(p)
-    assert sign == e.equilibrium.last_sign() == e.tangent.sign()
-    assert sign == np.sign(np.linalg.slogdet(e.tangent.dense())[0]) * (-1.0) ** e.tangent.t.ne
+    sign = e.factored_sign(p)
+    assert isinstance(e.levels.tangent, RestingTangent)
+    e.levels.tangent.factor(p)
+    assert sign == e.last_sign() == e.levels.tangent.sign()
+    assert sign == np.sign(np.linalg.slogdet(e.levels.tangent.dense())[0]) * (-1.0) ** e.levels.tangent.t.ne
 
 
 @pytest.mark.parametrize("name", TEXTS)
@@ -164,11 +164,11 @@ def test_the_proof_of_stability_is_that_of_the_general_path(name, pressed):
     e.load(LoadLevel(0.3, 0.0))
     x, sigma = near_start(e)
     p = e.point(x, -pressed * np.abs(sigma))
-    proved = e.equilibrium.is_definite(p)
-    assert isinstance(e.tangent, RestingTangent)
-    assert proved == e.tangent.is_definite(p)
+    proved = e.is_definite(p)
+    assert isinstance(e.levels.tangent, RestingTangent)
+    assert proved == e.levels.tangent.is_definite(p)
     if proved:
-        assert e.tangent.inertia(p)[0] == e.tangent.t.ne
+        assert e.levels.tangent.inertia(p)[0] == e.levels.tangent.t.ne
 
 
 def test_a_singular_matrix_is_left_to_python():
@@ -177,7 +177,7 @@ def test_a_singular_matrix_is_left_to_python():
     e = evaluator(text)
     e.load(LoadLevel(1.0, 0.0))
     n = e.mechanism.numbering
-    assert e.equilibrium.newton(e.mechanism.x0.copy(), np.zeros(n.ne), Demand.of(20, 1e-8, True)) is None
+    assert e.tried(e.mechanism.x0.copy(), np.zeros(n.ne), Demand.of(20, 1e-8, True)) is None
     found = e.newton(e.mechanism.x0.copy(), np.zeros(n.ne), Demand.of(20, 1e-8, True))
     assert found.point.x == pytest.approx([0.0, 0.0, 1.03, 0.0], abs=1e-12)
     assert found.point.sigma == pytest.approx([3.0])
@@ -193,7 +193,7 @@ def test_a_stiffness_that_is_singular_to_working_precision_is_left_to_python():
         S[1, 2] = S[2, 1] = S[1, 1] = 1.0
         S[2, 2] = 1.0 + part
         family.general.__dict__["constitutive"] = S, damping
-        assert isinstance(level_evaluator(m), CompiledLevelEvaluator) == taken
+        assert isinstance(level_equilibrium(m), CompiledEquilibrium) == taken
     with pytest.raises(AnalysisError, match="singular to working precision"):
         _ = LevelEvaluator(m).equations
 
@@ -201,7 +201,7 @@ def test_a_stiffness_that_is_singular_to_working_precision_is_left_to_python():
 def test_what_has_no_form_in_c_is_left_to_python(monkeypatch):
     def taken(text: str) -> bool:
         m = with_compiled_elements(build(parse_deck(text, mode=7), 7))
-        return isinstance(level_evaluator(m), CompiledLevelEvaluator)
+        return isinstance(level_equilibrium(m), CompiledEquilibrium)
 
     spatial = TEXTS["spatial"]
     assert taken(spatial)

@@ -8,7 +8,7 @@ from spacar import Deck
 from spacar.errors import Report
 from spacar.mechanism import build
 from spacar.stationary import StationarySolver, continuation, load_program
-from spacar.stationary.level_evaluator import LevelEvaluator
+from spacar.stationary.level_evaluator import ArrayEquilibrium
 
 
 def report_of_column(n: int, load: float, steps: int) -> list[str]:
@@ -37,8 +37,8 @@ def test_a_critical_load_between_stored_levels_is_said_where_it_is(n: int) -> No
 
 def test_levels_between_stored_ones_cost_no_count(monkeypatch: pytest.MonkeyPatch) -> None:
     """Below the critical load: one count at the start, one at the stored level."""
-    counts, counted = [], LevelEvaluator.stability
-    monkeypatch.setattr(LevelEvaluator, "stability", lambda *a: counts.append(counted(*a)) or counts[-1])
+    counts, counted = [], ArrayEquilibrium.stability
+    monkeypatch.setattr(ArrayEquilibrium, "stability", lambda *a: counts.append(counted(*a)) or counts[-1])
     report_of_column(120, 2.0, 10)
     assert [c.negative for c in counts] == [0, 0]
     assert continuation.LARGE < 3 * 120 * 2
