@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import io
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from spacar_cli.environment import Environment
-from spacar_cli.main import main
 
 import spacar
 from spacar.errors import UsageError
+from tests.command_line import call
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -25,12 +23,6 @@ def crank():
 @pytest.fixture(scope="module")
 def cantilever():
     return spacar.run(7, DATA / "plbeam5.dat")
-
-
-def call(*words: object, stdin: str = "") -> tuple[int, str, str]:
-    out, err = io.StringIO(), io.StringIO()
-    status = main([str(w) for w in words], Environment(io.StringIO(stdin), out, err, {}))
-    return status, out.getvalue(), err.getvalue()
 
 
 def test_a_result_prints_ten_lines(crank, cantilever):

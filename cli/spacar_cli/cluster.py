@@ -1,7 +1,5 @@
 """Cases on a Dask cluster that is already running; the package is an optional extra."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
 from typing import Any

@@ -4,8 +4,6 @@ The command NAME is `spacar_cli.commands.NAME:command`, imported when it is call
 `spacar.modes.MODES`.
 """
 
-from __future__ import annotations
-
 COMMANDS = {
     "help": "options of a mode or a command, or the page of a topic",
     "check": "read an input file and report, without running it",

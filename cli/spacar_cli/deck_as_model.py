@@ -6,8 +6,6 @@ the reference configuration (theory-planar.md, section 1; theory-spatial.md, sec
 that of the plane (`deck_as_planar_model`) or of space (`deck_as_spatial_model`).
 """
 
-from __future__ import annotations
-
 import json
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence

@@ -4,8 +4,6 @@ A rigid PLBEAM, PLRBEAM or PLTRUSS is a body whose angle is a coordinate; a loop
 angles; a PLTOR that is free leaves two angles, with a torque between them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -9,8 +9,6 @@ about an axis a that is none of N is
 A beam bends in its x'z' plane (modes 3, 4; EIy) along axis 3 and in its x'y' plane (modes 5, 6; EIz) along axis 2.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,8 +1,6 @@
 """Lines of a model file that is made of an input file: parameters, tables, points, springs. Numbers become parameters
 with the number of their element or node. What is between the points: `deck_as_model`."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,7 +1,5 @@
 """What `spacar draw` does once its options are read."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path

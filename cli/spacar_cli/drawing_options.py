@@ -1,51 +1,28 @@
 """Options that several drawing commands share, and how they change the settings of the input file."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from spacar_drawing.mechanism_picture import Extras
-from spacar_drawing.settings import ALL, DIMENSIONS, PictureSettings, SectionShape
+from spacar_drawing.settings import ALL, DIMENSIONS, PictureSettings, SectionShape, statement_section
+from spacar_drawing.symbols import KINDS
 
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 
 PICTURES = ": a picture, by its ending png, svg or pdf. May be repeated."
-COMMON = (
-    words.option(
-        "output",
-        ": a picture, by its ending png, svg, pdf, gif (no other program needed), mp4 (needs ffmpeg). May be repeated.",
-        multiple=True,
-    ),
-    words.option("view", ", as -60,25", default="iso"),
-    words.option(
-        "sections",
-        ': "[RECT|RECTHOL|CIRC|CIRCHOL|LINE] [elements] dimensions", as in the VISUALIZATION section. May be repeated.',
-        multiple=True,
-    ),
-    words.option("opacity"),
-    words.option("light", default=None),
-    words.option("hide", "May be repeated.", multiple=True),
-    words.option("supports", default=True),
+FILMS = ": a picture, by its ending png, svg, pdf, gif (no other program needed), mp4 (needs ffmpeg). May be repeated."
+SHAPES = ': "[RECT|RECTHOL|CIRC|CIRCHOL|LINE] [elements] dimensions", as in the VISUALIZATION section. May be repeated.'
+common = words.options((
+    words.option("output", FILMS, multiple=True), words.option("view", ", as -60,25", default="iso"),
+    words.option("sections", SHAPES, multiple=True), words.option("opacity"), words.option("light", default=None),
+    words.option("hide", "May be repeated.", multiple=True), words.option("supports", default=True),
     words.option("numbers", "; orientation nodes in brackets, element numbers in boxes."),
-    words.option("node_numbers"),
-    words.option("element_numbers"),
-    words.option("title"),
-    words.option("dpi", default=150.0),
-    words.option("fps", default=25.0),
-    words.option("show"),
+    words.option("node_numbers"), words.option("element_numbers"), words.option("title"),
+    words.option("dpi", default=150.0), words.option("fps", default=25.0), words.option("show"),
     words.option("stale_ok"),
-)
-
-
-def common(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options that `draw` and `visual` share."""
-    for option in reversed(COMMON):
-        function = option(function)
-    return function
+))  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -87,19 +64,15 @@ class Choices:
 
 def symbol_kinds(text: str | None) -> tuple[str, ...]:
     """The kinds of `--symbols`, all of them for "all". Raises UsageError."""
-    from spacar_drawing.symbols import KINDS
-
-    words = [word.strip().lower() for word in (text or "").split(",") if word.strip()]
-    for word in words:
+    wanted = [word.strip().lower() for word in (text or "").split(",") if word.strip()]
+    for word in wanted:
         if word not in (*KINDS, "all"):
             raise UsageError(f"--symbols {word}: expected {', '.join(KINDS)}, with commas between, or all")
-    return KINDS if "all" in words else tuple(words)
+    return KINDS if "all" in wanted else tuple(wanted)
 
 
 def sections_of(texts: Sequence[str]) -> dict[int, SectionShape]:
     """The cross-sections of `--section` values. Raises UsageError."""
-    from spacar_drawing.settings import statement_section
-
     found: dict[int, SectionShape] = {}
     for text in texts:
         read = statement_section(text.split())
@@ -118,8 +91,5 @@ def check_elements(numbers: Sequence[int], known: Sequence[int], option: str) ->
     """Raises UsageError for a number that is not in the model."""
     for n in numbers:
         if n not in known:
-            raise UsageError(f"{option} {n} does not exist; the model has {_ranges(known)}")
-
-
-def _ranges(numbers: Sequence[int]) -> str:
-    return ", ".join(map(str, numbers)) if len(numbers) <= 20 else f"{numbers[0]} to {numbers[-1]}"
+            these = ", ".join(map(str, known)) if len(known) <= 20 else f"{known[0]} to {known[-1]}"
+            raise UsageError(f"{option} {n} does not exist; the model has {these}")

@@ -5,25 +5,17 @@ cannot leave a destructor or the callback of a weak reference: Python prints a t
 falls into one, which happens in large garbage collections, would be ignored. It is repeated soon after.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import Any, TextIO
 
-from spacar.errors import InputError, SpacarError, escaped, shown, type_and_text
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from spacar.errors import Message
-
+from spacar.errors import InputError, Message, SpacarError, escaped, shown, type_and_text
 
 SOON = 0.01  # seconds: such callbacks take microseconds
 
@@ -187,16 +179,12 @@ def tell_error(environment: Environment, error: BaseException) -> ExitStatus:
     if isinstance(error, MemoryError):
         tell(environment, "error", "out of memory; store fewer steps or use fewer elements")
         return ExitStatus.FAILED
-    if isinstance(error, ImportError) and any(words in str(cause) for cause in _causes(error) for words in NO_ROOM):
+    chain: list[BaseException] = [error]  # NumPy explains an import that failed in many words of its own
+    while cause := chain[-1].__cause__ or chain[-1].__context__:
+        chain.append(cause)
+    if isinstance(error, ImportError) and any(words in str(cause) for cause in chain for words in NO_ROOM):
         tell(environment, "error", "out of memory: there is no room for the libraries that are needed")
         return ExitStatus.FAILED
     text = f"internal error: {type_and_text(error)} (--debug shows where; please report it)"
     tell(environment, "error", text)
     return ExitStatus.FAILED
-
-
-def _causes(error: BaseException | None) -> Iterator[BaseException]:
-    """The error, what raised it, and so on: NumPy explains an import that failed in many words of its own."""
-    while error is not None:
-        yield error
-        error = error.__cause__ or error.__context__

@@ -1,7 +1,5 @@
 """The command that exports a result file; `loadsbd` and `loadsbm` differ only in the kind of the file."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

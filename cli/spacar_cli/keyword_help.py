@@ -3,21 +3,17 @@
 The keyword table as JSON, for editors: `spacar keywords --to`, `spacar edit`, a TextMate grammar.
 """
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from difflib import get_close_matches
+from typing import Any
 
-from spacar_drawing.settings_check import RULES
+from spacar_drawing.settings_check import NEEDS_GROUP, RULES, SPELLINGS
 
 from spacar.deck.findings import alternatives
 from spacar.deck.keyword_table import ALIASES, ELEMENT_TYPES, KEYWORDS, blocks_of
 from spacar.deck.table_types import BlockKind, Keyword, Variant, subject_of
 from spacar.errors import UsageError
-
-if TYPE_CHECKING:
-    from spacar_drawing.settings_check import Rule
 
 WIDTH = 100
 PICTURES = "VISUALIZATION section behind the blocks, or NAME.spv; each setting on a line of its own"
@@ -33,8 +29,6 @@ def overview() -> Iterator[str]:
         yield f"{block.value}:"
         yield from (f"  {k.name:<{width}}  {k.help}" for k in rows)
         yield ""
-    from spacar_drawing.settings_check import RULES
-
     width = max(map(len, RULES))
     yield f"{PICTURES}:"
     yield from (f"  {name:<{width}}  {rule.help}" for name, rule in RULES.items())
@@ -47,7 +41,6 @@ def overview() -> Iterator[str]:
 
 def explanation(name: str) -> Iterator[str]:
     """All meanings of a keyword or setting, one for each block where it may stand. Raises UsageError."""
-    from spacar_drawing.settings_check import RULES, SPELLINGS
     from spacar_formats import sim_blocks
 
     if name.lower() in sim_blocks.BY_NAME:
@@ -59,8 +52,6 @@ def explanation(name: str) -> Iterator[str]:
     setting = SPELLINGS.get(wanted, wanted)
     blocks = blocks_of(wanted)
     if not blocks and setting not in RULES:
-        from difflib import get_close_matches
-
         near = get_close_matches(wanted, {keyword for keyword, _ in KEYWORDS} | set(RULES), 3)
         hint = f"; nearest: {', '.join(near)}" if near else "; `spacar keywords` lists them"
         raise UsageError(f"there is no keyword {name.upper()}{hint}", "usage.keyword")
@@ -72,8 +63,6 @@ def explanation(name: str) -> Iterator[str]:
 
 def _setting(name: str) -> Iterator[str]:
     """A setting of the pictures."""
-    from spacar_drawing.settings_check import NEEDS_GROUP, RULES, SPELLINGS
-
     rule = RULES[name]
     yield f"{name}: {rule.help}"
     yield f"  {PICTURES}"
@@ -82,14 +71,9 @@ def _setting(name: str) -> Iterator[str]:
         yield f"  also written {', '.join(others)}"
     if name in NEEDS_GROUP:
         yield f"  behind a line {' or '.join(NEEDS_GROUP[name])}"
-    yield f"  {_behind(rule)}; nothing else stands on the line"
+    behind = rule.what if rule.how_many is None else f"{rule.how_many} {rule.what}"
+    yield f"  {behind if rule.how_many != 0 else 'no arguments'}; nothing else stands on the line"
     yield ""
-
-
-def _behind(rule: Rule) -> str:
-    if rule.how_many == 0:
-        return "no arguments"
-    return f"{rule.what}" if rule.how_many is None else f"{rule.how_many} {rule.what}"
 
 
 def _keyword(keyword: Keyword) -> Iterator[str]:

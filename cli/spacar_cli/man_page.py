@@ -3,8 +3,6 @@
 `python -m spacar_cli.man_page > docs/man/spacar.1`. Wheels put it into share/man/man1. Format: man(7).
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 
@@ -57,29 +55,18 @@ def page() -> str:
     lines = [
         '.\\" Made by python -m spacar_cli.man_page; do not edit.',
         f'.TH SPACAR 1 "" "spacar {spacar.__version__}" "User Commands"',
-        ".SH NAME",
-        "spacar \\- analysis of planar and spatial mechanisms with rigid and flexible links",
-        ".SH SYNOPSIS",
-        ".B spacar",
-        "MODE FILE [OPTIONS]",
-        ".br",
-        ".B spacar",
-        "COMMAND ...",
-        ".SH DESCRIPTION",
-    ]
+        ".SH NAME", "spacar \\- analysis of planar and spatial mechanisms with rigid and flexible links",
+        ".SH SYNOPSIS", ".B spacar", "MODE FILE [OPTIONS]", ".br", ".B spacar", "COMMAND ...", ".SH DESCRIPTION",
+    ]  # fmt: skip
     for k, part in enumerate(paragraphs(program.help or "")):
         lines += [*([".PP"] if k else []), part]
     lines += [".PP", *paragraphs((program.epilog or "").replace("`", ""))]
-    lines.append(".SH MODES")
-    for number in MODES:
-        found = program.get_command(context, str(number))
-        assert found is not None
-        lines += command_section(str(number), found, context)
-    lines.append(".SH COMMANDS")
-    for name in COMMANDS:
-        found = program.get_command(context, name)
-        assert found is not None
-        lines += command_section(name, found, context)
+    for title, names in (("MODES", map(str, MODES)), ("COMMANDS", COMMANDS)):
+        lines.append(f".SH {title}")
+        for name in names:
+            found = program.get_command(context, name)
+            assert found is not None
+            lines += command_section(name, found, context)
     lines += [
         ".SH EXIT STATUS",
         "0 done, 1 the analysis failed, 2 wrong usage or input, 130 interrupted.",

@@ -1,4 +1,4 @@
-"""What `--csv PATH` writes: a heading and rows, to a file or, for -, to standard output."""
+"""What `--csv PATH` writes, a heading and rows, to a file or, for -, to standard output; and figures as files."""
 
 from __future__ import annotations
 
@@ -6,11 +6,14 @@ import csv
 from collections.abc import Iterable, Sequence
 from io import StringIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from spacar_formats.safety import write_text
 
 from spacar_cli.environment import Environment
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def put_rows(environment: Environment, path: Path, heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
@@ -29,3 +32,12 @@ def put_text(environment: Environment, path: Path, text: str) -> None:
         return
     write_text(path, text)
     environment.wrote(path)
+
+
+def put_figure(environment: Environment, figure: Figure, paths: Iterable[Path], dpi: float = 150.0) -> None:
+    """Write a picture under every name."""
+    from spacar_drawing.files import save
+
+    for path in paths:
+        save(figure, path, dpi)
+        environment.wrote(path)

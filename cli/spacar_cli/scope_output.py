@@ -1,7 +1,5 @@
 """What `spacar sim` and `spacar ltv` show of the signals: pictures of the scopes, and a window when asked."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,6 +10,7 @@ from spacar_formats.signal_tables import Panel, SignalTable
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
+from spacar_cli.row_output import put_figure
 
 SIGNALS = (".npz", ".mat", ".csv")
 
@@ -19,11 +18,7 @@ SIGNALS = (".npz", ".mat", ".csv")
 def signal_options(default: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Add --output and --show."""
     text = f": signals as .npz, .mat or .csv, default {default}; scopes as .png, .svg or .pdf. May be repeated."
-
-    def added(function: Callable[..., Any]) -> Callable[..., Any]:
-        return words.option("output", text, multiple=True)(words.option("show", ": the scopes")(function))
-
-    return added
+    return words.options((words.option("output", text, multiple=True), words.option("show", ": the scopes")))
 
 
 def sorted_files(output: Sequence[Path], show: bool) -> tuple[list[Path], list[Path]]:
@@ -50,13 +45,10 @@ def show_scopes(
     """Write the pictures, then open the window, which stays until the user closes it."""
     if not (show or pictures):
         return
-    from spacar_drawing.files import save
     from spacar_drawing.history import scope_figure
     from spacar_drawing.window import still_window
 
     figure = scope_figure(table, t, panels, title)
-    for path in pictures:
-        save(figure, path)
-        environment.wrote(path)
+    put_figure(environment, figure, pictures)
     if show:
         still_window(figure)

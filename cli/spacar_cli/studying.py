@@ -1,31 +1,21 @@
 """What `sweep` and `trade` have in common: options of the command line, a counter on terminals, tables."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import click
 
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
 
-Command = TypeVar("Command", bound=Callable[..., Any])
 Item = TypeVar("Item")
 
 ROWS = click.Path(path_type=Path, dir_okay=False)
-OPTIONS = (
+common = words.options((
     words.option("duration", ", instead of TIMESTEP"), words.option("n_steps", " of the output, instead of TIMESTEP"),
     words.option("jobs", "; default sweep all cores, trade one."), words.option("as_json", ": a summary"),
-)  # fmt: skip
-
-
-def common(command: Command) -> Command:
-    """The options of every study."""
-    for option in reversed(OPTIONS):
-        command = option(command)
-    return command
+))  # fmt: skip
 
 
 def counted(environment: Environment, items: Iterable[Item], total: int, what: str) -> Iterator[Item]:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spacar_drawing.defaults import plain
+from spacar_drawing.files import save
 
 if TYPE_CHECKING:
     from spacar.symbolic.simulated_motion import SimulatedMotion
@@ -39,8 +40,6 @@ def default_names(run: SimulatedMotion) -> list[str]:
 
 def save_plots(run: SimulatedMotion, stem: Path, names: Iterable[str] | None = None) -> list[Path]:
     """Write STEM-NAME.png for every quantity; returns the paths."""
-    from spacar_drawing.files import save
-
     chosen = list(names) if names is not None else default_names(run)
     paths = []
     for name, figure in zip(chosen, plot(run, chosen), strict=True):

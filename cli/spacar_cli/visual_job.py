@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from spacar_drawing.files import FILM, FILM_DPI, MovingFigure, check_name, film, save
-from spacar_drawing.look import SYMBOL, look_of
-from spacar_drawing.mechanism_picture import camera_of
+from spacar_drawing.files import FILM, FILM_DPI, MovingFigure, check_name, check_stills, film, save
+from spacar_drawing.look import extent_of
+from spacar_drawing.mechanism_picture import camera_of, step_text
 from spacar_drawing.mode_picture import PHASES, constraint_still, mode_pictures, mode_still
 from spacar_drawing.mode_shapes import (
     ModeShape,
@@ -21,13 +22,16 @@ from spacar_drawing.mode_shapes import (
     vibration_modes,
 )
 from spacar_drawing.picture_source import PictureSource, open_source
+from spacar_formats.getfrsbf import step_numbers
 
-from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.modes import find_mode
 from spacar_cli.drawing_options import Choices, check_elements
 from spacar_cli.environment import Environment
 from spacar_cli.progress import frame_progress
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -98,8 +102,6 @@ def _kind(source: PictureSource, mode: int | None) -> str:
 
 def _numbers(text: str | None, modes: list[ModeShape], default: int) -> list[ModeShape]:
     """The modes with these numbers. Raises UsageError."""
-    from spacar_formats.getfrsbf import step_numbers
-
     if text is not None and text.lower() == "all":
         return modes
     known = {m.number: m for m in modes}
@@ -125,21 +127,15 @@ def _outputs(source: PictureSource, choices: Choices, what: str, several: bool =
     return paths
 
 
-def extent_of(source: PictureSource, x: Array) -> float:
-    return look_of(source.scene, x[None], source.settings).size / SYMBOL
-
-
 def _mode(
     environment: Environment, source: PictureSource, choices: Choices, step: int, mode: ModeShape, factor: float | None,
     rest: bool, several: bool,
 ) -> list[Path]:  # fmt: skip
     x, extras, settings = source.x(step), choices.extras(), source.settings
     if factor is None:
-        factor = (
-            settings.enlarge
-            if settings.enlarge is not None
-            else suitable_factor(source.scene, mode, extent_of(source, x))
-        )
+        factor = settings.enlarge
+    if factor is None:
+        factor = suitable_factor(source.scene, mode.motion, extent_of(source.scene, x, settings))
     outputs = _outputs(source, choices, f"{mode.kind}{mode.number}", several)
     for path in outputs:
         if path.suffix.lower() not in FILM:
@@ -160,16 +156,15 @@ def _mode(
 
 def _constraints(source: PictureSource, choices: Choices, step: int) -> list[str]:
     x = source.x(step)
-    extent = extent_of(source, x)
+    extent = extent_of(source.scene, x, source.settings)
     found = redundancy(source.scene, stored_gradient(source, step), extent)
     outputs = _outputs(source, choices, "constraints")
-    _stills_only(outputs)
+    check_stills(outputs)
     figure = constraint_still(source.scene, x, source.settings, choices.extras(), found, extent)
     return _finish(figure, outputs, choices)
 
 
 def _stresses(source: PictureSource, choices: Choices, step: int, wish: StressWish) -> list[str]:
-    from spacar_drawing.mechanism_picture import step_text
     from spacar_drawing.stress_picture import diagram_still, stress_still
 
     stress, diagram = wish.stress, wish.diagram
@@ -179,21 +174,13 @@ def _stresses(source: PictureSource, choices: Choices, step: int, wish: StressWi
     quantity = stress or diagram or ""
     note = step_text(source, step).removeprefix(source.scene.title).strip()
     outputs = _outputs(source, choices, quantity)
-    _stills_only(outputs)
+    check_stills(outputs)
     draw = partial(stress_still, surface=wish.over_section) if stress else diagram_still
     figure = draw(source.scene, x, sig, e, source.settings, choices.extras(), quantity, note)
     return _finish(figure, outputs, choices)
 
 
-def _stills_only(outputs: list[Path]) -> None:
-    for path in outputs:
-        check_name(path, film=False)
-
-
-def _finish(figure: object, outputs: list[Path], choices: Choices) -> list[str]:
-    from matplotlib.figure import Figure
-
-    assert isinstance(figure, Figure)
+def _finish(figure: Figure, outputs: list[Path], choices: Choices) -> list[str]:
     for path in outputs:
         save(figure, path, choices.dpi)
     if choices.show:

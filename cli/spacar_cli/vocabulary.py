@@ -7,12 +7,10 @@ option as it was before what it is now. `tests/cli/test_vocabulary.py` holds the
 Types of numbers on the command line: finite, in a range, with a sentence for what is not.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from functools import partial, reduce
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -270,6 +268,11 @@ def option(name: str, more: str = "", **changes: Any) -> Callable[[Callable[...,
     return partial(_added, make=partial(parameter, name, more, **changes))
 
 
+def options(rows: Sequence[Callable[..., Any]]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Options that several commands share, as one decorator."""
+    return lambda function: reduce(lambda so_far, row: row(so_far), reversed(rows), function)
+
+
 def _added(function: Callable[..., Any], make: Callable[[], click.Parameter]) -> Callable[..., Any]:
     if not hasattr(function, "__click_params__"):
         function.__click_params__ = []  # type: ignore[attr-defined]
@@ -308,8 +311,6 @@ def renamed(arguments: Sequence[str]) -> list[str]:
     """What to write instead of the former spellings among the words of a command line."""
     name = " ".join(arguments[: 2 if arguments[:1] == ["symbolic"] else 1])
     former = FORMER.get(re.sub(r"^\+?\d+$", "MODE", re.sub(r"^-\d+$", "-MODE", name)), {})
-    return [f"{old} is now {new}" for old, new in former.items() if any(_spells(word, old) for word in arguments)]
-
-
-def _spells(word: str, option: str) -> bool:
-    return word == option or word.startswith(f"{option}=" if option.startswith("--") else option)
+    spelled = {old: (f"{old}=" if old.startswith("--") else old) for old in former}  # with a value behind it
+    given = [old for old, begin in spelled.items() if any(w == old or w.startswith(begin) for w in arguments)]
+    return [f"{old} is now {former[old]}" for old in given]

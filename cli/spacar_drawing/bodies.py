@@ -9,8 +9,6 @@ L = (1 - xi, (xi - xi^2)/2, xi, -(xi - xi^2)/2) and Phi = 12 EI/(GAk l0^2). The 
 Phi/(1 + Phi) sum (L_k - N_k) y_k, is taken in each of the two bending directions with its own Phi.
 """
 
-from __future__ import annotations
-
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
@@ -158,11 +156,12 @@ def body_groups(scene: Scene, look: Look, elements: Sequence[Element]) -> list[A
                 if scene.doubled[i]:
                     continue
                 width, radius = 1.2, DRAWN_ONLY
-            look_of_it = _look_of(look, e, paint.RIGID if rigid else paint.FLEXIBLE)
-            yield (e.shape, width, radius, look_of_it, bool(e.warping)), e
+            colour = look.colour(e.number, paint.RIGID if rigid else paint.FLEXIBLE)
+            dress = look.settings.section(e.number), look.settings.opacity_of(e.number)
+            yield (e.shape, width, radius, colour, dress, bool(e.warping)), e
 
     found = []
-    for (shape, width, radius, (colour, *_), _), alike in together(items()).items():
+    for (shape, width, radius, colour, *_), alike in together(items()).items():
         n = look.points if shape == "beam" else 2 if scene.planar else 25  # short pieces sort better by depth
         found.append(Alike(alike, n, colour, width, radius))
     return found
@@ -174,12 +173,6 @@ def bodies(scene: Scene, pose: Pose, look: Look, elements: Sequence[Element]) ->
     for g in body_groups(scene, look, elements):
         shapes += slender(scene, pose, look, g.elements, g.n, g.colour, g.width, g.radius)
     return shapes
-
-
-def _look_of(look: Look, e: Element, default: Colour) -> tuple[Hashable, ...]:
-    """Colour, cross-section and opacity."""
-    settings = look.settings
-    return look.colour(e.number, default), settings.section(e.number), settings.opacity_of(e.number)
 
 
 def slender(

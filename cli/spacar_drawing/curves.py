@@ -5,13 +5,10 @@ Results of `spacar symbolic`: quantities by name over time, with nodes and eleme
 Signals of a simulation as curves: `robot:10-12`, `error` (all of a block or scope), `robot[10] - y0[10]`.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +19,7 @@ from spacar.arrays import Array
 from spacar.deck.length_unit import shown_in
 from spacar.errors import UsageError
 from spacar.expressions import NONE, Dimensions, Unit
-
-if TYPE_CHECKING:
-    from spacar_drawing.picture_source import PictureSource
+from spacar_drawing.picture_source import PictureSource
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,5 @@
 """Pictures are drawn under the defaults of Matplotlib, not under the matplotlibrc of a user or of a foreign folder."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import wraps
 from typing import ParamSpec, TypeVar

@@ -17,8 +17,10 @@ from spacar.calls import Source, deck_of, has_interval, run
 from spacar.errors import UsageError
 from spacar.mechanism.user_files import without_functions
 from spacar.result import Result
+from spacar_drawing.curves import evaluate, in_units
 from spacar_drawing.defaults import plain
 from spacar_drawing.files import FILM_DPI, film, kept
+from spacar_drawing.history import history_figure
 from spacar_drawing.mechanism_picture import Extras, chosen_steps, picture, series
 from spacar_drawing.picture_source import PictureSource, open_source, source_of_result
 
@@ -151,9 +153,6 @@ def plot(
 
     Raises UsageError for an expression that cannot be evaluated, and for a file that cannot be written.
     """
-    from spacar_drawing.curves import evaluate, in_units
-    from spacar_drawing.history import history_figure
-
     if not expressions:
         raise UsageError("nothing to plot: give at least one expression, for instance 'x[6,1]'", "plot.nothing")
     source = source_of(result)

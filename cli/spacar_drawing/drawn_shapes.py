@@ -1,7 +1,5 @@
 """Drawable shapes in space, and the small solids of which pictures are made. Lengths in m, widths in points."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -212,3 +210,9 @@ def merge_bounds(shapes: Sequence[Shape]) -> tuple[Array, Array] | None:
         return None
     stacked = np.concatenate(parts)
     return stacked.min(0), stacked.max(0)
+
+
+def wider(bounds: tuple[Array, Array], shapes: Sequence[Shape]) -> tuple[Array, Array]:
+    """The box that holds these shapes too."""
+    box = merge_bounds(shapes)
+    return bounds if box is None else (np.minimum(bounds[0], box[0]), np.maximum(bounds[1], box[1]))

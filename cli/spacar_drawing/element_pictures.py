@@ -3,8 +3,6 @@
 Machine elements as shapes: springs, dashpots, hinges, belts and pulleys, wheels, screws.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -293,9 +291,5 @@ TOGETHER: dict[str, Callable[[Scene, Pose, Look, Sequence[Element]], list[Shape]
 }
 # Shape of an element type -> how one is drawn; a shape that is in neither table is drawn as `plain`.
 PARTS: dict[str, Callable[[Scene, Pose, Look, Element], list[Shape]]] = {
-    "hinge": hinge,
-    "belt": belt,
-    "planar wheel": planar_wheel,
-    "wheel": wheel,
-    "screw": screw,
-}
+    "hinge": hinge, "belt": belt, "planar wheel": planar_wheel, "wheel": wheel, "screw": screw,
+}  # fmt: skip

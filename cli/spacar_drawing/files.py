@@ -22,14 +22,13 @@ from spacar.errors import AnalysisError, UsageError, escaped
 from spacar_drawing.defaults import plain
 from spacar_drawing.drawn_shapes import Faces, Shape
 from spacar_drawing.paint import paint, paint_labels
+from spacar_drawing.scene import Array
 from spacar_drawing.stage import Camera, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from spacar_drawing.scene import Array
 
 Pictures = Callable[[int], tuple[Sequence[Shape], str]]  # frame number from 0 -> shapes and the line above the picture
 
@@ -120,6 +119,7 @@ def evenly(first: int, last: int, count: int) -> list[int]:
 
 STILL, FILM = (".png", ".svg", ".pdf", ".eps"), (".gif", ".mp4")
 FILM_DPI = 110.0  # most dots per inch of an animation
+QUALITY = 18  # constant rate factor of H.264: no loss that can be seen
 Tick = Callable[[int], None]
 
 
@@ -136,6 +136,12 @@ def check_name(path: Path, film: bool = True) -> str:
     if not path.parent.is_dir():
         raise UsageError(f"{path}: the folder {path.parent} does not exist", "draw.folder")
     return ending
+
+
+def check_stills(paths: Sequence[Path]) -> None:
+    """Raises UsageError for a name that no picture can have."""
+    for path in paths:
+        check_name(path, film=False)
 
 
 @plain
@@ -172,11 +178,8 @@ def film(
     """
     ending = check_name(path)
     moving.figure.set_dpi(dpi)
-    frames = _frames(moving, pictures, count, tick)
-    if ending == ".gif":
-        _gif(frames, path, fps)
-    else:
-        _mp4(frames, path, fps)
+    with replacing(path) as side:
+        (_gif if ending == ".gif" else _mp4)(_frames(moving, pictures, count, tick), side, path, fps)
 
 
 def _frames(moving: MovingFigure, pictures: Pictures, count: int, tick: Tick | None) -> Iterator[NDArray[np.uint8]]:
@@ -193,7 +196,7 @@ def _frames(moving: MovingFigure, pictures: Pictures, count: int, tick: Tick | N
             tick(k + 1)
 
 
-def _gif(frames: Iterator[NDArray[np.uint8]], path: Path, fps: float) -> None:
+def _gif(frames: Iterator[NDArray[np.uint8]], side: Path, path: Path, fps: float) -> None:
     """One palette for all frames, taken from the first, so that still parts do not flicker."""
     from PIL import Image
 
@@ -204,33 +207,15 @@ def _gif(frames: Iterator[NDArray[np.uint8]], path: Path, fps: float) -> None:
     palette.putpalette(colours.ravel().tolist())
     rest = (Image.fromarray(f).quantize(palette=palette, dither=Image.Dither.NONE) for f in frames)
     duration = max(20, 10 * round(100.0 / fps))  # ms in whole hundredths; faster is not shown by browsers
-    with replacing(path) as side:
-        palette.save(side, "GIF", save_all=True, append_images=rest, duration=duration, loop=0, optimize=False)
+    palette.save(side, "GIF", save_all=True, append_images=rest, duration=duration, loop=0, optimize=False)
 
 
-def _mp4(frames: Iterator[NDArray[np.uint8]], path: Path, fps: float) -> None:
-    with replacing(path) as side:
-        _encode(frames, side, path, fps)
-
-
-def _encode(frames: Iterator[NDArray[np.uint8]], side: Path, path: Path, fps: float) -> None:
+def _mp4(frames: Iterator[NDArray[np.uint8]], side: Path, path: Path, fps: float) -> None:
     first = next(frames)
     height, width = first.shape[:2]
-    command = ["ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}"]
-    command += [
-        "-r",
-        f"{fps:g}",
-        "-i",
-        "-",
-        "-an",
-        "-vcodec",
-        "libx264",
-        "-pix_fmt",
-        "yuv420p",
-        "-crf",
-        "18",
-        str(side),
-    ]
+    given = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {fps:g} -i -"
+    made = f"-an -vcodec libx264 -pix_fmt yuv420p -crf {QUALITY}"
+    command = ["ffmpeg", "-y", "-loglevel", "error", *given.split(), *made.split(), str(side)]
     process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
     assert process.stdin is not None
     try:

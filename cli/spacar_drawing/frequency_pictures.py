@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from spacar_formats.signal_tables import signal_unit
-from spacar_formats.vibration import without_rounding
+from spacar_formats.vibration import Vibration, without_rounding
 
 from spacar.errors import escaped
 from spacar.expressions import Unit, combine, unit_text
@@ -17,9 +17,7 @@ from spacar_drawing.stage import INK, blank, dress
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from matplotlib.ticker import MultipleLocator
     from spacar_formats.getss import SparseStep, StateSpaceStep
-    from spacar_formats.vibration import Vibration
 
 
 MOST_NAMED = 8  # curves in one panel
@@ -71,8 +69,13 @@ def bode_figure(
     Up to MOST_NAMED curves share the panels of their unit, with their margins; of more every input has a column of its
     own, and a colour and line style stand for the same output in all of them. Peaks without damping are cut off.
     """
+    from matplotlib.ticker import MultipleLocator
+
     together = len(pairs) <= MOST_NAMED
-    units = {pair: _ratio(system.outputs[pair[0]], system.inputs[pair[1]]) for pair in pairs}
+    units: dict[tuple[int, int], Unit | None] = {}
+    for i, j in pairs:
+        above, below = signal_unit(system.outputs[i]), signal_unit(system.inputs[j])
+        units[i, j] = None if above is None or below is None else combine(above, below, -1)
     columns: dict[object, list[tuple[int, int]]] = {}
     for pair in pairs:
         columns.setdefault(units[pair] if together else (pair[1], units[pair]), []).append(pair)
@@ -105,7 +108,10 @@ def bode_figure(
         dress(upper, "", f"amplitude (dB, 0 is 1 {unit})" if unit else "amplitude (dB)", framed=False)
         last = not together or lower is panels[-1, -1]
         dress(lower, "frequency (Hz)" if last else "", "phase (deg)", framed=False)
-        lower.yaxis.set_major_locator(_whole_turns(lower.get_ylim()))
+        whole = (15, 30, 45, 90, 180, 360)  # parts of a turn
+        lower.yaxis.set_major_locator(
+            MultipleLocator(next((step for step in whole if np.ptp(lower.get_ylim()) / step <= 8), 720))
+        )
         if not together:
             upper.set_title(f"from {escaped(system.inputs[chosen[0][1]])}", fontsize=8.5, color=INK, parse_math=False)
         else:
@@ -115,11 +121,6 @@ def bode_figure(
         lines = {line.get_label(): line for axes in panels[0] for line in axes.lines}
         figure.legend(lines.values(), lines, loc="outside lower center", ncols=NAMES_A_ROW, fontsize=7, frameon=False)
     return figure
-
-
-def _ratio(output: str, given: str) -> Unit | None:
-    above, below = signal_unit(output), signal_unit(given)
-    return None if above is None or below is None else combine(above, below, -1)
 
 
 def unwrapped(h: np.ndarray) -> np.ndarray:
@@ -169,11 +170,3 @@ def top_of(f: np.ndarray, decibels: np.ndarray) -> float:
     top = float(decibels.max())
     top = float(feet) + 0.5 * UNDAMPED if top > feet + UNDAMPED and np.isfinite(feet) else top
     return top + 0.05 * float(np.ptp(np.minimum(decibels, top)))
-
-
-def _whole_turns(ends: tuple[float, float]) -> MultipleLocator:
-    """Parts of a turn for the phase axis."""
-    from matplotlib.ticker import MultipleLocator
-
-    span = abs(ends[1] - ends[0])
-    return MultipleLocator(next((step for step in (15, 30, 45, 90, 180, 360) if span / step <= 8), 720))

@@ -18,7 +18,7 @@ from spacar.errors import escaped
 from spacar.expressions import MEANING, NONE, unit_text
 from spacar_drawing.curves import Curve
 from spacar_drawing.defaults import plain
-from spacar_drawing.stage import INK, blank, dress
+from spacar_drawing.stage import INK, blank, dress, widened
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -80,13 +80,9 @@ def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", sta
         _powers(axes, 8.0)
         axes.margins(x=0.0 if against.variable == "t" and not few else 0.05)
         if len(group) > 1 or group[0].group:
+            beside = (0.06, 1.0)  # the power of ten of the axis
             axes.legend(
-                fontsize=8,
-                frameon=False,
-                ncols=_columns(group),
-                loc="lower left",
-                bbox_to_anchor=(0.06, 1.0),  # beside the power of ten of the axis
-                borderpad=0.1,
+                fontsize=8, frameon=False, ncols=_columns(group), loc="lower left", bbox_to_anchor=beside, borderpad=0.1
             )
     label = ("load step" if stationary else "time t (s)") if against.variable == "t" else axis_text(against)
     all_axes[-1].set_xlabel(label, fontsize=8.5, color=INK, parse_math=False)
@@ -161,13 +157,7 @@ class TimeLine:
 
 def beside(figure: Figure, table: SignalTable, t: Array, panels: Sequence[Panel]) -> TimeLine:
     """Panels to the right of what a figure shows; the figure becomes wider."""
-    width, height = figure.get_size_inches()
-    part = width / (width + WIDTH)
-    for axes in figure.axes:
-        box = axes.get_position()
-        axes.set_position((box.x0 * part, box.y0, box.width * part, box.height))
-    figure.set_size_inches(width + WIDTH, height)
-    return TimeLine(figure, table, t, panels, width)
+    return TimeLine(figure, table, t, panels, widened(figure, WIDTH))
 
 
 def _fill(axes: Any, table: SignalTable, t: Array, panel: Panel, last: bool) -> None:

@@ -5,8 +5,6 @@ section 1.2), of an under-constraint, or of a vibration or buckling mode; it is 
 such that the largest displacement is a share of the mechanism (`suitable_factor`).
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 
@@ -89,7 +87,7 @@ def motion_model(source: PictureSource, x: Array, motion: Array, label: str) -> 
     mode = ModeShape(1, "buckling", 1.0 + 0j, np.zeros(0, complex), motion.astype(complex))
     scene, rows = source.scene, source.scene.position_nodes - 1
     extent = float(np.max(np.ptp(Pose.of(scene, x).place[rows], axis=0), initial=0.0)) or 1.0
-    xs = period(mode, x, suitable_factor(scene, mode, extent), PHASES)
+    xs = period(mode, x, suitable_factor(scene, motion, extent), PHASES)
 
     def read(name: str, k: int | None) -> Array | None:
         if name == "x":

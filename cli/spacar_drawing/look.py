@@ -3,8 +3,6 @@
 Where elements without position nodes (hinges) are drawn, and which joints a planar mechanism has.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from dataclasses import dataclass, field
 
@@ -98,7 +96,8 @@ def pin_joints(scene: Scene) -> tuple[int, ...]:
     for e in scene.elements:
         for place, turn in ((e.p, e.p_turn), (e.q, e.q_turn)):
             if place and e.shape == "truss":
-                if not measures_only(scene, e):
+                holds = scene.e_class(e.number, 1) in ("fixed", "input")
+                if holds or scene.stiffness[e.number - 1, 0] or scene.damping[e.number - 1, 0]:  # else it measures only
                     parts[place].add(-e.number)
             elif place and turn:
                 parts[place].add(turn)
@@ -112,12 +111,6 @@ def pin_joints(scene: Scene) -> tuple[int, ...]:
         if len(scene.fixed_directions(n)) == 2 and not held:
             found.add(n)
     return tuple(sorted(found))
-
-
-def measures_only(scene: Scene, e: Element) -> bool:
-    """A truss that is free to change its length and carries no force."""
-    free = scene.e_class(e.number, 1) not in ("fixed", "input")
-    return free and not scene.stiffness[e.number - 1, 0] and not scene.damping[e.number - 1, 0]
 
 
 FLEXIBLE, RIGID, TRUSS, SPRING = "#2f74b5", "#3c4a57", "#5d6d7a", "#3d8b5f"
@@ -172,6 +165,11 @@ def look_of(scene: Scene, xs: Array, settings: PictureSettings) -> Look:
         settings, SYMBOL * extent, points, places_of_hinges(scene, places[0]),
         pin_joints(scene) if scene.planar else (), ranges,
     )  # fmt: skip
+
+
+def extent_of(scene: Scene, x: Array, settings: PictureSettings) -> float:
+    """Size of the mechanism [m] in a configuration x (nx,)."""
+    return look_of(scene, x[None], settings).size / SYMBOL
 
 
 def middle(pose: Pose, nodes: tuple[int, ...]) -> Array:

@@ -16,7 +16,7 @@ from spacar.arrays import Array
 from spacar_drawing import look as colours
 from spacar_drawing.bodies import beam_lines, together
 from spacar_drawing.defaults import plain
-from spacar_drawing.drawn_shapes import Faces, Line, Shape, merge_bounds
+from spacar_drawing.drawn_shapes import Faces, Line, Shape, merge_bounds, wider
 from spacar_drawing.element_pictures import element_shapes
 from spacar_drawing.files import MovingFigure, Pictures, evenly
 from spacar_drawing.look import GHOST, Look, look_of
@@ -67,11 +67,8 @@ def mechanism_shapes(scene: Scene, x: Array, look: Look, extras: Extras) -> list
 
 def ghost_shapes(scene: Scene, x: Array, look: Look, strength: float = 0.35) -> list[Shape]:
     """The elements only, pale: other steps of a stroboscopic picture, or the undeformed state."""
-    return [
-        fade(s, strength)
-        for s in element_shapes(scene, Pose.of(scene, x), look)
-        if not isinstance(s, Faces) or s.layer < 5
-    ]
+    shapes = element_shapes(scene, Pose.of(scene, x), look)
+    return [fade(s, strength) for s in shapes if not isinstance(s, Faces) or s.layer < 5]
 
 
 def outline_shapes(scene: Scene, x: Array, look: Look, colour: colours.Colour = colours.GHOST) -> list[Shape]:
@@ -79,9 +76,8 @@ def outline_shapes(scene: Scene, x: Array, look: Look, colour: colours.Colour = 
     pose = Pose.of(scene, x)
     seen = (e for e in scene.elements if e.p and e.q and e.number not in look.settings.hidden and e.shape not in ROUND)
     alike = together(((e.shape == "beam", bool(e.warping)), e) for e in seen)
-    return [
-        Line(beam_lines(scene, pose, found, look.points)[0], colour, 1.0, 0, dashes=(5, 3)) for found in alike.values()
-    ]
+    lines = (beam_lines(scene, pose, found, look.points)[0] for found in alike.values())
+    return [Line(points, colour, 1.0, 0, dashes=(5, 3)) for points in lines]
 
 
 def fade(shape: Shape, strength: float) -> Shape:
@@ -94,9 +90,8 @@ def fade(shape: Shape, strength: float) -> Shape:
 
 def series_bounds(scene: Scene, xs: Array, look: Look, extras: Extras, most: int = 24) -> tuple[Array, Array]:
     """Box [m] around the drawings of (a sample of) the configurations xs (steps, nx)."""
-    chosen = np.unique(np.linspace(0, len(xs) - 1, min(len(xs), most)).round().astype(int))
     quiet = replace(extras, node_numbers=False, element_numbers=False)
-    boxes = [merge_bounds(mechanism_shapes(scene, xs[i], look, quiet)) for i in chosen]
+    boxes = [merge_bounds(mechanism_shapes(scene, xs[i], look, quiet)) for i in evenly(0, len(xs) - 1, most)]
     found = [b for b in boxes if b is not None]
     if not found:
         return np.full(3, -1.0), np.full(3, 1.0)
@@ -115,19 +110,11 @@ def draw_steps(
     """
     look = look or look_of(scene, xs if every_step is None else every_step, settings)
     camera = camera_of(scene, extras.view)
-    low, high = series_bounds(scene, xs, look, extras)
-    shapes: list[Shape] = []
-    if traces and every_step is not None:
-        shapes += trace_lines(scene, every_step, traces)
-        box = merge_bounds(shapes)
-        if box is not None:
-            low, high = np.minimum(low, box[0]), np.maximum(high, box[1])
-    around = merge_bounds(more)
-    if around is not None:
-        low, high = np.minimum(low, around[0]), np.maximum(high, around[1])
+    shapes: list[Shape] = trace_lines(scene, every_step, traces) if traces and every_step is not None else []
+    bounds = wider(series_bounds(scene, xs, look, extras), [*shapes, *more])
     if behind is not None:
         shapes += outline_shapes(scene, behind, look, settings.initial_colour or colours.GHOST)
-    figure, axes = new_figure((low, high), camera, scene.title if extras.title is None else extras.title)
+    figure, axes = new_figure(bounds, camera, scene.title if extras.title is None else extras.title)
     n = len(xs)
     for i, x in enumerate(xs[:-1]):
         shapes += ghost_shapes(scene, x, look, 0.18 + 0.30 * (i + 1) / n)
@@ -135,6 +122,11 @@ def draw_steps(
     corner_note(axes, note)
     paint(axes, camera, [*shapes, *more])
     return figure
+
+
+def title_of(scene: Scene, extras: Extras, *texts: str) -> str:
+    """The title that is asked for, or that of the scene with what the picture shows."""
+    return "   ".join(filter(None, (scene.title, *texts))) if extras.title is None else extras.title
 
 
 def corner_note(axes: Axes, text: str) -> None:
@@ -167,17 +159,15 @@ def chosen_steps(source: PictureSource, steps: str | int | None, strobe: int | N
 
 def configurations(source: PictureSource, numbers: Sequence[int]) -> Array:
     """(steps, nx) coordinates, reading only these steps."""
-    if len(numbers) == source.steps:
-        return source.x()
-    return np.stack([source.x(k) for k in numbers])
+    return source.x() if len(numbers) == source.steps else np.stack([source.x(k) for k in numbers])
 
 
 def step_text(source: PictureSource, k: int) -> str:
     """What stands above the picture of a step."""
-    t = source.time(k)
-    if source.scene.analysis.stationary:
-        return f"{source.scene.title}   load step {k}" if source.steps > 1 else source.scene.title
-    return f"{source.scene.title}   t = {t:.6g} s" if source.steps > 1 else source.scene.title
+    if source.steps == 1:
+        return source.scene.title
+    where = f"load step {k}" if source.scene.analysis.stationary else f"t = {source.time(k):.6g} s"
+    return f"{source.scene.title}   {where}"
 
 
 @plain
@@ -266,19 +256,16 @@ def series(
     some = [numbers[i] for i in evenly(0, len(numbers) - 1, SAMPLES)]
     sample = np.stack([place(x) for x in configurations(source, some)])
     look = look_of(scene, sample, source.settings)
-    low, high = series_bounds(scene, sample, look, extras, SAMPLES)
+    bounds = series_bounds(scene, sample, look, extras, SAMPLES)
     symbols = Symbols.of(source, extras.symbols, numbers) if extras.symbols else None
-    for k, x in zip(some, sample, strict=True) if symbols else ():
-        around = merge_bounds(symbols.shapes(k, x, look)) if symbols else None
-        if around is not None:
-            low, high = np.minimum(low, around[0]), np.maximum(high, around[1])
+    if symbols:
+        for k, x in zip(some, sample, strict=True):
+            bounds = wider(bounds, symbols.shapes(k, x, look))
     still: list[Shape] = trace_lines(scene, np.stack([place(x) for x in source.x()]), nodes) if nodes else []
     still += place.undeformed(look)
     if initial:
         still += outline_shapes(scene, place(source.x(1)), look, source.settings.initial_colour or GHOST)
-    box = merge_bounds(still)
-    if box is not None:
-        low, high = np.minimum(low, box[0]), np.maximum(high, box[1])
+    bounds = wider(bounds, still)
 
     def show(i: int) -> tuple[Sequence[Shape], str]:
         k = numbers[i]
@@ -288,4 +275,4 @@ def series(
         return [*mechanism_shapes(scene, x, look, extras), *more], title
 
     note = symbols.legend if symbols else ""
-    return Series(source, extras, numbers, camera_of(scene, extras.view), (low, high), still, show, note)
+    return Series(source, extras, numbers, camera_of(scene, extras.view), bounds, still, show, note)

@@ -20,10 +20,11 @@ from spacar_drawing.mechanism_picture import (
     mechanism_shapes,
     outline_shapes,
     series_bounds,
+    title_of,
 )
-from spacar_drawing.mode_shapes import ModeShape, Redundancy, displaced, suitable_factor
+from spacar_drawing.mode_shapes import ModeShape, Redundancy, suitable_factor
 from spacar_drawing.paint import paint
-from spacar_drawing.scene import Pose, Scene
+from spacar_drawing.scene import Scene, positions
 from spacar_drawing.settings import PictureSettings
 from spacar_drawing.stage import new_figure
 
@@ -38,8 +39,8 @@ PALE, RED = np.array([0.82, 0.85, 0.87]), np.array([0.78, 0.08, 0.12])
 def swing(mode: ModeShape, x: Array, factor: float, phase: float) -> Array:
     """(nx,) configuration of a phase; a mode that does not oscillate goes to one side and back."""
     if mode.oscillates:
-        return displaced(x, mode, factor, phase)
-    return displaced(x, mode, 0.5 * factor * (1.0 - np.cos(phase)), 0.0)
+        return x + factor * np.real(mode.motion * np.exp(1j * phase))
+    return x + 0.5 * factor * (1.0 - np.cos(phase)) * np.real(mode.motion)
 
 
 def period(mode: ModeShape, x: Array, factor: float, count: int) -> Array:
@@ -61,7 +62,7 @@ def mode_still(
     look = mode_look(scene, x, settings, whole)
     camera = camera_of(scene, extras.view)
     bounds = series_bounds(scene, np.concatenate((x[None], whole)), look, extras)
-    figure, axes = new_figure(bounds, camera, _title(scene, extras, mode.label))
+    figure, axes = new_figure(bounds, camera, title_of(scene, extras, mode.label))
     shapes: list[Shape] = outline_shapes(scene, x, look, settings.initial_colour or GHOST) if rest else []
     phases = (np.pi / 2, np.pi) if mode.is_complex and mode.oscillates else (np.pi,) if mode.oscillates else ()
     for phase in phases:
@@ -81,7 +82,8 @@ def mode_pictures(
     behind = outline_shapes(scene, x, look, settings.initial_colour or GHOST) if rest else []
 
     def picture(k: int) -> tuple[Sequence[Shape], str]:
-        return [*behind, *mechanism_shapes(scene, whole[k % PHASES], look, extras)], _title(scene, extras, mode.label)
+        shapes = mechanism_shapes(scene, whole[k % PHASES], look, extras)
+        return [*behind, *shapes], title_of(scene, extras, mode.label)
 
     return picture, bounds
 
@@ -101,37 +103,17 @@ def constraint_still(
             tints[e.number] = (float(r), float(g), float(b))
     look = replace(look_of(scene, x[None], settings), tints=tints)
     camera = camera_of(scene, extras.view)
-    moved = [x + _step_for(scene, motion, extent) * motion for motion in found.under]
+    moved = [x + suitable_factor(scene, motion, extent) * motion for motion in found.under]
     bounds = series_bounds(scene, np.stack([x, *moved]), look, extras)
-    over, under = len(found.over), len(found.under)
-    parts = []
-    if over:
-        parts.append(f"{over} over-constraint{'s' * (over > 1)} (red elements take part)")
-    if under:
-        parts.append(f"{under} under-constraint{'s' * (under > 1)} (free motion dashed)")
-    figure, axes = new_figure(
-        bounds, camera, _title(scene, extras, ", ".join(parts) or "no over- or under-constraints")
-    )
+    counts = (len(found.over), "over", "red elements take part"), (len(found.under), "under", "free motion dashed")
+    text = ", ".join(f"{n} {which}-constraint{'s' * (n > 1)} ({how})" for n, which, how in counts if n)
+    title = title_of(scene, extras, text or "no over- or under-constraints")
+    figure, axes = new_figure(bounds, camera, title)
     shapes: list[Shape] = []
     for y in moved:
         shapes += outline_shapes(scene, y, look, DRIVE)
-        shapes += _arrows(scene, x, y, look)
+        a, b = (positions(scene, at)[scene.position_nodes - 1] for at in (x, y))
+        far = np.linalg.norm(b - a, axis=1) > 0.05 * look.size
+        shapes += [Line(ends, DRIVE, 0.9, 5) for ends in np.stack((a, b), axis=1)[far]]  # where the motion takes nodes
     paint(axes, camera, [*shapes, *mechanism_shapes(scene, x, look, extras)])
     return figure
-
-
-def _step_for(scene: Scene, motion: Array, extent: float) -> float:
-    mode = ModeShape(0, "buckling", 1.0 + 0j, np.zeros(0, complex), motion.astype(complex))
-
-    return suitable_factor(scene, mode, extent)
-
-
-def _arrows(scene: Scene, x: Array, y: Array, look: Look) -> list[Shape]:
-    """Lines from the nodes to where the motion takes them."""
-    a, b = Pose.of(scene, x).place, Pose.of(scene, y).place
-    moved = [n for n in scene.position_nodes.tolist() if np.linalg.norm(b[n - 1] - a[n - 1]) > 0.05 * look.size]
-    return [Line(np.stack((a[n - 1], b[n - 1])), DRIVE, 0.9, 5) for n in moved]
-
-
-def _title(scene: Scene, extras: Extras, text: str) -> str:
-    return f"{scene.title}   {text}" if extras.title is None else extras.title

@@ -32,12 +32,11 @@ from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import Report, UsageError
 from spacar.kinematics.null_space import norm_estimate, null_space
+from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.scene import Scene
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
-
-    from spacar_drawing.picture_source import PictureSource
 
 ZERO = float(np.sqrt(np.finfo(float).eps))
 
@@ -132,11 +131,8 @@ class ModeShape:
         size, real = abs(self.value), self.value.real
         if not self.oscillates:
             word = "unstable" if real > 0 else "decaying"
-            return (
-                f"{name}   \N{GREEK SMALL LETTER LAMDA} = {real:.5g} 1/s ({word})"
-                if size
-                else f"{name}   frequency zero"
-            )
+            rate = f"\N{GREEK SMALL LETTER LAMDA} = {real:.5g} 1/s ({word})"
+            return f"{name}   {rate if size else 'frequency zero'}"
         omega = abs(self.value.imag)
         text = f"{name}   f = {omega / (2 * np.pi):.5g} Hz, \N{GREEK SMALL LETTER OMEGA} = {omega:.5g} rad/s"
         if abs(real) > 1e-9 * size:
@@ -213,9 +209,10 @@ def vibration_modes(source: PictureSource, matrices: Any, step: int) -> list[Mod
 
 
 def _pair(a: complex, b: complex, largest: float) -> bool:
-    return min(abs(a - b), abs(a - np.conj(b)), abs(a + b), abs(a + np.conj(b))) < 1e-3 * SAME * largest + SAME * abs(
-        a
-    ) or (abs(a) < SAME * largest and abs(b) < SAME * largest)
+    if abs(a) < SAME * largest and abs(b) < SAME * largest:
+        return True
+    apart = min(abs(a - b), abs(a - np.conj(b)), abs(a + b), abs(a + np.conj(b)))
+    return apart < 1e-3 * SAME * largest + SAME * abs(a)
 
 
 def buckling_modes(source: PictureSource, matrices: Any, step: int) -> list[ModeShape]:
@@ -236,14 +233,10 @@ def buckling_modes(source: PictureSource, matrices: Any, step: int) -> list[Mode
     return modes
 
 
-def displaced(x: Array, mode: ModeShape, factor: float, phase: float) -> Array:
-    """(nx,) x + factor Re(motion e^(i phase)), phase [rad]."""
-    return x + factor * np.real(mode.motion * np.exp(1j * phase))
-
-
-def suitable_factor(scene: Scene, mode: ModeShape, extent: float, share: float = 0.12, most: float = 0.6) -> float:
-    """The factor at which the largest displacement is `share` of the extent [m] and no rotation exceeds `most` rad."""
-    amplitude = np.abs(mode.motion)
+def suitable_factor(scene: Scene, motion: NDArray, extent: float, share: float = 0.12, most: float = 0.6) -> float:
+    """The factor at which the largest displacement of a motion (nx,) is `share` of the extent [m] and no rotation
+    exceeds `most` rad."""
+    amplitude = np.abs(motion)
     k = 2 if scene.planar else 3
     rows = scene.position_nodes - 1
     moves = float(np.max(amplitude[scene.lnp[rows, :k] - 1], initial=0.0)) if len(rows) else 0.0

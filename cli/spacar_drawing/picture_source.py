@@ -3,29 +3,24 @@
 The named quantities of a result of `spacar symbolic`, and the empty scene of one without points.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from spacar_formats.locate import open_result, stale_note
+from spacar_formats.sbf import SbfFile
 from spacar_formats.signal_tables import SignalTable, read_table
 from spacar_formats.sinks.results import sbd_header
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.modes import find_mode
+from spacar.result import Result
 from spacar.stream import Run
 from spacar_drawing.scene import Scene
 from spacar_drawing.settings import PictureSettings, parse_settings, read_settings
-
-if TYPE_CHECKING:
-    from spacar_formats.sbf import SbfFile
-
-    from spacar.result import Result
 
 GROUPS = {"Q": "QNAME", "S": "SNAME", "U": "UNAME", "Y": "YNAME"}
 

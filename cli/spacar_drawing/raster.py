@@ -5,8 +5,6 @@ a spatial picture as triangles sorted by depth (painter's algorithm), lines that
 polygons of one colour as one path. Stills use `paint`, whose collections also suit svg and pdf.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

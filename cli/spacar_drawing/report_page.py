@@ -1,12 +1,10 @@
 """The report of a run: a self-contained HTML page with embedded pictures, without scripts but that of the viewer."""
 
-from __future__ import annotations
-
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,7 +14,7 @@ from spacar_drawing.curves import Curve, evaluate, in_units
 from spacar_drawing.defaults import plain
 from spacar_drawing.files import evenly
 from spacar_drawing.history import axis_text, history_figure
-from spacar_drawing.look import SYMBOL, look_of
+from spacar_drawing.look import extent_of
 from spacar_drawing.mechanism_picture import Extras, draw_steps, picture
 from spacar_drawing.mode_picture import constraint_still, mode_still
 from spacar_drawing.mode_shapes import (
@@ -28,12 +26,8 @@ from spacar_drawing.mode_shapes import (
     vibration_modes,
 )
 from spacar_drawing.page_parts import html_figure, html_table, number_text, page
-
-if TYPE_CHECKING:
-
-    from spacar_drawing.mode_shapes import ModeShape
-    from spacar_drawing.picture_source import PictureSource
-    from spacar_drawing.scene import Scene
+from spacar_drawing.picture_source import PictureSource
+from spacar_drawing.scene import Scene
 
 MOST_CURVES = 12
 MOST_MODES = 4
@@ -53,7 +47,12 @@ def report_page(
     scene = source.scene
     extras = Extras(view=view, title="")
     parts = [_summary(source), _model(source, extras, tuple(symbols))]
-    parts += [_viewer(source, view) if viewer else "", _freedoms(source)]
+    if viewer:  # the page of `spacar view` in a frame of its own, which cannot reach this page
+        from spacar_drawing.viewer_page import view_page
+
+        frame = f'sandbox="allow-scripts" title="motion" srcdoc="{escape(view_page(source, view=view), quote=True)}"'
+        parts.append(f'<h2>Motion</h2><iframe class="viewer" {frame}></iframe>')
+    parts.append(_freedoms(source))
     if not source.named and not scene.analysis.forces:
         parts.append(_constraints(source, extras))
     if scene.analysis.stationary:
@@ -63,8 +62,9 @@ def report_page(
     resting = [] if expressions else [c for c in curves if not np.any(c.values)]  # what was asked for is always shown
     curves = [c for c in curves if all(c is not r for r in resting)]
     parts.append(_results(source, curves, resting))
-    if source.steps > 2:
-        parts.append(_plots(source, curves))
+    if source.steps > 2 and curves:
+        figure = history_figure(curves, evaluate(source, "t"), "", scene.analysis.stationary)
+        parts.append("<h2>Plots</h2>" + html_figure(figure, ", ".join(c.text for c in curves) + " over time."))
     parts.append(_log(source, log_lines))
     return page(scene.title, parts)
 
@@ -73,8 +73,10 @@ def key_curves(source: PictureSource) -> list[Curve]:
     """What a reader wants to see first: in inverse dynamics the stresses and motions of the hinges; else the degrees of
     freedom that the analysis found, what the prescribed ones need as driving forces or stresses, and the coordinates
     that move most."""
-    if source.named:
-        return [evaluate(source, name) for name in named_freedoms(source) + _texts(source, "YNAME")][:MOST_CURVES]
+    if source.named:  # coordinates that are not amplitudes of fields, all when there is no other; outputs
+        names = _texts(source, "QNAME")
+        names = [name for name in names if not name.startswith("phi")] or names
+        return [evaluate(source, name) for name in names + _texts(source, "YNAME")][:MOST_CURVES]
     scene = source.scene
     found = freedoms(scene)
     if scene.analysis.gives_setpoints or scene.analysis.takes_setpoints:
@@ -84,7 +86,9 @@ def key_curves(source: PictureSource) -> list[Curve]:
             return [evaluate(source, text) for text in texts]
     texts = [text for text, _, kind in found if kind != "input"]
     for text, _, kind in found:
-        if kind == "input" and not (text[0] == "x" and _is_spatial_rotation(scene, text)):
+        # the force dual to an Euler parameter says nothing to a reader
+        place = scene.planar or int(text[2:].partition(",")[0]) in scene.position_nodes
+        if kind == "input" and (text[0] == "e" or place):
             texts.append(text.replace("x[", "fxtot[") if text[0] == "x" else text.replace("e[", "sig["))
     if len(texts) < MOST_CURVES:
         x = source.x()
@@ -100,19 +104,8 @@ def key_curves(source: PictureSource) -> list[Curve]:
     return [evaluate(source, text) for text in texts[:MOST_CURVES]]
 
 
-def named_freedoms(source: PictureSource) -> list[str]:
-    """Coordinates of a result of `spacar symbolic` that are not amplitudes of fields; all when there is no other."""
-    names = _texts(source, "QNAME")
-    return [name for name in names if not name.startswith("phi")] or names
-
-
 def _texts(source: PictureSource, name: str) -> list[str]:
     return [str(text) for text in source.header.get(name, [])]
-
-
-def _is_spatial_rotation(scene: Scene, text: str) -> bool:
-    """Does the text name an Euler parameter? The force dual to one says nothing to a reader."""
-    return not scene.planar and int(text[2:].partition(",")[0]) not in scene.position_nodes
 
 
 def freedoms(scene: Scene) -> list[tuple[str, str, str]]:
@@ -130,40 +123,28 @@ def freedoms(scene: Scene) -> list[tuple[str, str, str]]:
         for m in np.flatnonzero(scene.le[e.number - 1] > 0).tolist():
             kind = scene.e_class(e.number, m + 1)
             if kind in rank:
-                mode = ELEMENT_TYPES[e.keyword].modes[m][0]
-                found.append(
-                    (
-                        rank[kind] + (2 if kind != "kinematic" else 1), f"e[{e.number},{m + 1}]",
-                        f"{e.keyword} {e.number}, {mode}", kind,
-                    )
-                )
+                mode, place = ELEMENT_TYPES[e.keyword].modes[m][0], rank[kind] + (2 if kind != "kinematic" else 1)
+                found.append((place, f"e[{e.number},{m + 1}]", f"{e.keyword} {e.number}, {mode}", kind))
     return [(text, words, kind) for _, text, words, kind in sorted(found, key=lambda f: f[0])]
 
 
 def _summary(source: PictureSource) -> str:
     header, scene = source.header, source.scene
     mode = scene.analysis
-    words: dict[str, str] = {}
-    for e in scene.elements:
-        words[e.keyword] = str(int(words.get(e.keyword, "0")) + 1)
+    words = Counter(e.keyword for e in scene.elements)
+    steps = str(source.steps)
+    if not (scene.analysis.stationary or source.steps == 1):
+        steps += f", t = {source.time(1):.6g} to {source.time(source.steps):.6g} s"
     rows = [
         ("Input", _text(header, "SOURCE")),
         ("Analysis", "spacar symbolic simulate" if source.named else f"mode {mode.number}: {mode.title}"),
         ("Program", _text(header, "VERSION")), ("Elements", ", ".join(f"{n} {k}" for k, n in words.items())),
         ("Nodes", f"{len(scene.position_nodes)} for positions, {len(scene.orientation_nodes)} for orientations"),
-        ("Steps stored", _steps(source)),
+        ("Steps stored", steps),
         ("Input digest", f"SHA-256 {_text(header, 'SHA256')[:16]}\N{HORIZONTAL ELLIPSIS}"),
     ]  # fmt: skip
-    warning = (
-        "" if source.complete else '<p class="warn">The run did not come to its end: the result is incomplete.</p>'
-    )
-    return warning + html_table(rows, head=None, klass="facts")
-
-
-def _steps(source: PictureSource) -> str:
-    if source.scene.analysis.stationary or source.steps == 1:
-        return str(source.steps)
-    return f"{source.steps}, t = {source.time(1):.6g} to {source.time(source.steps):.6g} s"
+    warning = '<p class="warn">The run did not come to its end: the result is incomplete.</p>'
+    return ("" if source.complete else warning) + html_table(rows, head=None, klass="facts")
 
 
 def _text(header: object, name: str) -> str:
@@ -190,14 +171,6 @@ def _model(source: PictureSource, extras: Extras, symbols: tuple[str, ...]) -> s
         if float(np.max(np.ptp(xs, axis=0), initial=0.0)) > 0:
             out += html_figure(moving, f"{len(chosen)} evenly spread steps, the last one in full.")
     return out
-
-
-def _viewer(source: PictureSource, view: str) -> str:
-    """The page of `spacar view` in a frame of its own, which cannot reach this page."""
-    from spacar_drawing.viewer_page import view_page
-
-    page = escape(view_page(source, view=view), quote=True)
-    return f'<h2>Motion</h2><iframe class="viewer" sandbox="allow-scripts" title="motion" srcdoc="{page}"></iframe>'
 
 
 def _freedoms(source: PictureSource) -> str:
@@ -228,34 +201,20 @@ def _results(source: PictureSource, curves: Sequence[Curve], resting: Sequence[C
         if len(v) == 1:
             rows.append((axis_text(c), number_text(v[0])))
             continue
-        low, high = int(np.argmin(v)), int(np.argmax(v))
-        rows.append(
-            (
-                axis_text(c), number_text(v[0]), number_text(v[-1]), f"{number_text(v[low])} at {times[low]:.4g}{unit}",
-                f"{number_text(v[high])} at {times[high]:.4g}{unit}",
-            )
-        )
+        extremes = [f"{number_text(v[k])} at {times[k]:.4g}{unit}" for k in (np.argmin(v), np.argmax(v))]
+        rows.append((axis_text(c), number_text(v[0]), number_text(v[-1]), *extremes))
     head = ("", "value") if source.steps == 1 else ("", "first", "last", "smallest", "largest")
     return "<h2>Key results</h2>" + html_table(rows, head, "numbers") + left
-
-
-def _plots(source: PictureSource, curves: Sequence[Curve]) -> str:
-    if not curves:
-        return ""
-    across = evaluate(source, "t")
-    figure = history_figure(curves, across, "", source.scene.analysis.stationary)
-    return "<h2>Plots</h2>" + html_figure(figure, ", ".join(c.text for c in curves) + " over time.")
 
 
 def _modes(source: PictureSource, extras: Extras) -> str:
     """Tables and pictures of vibration and buckling modes; a sentence where the result has none."""
     out = ""
-    rows: list[tuple[str, ...]]
     analysis = source.scene.analysis
     kinds = [k for k, given in (("vibration", analysis.linearized), ("buckling", analysis.buckling)) if given]
     step = source.steps
     x = source.x(step)
-    extent = look_of(source.scene, x[None], source.settings).size / SYMBOL
+    extent = extent_of(source.scene, x, source.settings)
     for kind in kinds:
         try:
             with open_matrices(source) as matrices:
@@ -263,31 +222,26 @@ def _modes(source: PictureSource, extras: Extras) -> str:
         except UsageError as error:
             out += f'<h2>{kind.capitalize()} modes</h2><p class="warn">{escape(str(error))}</p>'
             continue
+        head, rows = ["mode", "load multiplier"], [[str(m.number), number_text(m.value.real)] for m in found]
         if kind == "vibration":
-            rows = [_vibration_row(m) for m in found]
-            head: tuple[str, ...] = ("mode", "real part (1/s)", "frequency (rad/s)", "frequency (Hz)", "damping ratio")
-        else:
-            rows = [(str(m.number), number_text(m.value.real)) for m in found]
-            head = ("mode", "load multiplier")
+            head = ["mode", "real part (1/s)", "frequency (rad/s)", "frequency (Hz)", "damping ratio"]
+            for row, m in zip(rows, found, strict=True):
+                omega, size = abs(m.value.imag), abs(m.value)
+                ratio = number_text(-m.value.real / size) if size else ""
+                row += [number_text(omega), number_text(omega / (2 * np.pi)), ratio]
         out += f"<h2>{kind.capitalize()} modes</h2>" + html_table(rows, head, "numbers")
         for m in found[:MOST_MODES]:
             still = mode_still(
                 source.scene, x, source.settings, replace(extras, title=m.label), m,
-                suitable_factor(source.scene, m, extent), True,
+                suitable_factor(source.scene, m.motion, extent), True,
             )  # fmt: skip
             out += html_figure(still, m.label.replace("   ", ": ", 1), "half")
     return out
 
 
-def _vibration_row(mode: ModeShape) -> tuple[str, ...]:
-    real, omega, size = mode.value.real, abs(mode.value.imag), abs(mode.value)
-    ratio = number_text(-real / size) if size else ""
-    return str(mode.number), number_text(real), number_text(omega), number_text(omega / (2 * np.pi)), ratio
-
-
 def _constraints(source: PictureSource, extras: Extras) -> str:
     x = source.x(1)
-    extent = look_of(source.scene, x[None], source.settings).size / SYMBOL
+    extent = extent_of(source.scene, x, source.settings)
     found = redundancy(source.scene, stored_gradient(source, 1), extent)
     figure = constraint_still(source.scene, x, source.settings, extras, found, extent)
     text = f"{len(found.over)} over-constraints, {len(found.under)} under-constraints."

@@ -1,7 +1,5 @@
 """Cross-sections of beams as outlines, with their areas and moments. Coordinates (y, z) along local y', z' [m]."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

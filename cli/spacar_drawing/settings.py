@@ -7,8 +7,6 @@ length, STEPLINE the distance of the points on an elastic line in element length
 degrees of freedom of a mode that is scaled to norm 1.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path

@@ -6,8 +6,6 @@ word of a line is the setting, and nothing else may stand on that line (referenc
 The settings of the VISUALIZATION section: what each is for and what stands behind it, for `check` and `keywords`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator, Sequence
 from difflib import get_close_matches
 from pathlib import Path

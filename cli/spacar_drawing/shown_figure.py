@@ -1,7 +1,5 @@
 """A matplotlib figure that a notebook shows by itself, without pyplot or a magic line."""
 
-from __future__ import annotations
-
 from io import BytesIO
 
 from matplotlib.figure import Figure

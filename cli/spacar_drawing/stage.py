@@ -80,6 +80,17 @@ def blank(width: float, height: float, **options: Any) -> Figure:
     return ShownFigure(figsize=(width, height), dpi=110, **options)
 
 
+def widened(figure: Figure, more: float) -> float:
+    """Make a figure wider by `more` inches, free to the right of what it shows; returns the width that it had."""
+    width, height = figure.get_size_inches()
+    part = width / (width + more)
+    for axes in figure.axes:
+        box = axes.get_position()
+        axes.set_position((box.x0 * part, box.y0, box.width * part, box.height))
+    figure.set_size_inches(width + more, height)
+    return float(width)
+
+
 def dress(axes: Axes, x: str = "", y: str = "", numbers: float = 8.0, framed: bool = True) -> None:
     """Names of the axes, grid and numbers as in all diagrams."""
     axes.set_xlabel(x, fontsize=8.5, color=INK, parse_math=False)
@@ -228,19 +239,12 @@ def _space_grid(axes: Axes, camera: Camera, low: Array, high: Array) -> None:
                 textcoords="offset points", ha="right" if beside else "left" if behind else "center", va="center",
                 fontsize=7.5, color=INK, zorder=3, annotation_clip=False,
             )  # fmt: skip
+        upright = 90.0 if behind else 0.0  # the margin to the right is narrow
         axes.annotate(
-            f"{name} ({shown_in('m', camera.metre)[1]})",
-            tuple(0.5 * (a + b)),
-            xytext=tuple((40 if beside else 34 if behind else 27) * out),
-            textcoords="offset points",
-            ha="center",
-            va="center",
-            rotation=90.0 if behind else 0.0,  # the margin to the right is narrow
-            fontsize=8.5,
-            color=INK,
-            zorder=3,
-            annotation_clip=False,
-        )
+            f"{name} ({shown_in('m', camera.metre)[1]})", tuple(0.5 * (a + b)),
+            xytext=tuple((40 if beside else 34 if behind else 27) * out), textcoords="offset points", ha="center",
+            va="center", rotation=upright, fontsize=8.5, color=INK, zorder=3, annotation_clip=False,
+        )  # fmt: skip
 
 
 def _edge_for_numbers(camera: Camera, k: int, low: Array, high: Array, far: Array, near: Array) -> Array:

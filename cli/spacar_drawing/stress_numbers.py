@@ -6,8 +6,6 @@ The formulas are those of `stresses`, with numbers that carry a complex step: re
 places of its points. A largest stress has the derivative of the point where it is largest.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 

@@ -17,16 +17,16 @@ from spacar.deck.length_unit import shown_in
 from spacar.errors import UsageError
 from spacar_drawing.bodies import beam_lines, slender
 from spacar_drawing.defaults import plain
-from spacar_drawing.drawn_shapes import Faces, Label, Line, Shape, merge_bounds, sweep
+from spacar_drawing.drawn_shapes import Faces, Label, Line, Shape, sweep, wider
 from spacar_drawing.history import COLOURS
-from spacar_drawing.look import look_of
-from spacar_drawing.mechanism_picture import Extras, camera_of, mechanism_shapes, series_bounds
+from spacar_drawing.look import SYMBOL, look_of
+from spacar_drawing.mechanism_picture import Extras, camera_of, mechanism_shapes, series_bounds, title_of
 from spacar_drawing.paint import paint
 from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.sections import inside, moments, outline
 from spacar_drawing.settings import PictureSettings, SectionShape
-from spacar_drawing.stage import INK, blank, dress, new_figure
+from spacar_drawing.stage import INK, blank, dress, new_figure, widened
 from spacar_drawing.stresses import QUANTITIES, STRESSES, Resultants, along, of_quantity, resultants, stress_field
 
 if TYPE_CHECKING:
@@ -176,7 +176,7 @@ def stress_still(
             shapes += slender(scene, pose, look, [element], n, rgb[None], 4.0, 0.45)
         else:
             shapes.append(Faces(quads, rgb, None, 1.0, 1, False))
-    camera, title = camera_of(scene, extras.view), _title(scene, extras, name, note)
+    camera, title = camera_of(scene, extras.view), title_of(scene, extras, note, name)
     figure, axes = new_figure(series_bounds(scene, x[None], look, extras), camera, title)
     paint(axes, camera, shapes)
     unit = shown_in(QUANTITIES[quantity][1], scene.metre)[1]
@@ -242,8 +242,7 @@ def diagram_still(
     found = courses(scene, sig, e, settings, quantity, max(look.points, 17))
     camera = camera_of(scene, extras.view)
     largest = max(float(np.max(np.abs(c.values))) for c in found)
-    extent = look.size / 0.022
-    factor = HEIGHT * extent / largest if largest else 0.0
+    factor = HEIGHT * look.size / SYMBOL / largest if largest else 0.0
     pose = Pose.of(scene, x)
     shapes: list[Shape] = []
     marks: list[tuple[float, Label]] = []
@@ -265,12 +264,10 @@ def diagram_still(
                 marks.append((abs(c.values[i]), Label(tips[i], text, "#33414d")))
     shapes += _without_doubles(marks, look.size)
     shapes += mechanism_shapes(scene, x, look, extras)
-    bounds = series_bounds(scene, x[None], look, extras)
-    box = merge_bounds([s for s in shapes if not isinstance(s, Label)])
-    if box is not None:
-        bounds = np.minimum(bounds[0], box[0]), np.maximum(bounds[1], box[1])
+    drawn = [s for s in shapes if not isinstance(s, Label)]
+    bounds = wider(series_bounds(scene, x[None], look, extras), drawn)
     title = f"{QUANTITIES[quantity][0]} ({shown_in(QUANTITIES[quantity][1], scene.metre)[1]})"
-    figure, axes = new_figure(bounds, camera, _title(scene, extras, title, note))
+    figure, axes = new_figure(bounds, camera, title_of(scene, extras, note, title))
     paint(axes, camera, shapes)
     return figure
 
@@ -296,22 +293,12 @@ def colour_range(values: Array, quantity: str) -> tuple[float, float, Colormap]:
 
 def _scale(figure: Figure, axes: Any, mappable: Any, label: str) -> None:
     """A colour scale in a strip to the right, for which the figure is made wider."""
-    width, height = figure.get_size_inches()
-    box = axes.get_position()
-    more = 1.05
-    figure.set_size_inches(width + more, height)
-    share = width / (width + more)
-    axes.set_position((box.x0 * share, box.y0, box.width * share, box.height))
-    strip = figure.add_axes(
-        ((width + 0.05) / (width + more), box.y0 + 0.08 * box.height, 0.16 / (width + more), 0.84 * box.height)
-    )
+    box, width = axes.get_position(), widened(figure, 1.05)
+    whole = width + 1.05
+    strip = figure.add_axes(((width + 0.05) / whole, box.y0 + 0.08 * box.height, 0.16 / whole, 0.84 * box.height))
     bar = figure.colorbar(mappable, cax=strip)
     bar.ax.tick_params(labelsize=7.5, colors=INK)
     bar.set_label(label, fontsize=8.5, color=INK)
     bar.outline.set_linewidth(0.6)
     bar.ax.ticklabel_format(axis="y", scilimits=(-3, 4))
     bar.ax.yaxis.get_offset_text().set_fontsize(7.5)
-
-
-def _title(scene: Scene, extras: Extras, text: str, note: str) -> str:
-    return "   ".join(p for p in (scene.title, note, text) if p) if extras.title is None else extras.title

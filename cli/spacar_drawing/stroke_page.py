@@ -1,7 +1,5 @@
 """The page of `spacar flexure`: five numbers, two pictures, lowest modes; folded: facts, extremes, curves, tables."""
 
-from __future__ import annotations
-
 from html import escape
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Ground symbols, drives, pins, nodes, numbers and traces."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -7,8 +7,6 @@ decomposition of their covariance: reference/bibliography.md, Kabsch); anything 
 the frames are stored for every picture.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
@@ -19,7 +17,7 @@ from spacar.arrays import Array
 from spacar_drawing.bodies import Alike, bar_groups, beam_lines, body_groups, open_ends
 from spacar_drawing.drawn_shapes import Faces, Line, Mark, Shape, convex_pieces, disc_outline
 from spacar_drawing.element_pictures import PARTS, free_truss, plain, slider, slides, straight_and_free, wound_arcs
-from spacar_drawing.look import Look
+from spacar_drawing.look import SYMBOL, Look
 from spacar_drawing.paint import rgba
 from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.sections import outline
@@ -178,7 +176,7 @@ def _slender(mesh: TriangleMesh, scene: Scene, poses: Sequence[Pose], look: Look
 def _shapes(mesh: TriangleMesh, poses: Sequence[Pose], draw: Draw, element: int) -> None:
     """Shapes that a function draws, matched from picture to picture; what comes and goes is left out."""
     every = [draw(pose) for pose in poses]
-    extent = mesh.size / 0.022
+    extent = mesh.size / SYMBOL
     for alike in zip(*every, strict=False):
         first = alike[0]
         if any(type(s) is not type(first) for s in alike) or isinstance(first, Mark):

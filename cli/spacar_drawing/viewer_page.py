@@ -10,8 +10,6 @@ picture, 0 ... LAST for the range of the colours, NONE where there is no finite 
 between them.
 """
 
-from __future__ import annotations
-
 import json
 from base64 import b64encode
 from collections.abc import Sequence
@@ -28,10 +26,9 @@ from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES
 from spacar.deck.length_unit import shown_in
 from spacar.errors import UsageError
-from spacar_drawing.drawn_shapes import merge_bounds
 from spacar_drawing.files import evenly
 from spacar_drawing.look import attachments, look_of
-from spacar_drawing.mechanism_picture import Extras, mechanism_shapes, step_text
+from spacar_drawing.mechanism_picture import Extras, series_bounds, step_text
 from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.scene import Scene, positions
 from spacar_drawing.stage import view_angles
@@ -181,7 +178,7 @@ def view_model(
     mesh = first if chosen == [1] else mesh_of(scene, xs, look, more)
     rows = scene.position_nodes - 1
     places = np.stack([positions(scene, x)[rows] for x in xs])
-    low, high = _box(source, xs, look)
+    low, high = series_bounds(scene, xs, look, Extras(), 12)
     centre = 0.5 * (low + high)
     azimuth, elevation = (-90.0, 90.0) if scene.planar else view_angles(view)
     values, columns = _values(source, chosen)
@@ -198,38 +195,19 @@ def view_model(
     if stress is not None:
         colours = field_colours(source, mesh, chosen, stress)
         arrays["field"] = _text(colours.numbers, np.uint16)
+    nodes = scene.position_nodes.tolist()
     return {
-        "planar": scene.planar,
-        "frames": mesh.frames,
-        "times": [step_text(source, k).removeprefix(scene.title).strip() for k in chosen],
-        "fps": fps,
+        "planar": scene.planar, "frames": mesh.frames,
+        "times": [step_text(source, k).removeprefix(scene.title).strip() for k in chosen], "fps": fps,
         "shown": len(chosen) - 1 if scene.analysis.stationary else 0,
-        "nodes": [
-            f"{n} ({','.join(map(str, turning[n]))})" if n in turning else str(n) for n in scene.position_nodes.tolist()
-        ],
+        "nodes": [f"{n} ({','.join(map(str, turning[n]))})" if n in turning else str(n) for n in nodes],
         "elements": _elements(scene),
         "modes": {k: [str(m[0]) for m in ELEMENT_TYPES[k].modes] for k in {e.keyword for e in scene.elements}},
-        "ne": int(np.sum(scene.nep)),
-        "columns": columns,
-        "centre": centre.tolist(),
-        "low": (low - centre).tolist(),
-        "high": (high - centre).tolist(),
-        "metre": scene.metre,
-        "unit": shown_in("m", scene.metre)[1],
-        "azimuth": azimuth,
-        "elevation": elevation,
-        "paths": spans,
-        "field": None if colours is None else colours.described(),
-        "arrays": arrays,
-    }
-
-
-def _box(source: PictureSource, xs: Array, look: Any) -> tuple[Array, Array]:
-    quiet = Extras()
-    sample = [xs[i] for i in evenly(0, len(xs) - 1, 12)]
-    boxes = [merge_bounds(mechanism_shapes(source.scene, x, look, quiet)) for x in sample]
-    found = [b for b in boxes if b is not None] or [(-np.ones(3), np.ones(3))]
-    return np.min([b[0] for b in found], axis=0), np.max([b[1] for b in found], axis=0)
+        "ne": int(np.sum(scene.nep)), "columns": columns, "centre": centre.tolist(), "low": (low - centre).tolist(),
+        "high": (high - centre).tolist(), "metre": scene.metre, "unit": shown_in("m", scene.metre)[1],
+        "azimuth": azimuth, "elevation": elevation, "paths": spans,
+        "field": None if colours is None else colours.described(), "arrays": arrays,
+    }  # fmt: skip
 
 
 def _arrays(mesh: TriangleMesh, pictures: int, centre: Array) -> dict[str, str]:

@@ -1,30 +1,25 @@
 """Windows: a slider over the steps, and the picture of a run that is going on. Only opened when the user asks."""
 
-from __future__ import annotations
-
 import os
 import sys
 import time
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from spacar_formats.sinks.results import sbd_header
 
 from spacar.errors import UsageError
+from spacar.frame import Frame
+from spacar.stream import Run
 from spacar_drawing.drawn_shapes import merge_bounds
 from spacar_drawing.files import MovingFigure, Pictures
 from spacar_drawing.look import look_of
 from spacar_drawing.mechanism_picture import Extras, camera_of, mechanism_shapes
-from spacar_drawing.scene import Scene, positions
+from spacar_drawing.scene import Array, Scene, positions
 from spacar_drawing.settings import parse_settings
 from spacar_drawing.stage import Camera, furnish
 from spacar_drawing.supports import trace_lines
-
-if TYPE_CHECKING:
-    from spacar.frame import Frame
-    from spacar.stream import Run
-    from spacar_drawing.scene import Array
 
 MOST_HEIGHT = 850  # pixels of a window without its title and buttons, for screens of 1000
 FOOT = 0.65  # inches below the axes for the slider and the buttons

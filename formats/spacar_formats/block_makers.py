@@ -4,8 +4,6 @@ The table `spacar_formats.sim_blocks.BLOCKS` names the maker of every block, wit
 maker raises UsageError, with file and line, for a value that its key cannot have.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -31,29 +29,18 @@ def spasim(s: Section) -> Block:
     return Spasim(model if model.is_file() else model.with_name(f"{model.name}.dat"), s.name)
 
 
-def stored_vector(kind: str) -> Callable[[Section], Block]:
+def stored(kind: str, *counts: str) -> Callable[[Section], Block]:
+    """A block of a stored result, with whole numbers that may be left out."""
+
     def make(s: Section) -> Block:
         from spacar.simulation import setpoint_blocks
 
         data, interpolation, hold = s.stored()
-        block: Block = getattr(setpoint_blocks, kind)(data, s.name, interpolation, hold)
+        given: dict[str, Any] = {key: s.integer(key) for key in counts if s.has(key)}
+        block: Block = getattr(setpoint_blocks, kind)(data, s.name, interpolation=interpolation, hold=hold, **given)
         return block
 
     return make
-
-
-def times_m0(s: Section) -> Block:
-    from spacar.simulation.setpoint_blocks import TimesM0
-
-    data, interpolation, hold = s.stored()
-    return TimesM0(data, s.name, s.integer("size") if s.has("size") else None, interpolation, hold)
-
-
-def ltv(s: Section) -> Block:
-    from spacar.simulation.setpoint_blocks import Ltv
-
-    data, interpolation, hold = s.stored()
-    return Ltv(data, s.name, interpolation, hold, s.integer("modes") if s.has("modes") else None)
 
 
 def gain(s: Section) -> Block:

@@ -1,7 +1,5 @@
 """checksbf: what is in a result file, whether its run was complete, and whether its bytes are sound (files.md 7)."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import dataclass
 

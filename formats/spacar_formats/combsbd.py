@@ -3,8 +3,6 @@
 The original SPACAR overwrites the output without warning; here an existing file is replaced only with `force`.
 """
 
-from __future__ import annotations
-
 import os
 import zlib
 from collections.abc import Sequence
@@ -59,14 +57,9 @@ def combsbd(
                 for k in range(1, file.steps + 1):
                     number += 1
                     file.check_steps(np.array([k - 1]))
-                    out.write(_renumbered(file.block(k), number))
+                    covered = file.block(k)[: -TRAILER.size] + (number & 0xFFFFFFFF).to_bytes(4, "little")
+                    out.write(covered + zlib.crc32(covered).to_bytes(4, "little"))
     return target, total
-
-
-def _renumbered(block: bytes, number: int) -> bytes:
-    """A step block under another step number, with its new checksum."""
-    covered = block[: -TRAILER.size] + (number & 0xFFFFFFFF).to_bytes(4, "little")
-    return covered + zlib.crc32(covered).to_bytes(4, "little")
 
 
 def _check_same(first: SbfFile, other: SbfFile) -> None:

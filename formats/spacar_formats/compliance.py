@@ -3,8 +3,6 @@
 The stiffness is that of the dynamic degrees of freedom (mode 3: of all).
 """
 
-from __future__ import annotations
-
 import os
 from dataclasses import dataclass
 from pathlib import Path

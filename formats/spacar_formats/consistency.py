@@ -5,8 +5,6 @@ number that serves as an index is compared with the size of what it points into,
 sections 4 to 6). Variables that are not there are not asked for.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from spacar.modes import MODES
@@ -21,6 +19,7 @@ ROWS = ("LE", "LN", "RXYZ", "RQ", "DR0", "STIF", "EDAMP", "RL0", "KDEF")  # a ro
 COLUMNS = {"LNP": (4,), "LE": (6, 8), "LN": (4, 6), "RXYZ": (9,), "RQ": (9,), "NXP": (5,), "NEP": (5,)}
 FINITE, LARGEST = ("RXYZ", "RQ", "RL0", "DR0"), 1e100
 BY_POSITION = {"K0", "N0", "G0"}
+TRIPLES = ("KTAN", "MTAN", "ASP", "BSP", "CSP")  # of large models: row, column, value
 SQUARE = ("M0", "C0", "D0", "K0", "N0", "G0")
 
 
@@ -75,6 +74,9 @@ class _Tables:
             self.require(record.type != TEXT, f"the step variable {ident} is text")
         if "T" in self.steps:
             self.require(self.steps["T"].size == 1, "T is not one number a step")
+        for ident in TRIPLES:
+            if ident in self.steps:
+                self.require(self.steps[ident].cols == 3, f"{ident} does not have three columns")
 
     def mechanism(self) -> None:
         nx, ne = self.count("NX"), self.count("NE")
@@ -126,20 +128,11 @@ class _Tables:
         if "EIGVAL" in self.steps:
             self.require(self.steps["EIGVAL"].cols == 2, "EIGVAL does not have two columns")
             n = self.steps["EIGVAL"].rows
-            for ident in ("EIGVRE", "EIGVIM"):
-                cols = self.steps[ident].cols if ident in self.steps else -1
+            for ident, missing in (("EIGVRE", -1), ("EIGVIM", -1), ("EIGXRE", n), ("EIGXIM", n)):
+                cols = self.steps[ident].cols if ident in self.steps else missing
                 self.require(cols == n, f"{ident} does not have a column for each of {n} eigenvalues")
-            for ident in ("EIGXRE", "EIGXIM"):
-                cols = self.steps[ident].cols if ident in self.steps else n
-                self.require(cols == n, f"{ident} does not have a column for each of {n} eigenvalues")
-        for ident in ("KTAN", "MTAN"):
-            if ident in self.steps:
-                self.require(self.steps[ident].cols == 3, f"{ident} does not have three columns")
 
     def state_space(self) -> None:
-        for ident in ("ASP", "BSP", "CSP"):
-            if ident in self.steps:
-                self.require(self.steps[ident].cols == 3, f"{ident} does not have three columns")
         steps = {ident: (record.rows, record.cols) for ident, record in self.steps.items()}
         if {"A", "B", "C"} <= set(steps):
             (n, columns), (rows, nu), (ny, width) = steps["A"], steps["B"], steps["C"]

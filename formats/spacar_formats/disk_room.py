@@ -4,8 +4,6 @@ A step of a result file is its variables, 8 bytes a number, and a trailer of 8 (
 Matrices are counted as full ones, those of large models (sparse equations) and the eigenvectors not at all.
 """
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Named arrays to files that other programs read: `.mat`, `.npz`, `.csv`. Each replaces its target as a whole."""
 
-from __future__ import annotations
-
 import csv
 import itertools
 import os
@@ -119,9 +117,9 @@ def export_file(
         raise UsageError("give either the formats or the name of the new file, not both", "files.export")
     with open_result(name, kind) as file:
         endings = formats or ("npz",)
-        targets = (
-            [file.path.with_name(f"{file.path.name}.{end}") for end in endings] if output is None else [Path(output)]
-        )
+        targets = [file.path.with_name(f"{file.path.name}.{end}") for end in endings]
+        if output is not None:
+            targets = [Path(output)]
         ids = tuple(file.variable(ident).id for ident in idents) or file.ids
         written = [path for target in targets for path in _export(file, target, ids)]
         return written, notes(file)
@@ -129,17 +127,15 @@ def export_file(
 
 def _export(file: SbfFile, target: Path, ids: tuple[str, ...]) -> list[Path]:
     """Write the variables `ids` of an open file; a `.csv` holds the steps, `NAME.header.csv` the header."""
-    header = target.with_suffix(".header.csv")
-
-    def csv_files() -> None:
-        steps_to_csv(file, ids, target)
-        to_csv(header_table(file, ids), header)
-
     export_to(target, {
         ".mat": lambda: to_mat(named_arrays(file, ids), target),
-        ".npz": lambda: to_npz(named_arrays(file, ids), target), ".csv": csv_files,
+        ".npz": lambda: to_npz(named_arrays(file, ids), target), ".csv": lambda: steps_to_csv(file, ids, target),
     })  # fmt: skip
-    return [target, header] if target.suffix.lower() == ".csv" else [target]
+    if target.suffix.lower() != ".csv":
+        return [target]
+    header = target.with_suffix(".header.csv")
+    to_csv(header_table(file, ids), header)
+    return [target, header]
 
 
 def _column_names(record: Record, kind: str) -> list[str]:

@@ -5,8 +5,6 @@ and the fixed script fmu_slave.py, which runs the mechanism by the spacar of the
 spacar installed (needsExecutionTool). Variables have the names of the signals with '_' for what FMI does not allow.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

@@ -1,8 +1,6 @@
 """Frequency response C (j omega - A)^-1 B + D of a step of an `.ltv` result; of a large model by a sparse solution for
 every frequency."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from spacar.errors import Report

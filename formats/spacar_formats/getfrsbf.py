@@ -1,7 +1,5 @@
 """getfrsbf: one variable of a result file, at all or at selected steps (reference/files.md section 4)."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterable

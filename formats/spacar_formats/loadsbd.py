@@ -1,7 +1,5 @@
 """loadsbd, loadsbm: all variables of a result file as named arrays (reference/files.md 4, 5 and 7)."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Finding a result file by name, and what a user should know about it before trusting it (files.md sections 7-9)."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`.ltv` files as `TimeVarying` records of the core, and back (reference/files.md section 6)."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import replace
 from pathlib import Path

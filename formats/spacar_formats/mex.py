@@ -4,8 +4,6 @@ The MEX file goes to a folder of the user's choice together with copies of the .
 package may be read-only and belongs to every MATLAB and Octave of the machine: put that folder on the path instead.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -5,8 +5,6 @@ draw`, `spacar plot` and `spacar report` work on the result as on one of mode 1.
 the motion (signal_tables).
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from spacar.modes import find_mode

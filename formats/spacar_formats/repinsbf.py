@@ -3,8 +3,6 @@
 The target is never changed in place: a complete copy with the new value and new checksums takes its name.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import zlib

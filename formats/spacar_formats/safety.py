@@ -9,8 +9,6 @@ before the run computes until its end. The second one is refused in one sentence
 killed run blocks nobody. Only the file that this process made is ever renamed or removed.
 """
 
-from __future__ import annotations
-
 import contextlib
 import itertools
 import os

@@ -4,8 +4,6 @@
 their names at the end, an earlier result becomes `.bak` (docs/promises.md).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -5,8 +5,6 @@ From the name of the input file at least one character is removed from the right
 version of its input file is refused, unless the user named it.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

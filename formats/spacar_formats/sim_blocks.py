@@ -4,8 +4,6 @@
 `spacar_formats.block_makers`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -61,17 +59,17 @@ BLOCKS: tuple[BlockType, ...] = (
     ),
     BlockType(
         "ltv", "time-varying linear system of mode 3, 4 or 9", "z' = A(t) z + B(t) u, y = C(t) z + D(t) u",
-        (FILE, *STORED, SimKey("modes", "integer", "reduce to that many modes", "")), make.ltv,
+        (FILE, *STORED, SimKey("modes", "integer", "reduce to that many modes", "")), make.stored("Ltv", "modes"),
     ),
-    BlockType("setpoint-u0", "nominal inputs", "y = u0(t)", (FILE, *STORED), make.stored_vector("SetpointU0")),
+    BlockType("setpoint-u0", "nominal inputs", "y = u0(t)", (FILE, *STORED), make.stored("SetpointU0")),
     BlockType(
         "setpoint-sigma0", "stresses of the rigidified deformations", "y = sigma0(t)", (FILE, *STORED),
-        make.stored_vector("SetpointSigma0"),
+        make.stored("SetpointSigma0"),
     ),
-    BlockType("reference-y0", "reference outputs", "y = y0(t)", (FILE, *STORED), make.stored_vector("ReferenceY0")),
+    BlockType("reference-y0", "reference outputs", "y = y0(t)", (FILE, *STORED), make.stored("ReferenceY0")),
     BlockType(
         "times-m0", "the reduced mass matrix", "y = M0(t) u",
-        (FILE, *STORED, SimKey("size", "integer", "its leading block only", "")), make.times_m0,
+        (FILE, *STORED, SimKey("size", "integer", "its leading block only", "")), make.stored("TimesM0", "size"),
     ),
     BlockType("constant", "a constant", "y = value", (_values("value", "value"),),
               built(signal_sources.Constant, "value")),

@@ -4,8 +4,6 @@
 value above it. Every complaint names file, line, section and key, what was found and what is expected.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

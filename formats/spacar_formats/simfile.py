@@ -8,8 +8,6 @@ Blocks and their keys are a table (sim_blocks), from which follow the checks, `s
 docs/reference/blocks.md.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any

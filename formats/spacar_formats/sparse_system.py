@@ -1,7 +1,5 @@
 """The sparse linearized equations of a large model in an `.ltv` file (asp, bsp, csp; reference/files.md section 6)."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

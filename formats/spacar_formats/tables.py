@@ -13,6 +13,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.expressions import Dimensions, evaluate, parse, unit_text
+from spacar.mechanism import Mechanism
 from spacar.mechanism.element_rows import element_list
 from spacar.modes import find_mode
 from spacar.result import E_VARIABLES, X_VARIABLES, Result
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from spacar.mechanism import Mechanism
     from spacar.simulation.response import Response
 
 MATRICES = ("m0", "c0", "d0", "k0", "n0", "g0")

@@ -7,8 +7,6 @@ Modes 7 and 10 store eigenvalues and eigenvectors; for modes 3, 4 and 9 they are
 or the lowest ones from the sparse equations of a large model (`.ltv`).
 """
 
-from __future__ import annotations
-
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -98,7 +96,8 @@ def read_vibrations(name: str | os.PathLike[str], lowest: int = WANTED) -> tuple
     """
     with open_result(name, "sbm") as file:
         stored = file.has("eigval")
-        sparse = not stored and not file.has("m0") and _of_sparse_run(file)
+        of_large = file.count("MODE") in (4, 9) and file.path.with_suffix(".ltv").is_file()
+        sparse = not stored and not file.has("m0") and of_large
         if not stored and not file.has("m0") and not sparse:
             raise UsageError(f"{file.path} holds no eigenvalues and no matrices: run mode 7 or 10", "eigen.missing")
         report = Report()
@@ -171,10 +170,6 @@ def modes_of_stored_matrices(file: SbfFile, step: int, report: Report) -> Modes:
     kinematic = (file.array("ak0", step), file.array("bk0", step)) if file.has("ak0") else None
     ak0, bk0 = kinematic or (np.eye(ns, n), np.zeros((ns, ns)))
     return modes_of_matrices(M, C + D, K + N + G, ak0, bk0, report)
-
-
-def _of_sparse_run(file: SbfFile) -> bool:
-    return file.count("MODE") in (4, 9) and file.path.with_suffix(".ltv").is_file()
 
 
 def modes_of_sparse_system(file: SbfFile, step: int, report: Report, wanted: int = WANTED, nx: int = 0) -> Modes:

@@ -1,7 +1,5 @@
 """The values of a checked expression, over the steps or one number, with its unit where units are followed."""
 
-from __future__ import annotations
-
 import ast
 import operator
 from collections.abc import Callable, Sequence

@@ -4,8 +4,6 @@ Units of variables are those of the keyword table; forces are dual to coordinate
 sig de/dt is a power in N m/s, so the stress of a deformation in m is in N, in rad in N m, without unit in N m.
 """
 
-from __future__ import annotations
-
 from collections.abc import Container, Sequence
 from dataclasses import dataclass
 

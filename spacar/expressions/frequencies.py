@@ -1,7 +1,5 @@
 """Natural frequencies of the eigenvalues that results store."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The functions of expressions, one row each: arguments, values, and what becomes of the unit."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any

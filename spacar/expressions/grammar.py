@@ -1,7 +1,5 @@
 """Text to a checked expression. All that does not depend on a result is refused here."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Where a coordinate or a deformation stands, and a message that lists what there is when it does not exist."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np

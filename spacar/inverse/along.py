@@ -14,8 +14,6 @@ coordinate that was prescribed there is a degree of freedom here: its reaction h
 state as any other force.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, TypeVar
@@ -65,7 +63,9 @@ class Along:
             *(Signal("INPUTS" if s.kind == "NOMS" else "INPUTF", s.index, s.name) for s in self.ports.inputs),
             *(Signal("INPUTS", int(i), f"sigma0 {n.e_name(int(i))}") for i in self.rigid),
         ]
-        self.outputs = [Signal(_output_kind(s.kind), s.index, s.name) for s in self.ports.outputs]
+        # OUT keywords with the same quantities as the REF keywords
+        kinds = ("OUT" + s.kind.removeprefix("REF").removesuffix("S") for s in self.ports.outputs)
+        self.outputs = [Signal(kind, s.index, s.name) for kind, s in zip(kinds, self.ports.outputs, strict=True)]
         self.sparse = form.stores_sparse(n.ndof, mechanism.settings, 0)
         self._descriptor: SparseLinearization | None = None
         if self.sparse:
@@ -256,11 +256,6 @@ def _at_levels(mechanism: Mechanism, nominal: Nominal) -> list[Mechanism]:
         )
     loads = [loads_at(mechanism, level) for level in levels]
     return [with_flow(replace(mechanism, loads=each), each) for each in loads]
-
-
-def _output_kind(kind: str) -> str:
-    """OUT keyword with the same quantity as a REF keyword."""
-    return "OUT" + kind.removeprefix("REF").removesuffix("S")
 
 
 def _legs(mechanism: Mechanism) -> list[Any]:

@@ -3,8 +3,6 @@
 Theory: theory-system.md section 7.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 

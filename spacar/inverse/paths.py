@@ -5,8 +5,6 @@ values, rates and accelerations for p, dp/dt, d2p/dt2. Lengths are in metres, an
 (len(rows),).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import cos, sin
 from typing import Protocol

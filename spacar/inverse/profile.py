@@ -9,8 +9,6 @@ Fronts with the normalized displacement s, velocity w and acceleration a of tau 
 All of them give L = v (T - rise/2 - decline/2) (21).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import cos, pi, sin
 

@@ -4,8 +4,6 @@ A value is an array over the stored steps, or one number; its derivatives have o
 with a corner (abs, max, min, span) have the derivative of the branch that they are on.
 """
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple

@@ -18,8 +18,6 @@ m times u and w have m columns and the m derivatives are the eigenvalues of the 
 dc = -[w^T dA u ...].
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

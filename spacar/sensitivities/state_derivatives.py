@@ -9,8 +9,6 @@ level prescribes (sensitivity.md section 1). With e = C (sigma - sigma_0) and C 
 de/dp + C (dS/dp e + dsigma_0/dp): the inverse itself is not differentiated.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

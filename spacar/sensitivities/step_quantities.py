@@ -1,9 +1,7 @@
 """Variables of expressions at one stored step, with their derivatives along all directions."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,13 +10,11 @@ from spacar.errors import UsageError
 from spacar.expressions.expression_units import Unit, unit
 from spacar.expressions.result_places import ELEMENT, NODE, place
 from spacar.frame import Frame
+from spacar.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 from spacar.modes import registered
 from spacar.sensitivities.linear_quantities import LinearQuantities
 from spacar.sensitivities.state_derivatives import StateDerivative
-
-if TYPE_CHECKING:
-    from spacar.mechanism import Mechanism
 
 COORDINATES, DEFORMATIONS = ("x", "fx", "fxgrav", "fxtot"), ("e", "sig")
 LINEAR = ("frequency", "eigval", "lmult", "xcompl")

@@ -1,7 +1,5 @@
 """Controlled simulation, set-points and time-varying linear systems (the roles of SPASIM, LTV and their blocks)."""
 
-from __future__ import annotations
-
 from typing import Any
 
 _HOME = {

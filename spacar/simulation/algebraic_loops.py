@@ -13,8 +13,6 @@ that; more than MOST_ITERATIONS corrections or a singular 1 - dF/dv (a loop of g
 last solution.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 

@@ -5,8 +5,6 @@ True may differ between the two, so an output without direct feedthrough (the po
 the inputs are, even when another one (its acceleration) is not.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from copy import deepcopy
 from typing import Any, NamedTuple
@@ -279,18 +277,25 @@ class Product(Block):
         return np.asarray(u[: self.n_out] * u[self.n_out :])
 
 
+def fitting(name: str, A: Any, B: Any, C: Any, D: Any = None) -> tuple[Array, Array, Array, Array]:
+    """The matrices of a linear system, D zero where there is none. Raises UsageError for shapes that do not fit."""
+    A, B, C = (np.atleast_2d(np.asarray(m, float)) for m in (A, B, C))
+    n, m, p = len(A), B.shape[1], len(C)
+    D = np.zeros((p, m)) if D is None else np.atleast_2d(np.asarray(D, float))
+    if A.shape != (n, n) or len(B) != n or C.shape[1] != n or D.shape != (p, m):
+        shapes = ", ".join(str(k.shape) for k in (A, B, C, D))
+        raise UsageError(f"{name}: the shapes of A, B, C, D do not fit together: {shapes}", "simulation.size")
+    return A, B, C, D
+
+
 class Linear(Continuous):
     """A constant linear system dx/dt = A x + B u, y = C x + D u."""
 
     def __init__(
         self, name: str, A: Array, B: Array, C: Array, D: Array | None = None, x0: Sequence[float] | None = None
     ) -> None:
-        A, B, C = (np.atleast_2d(np.asarray(m, float)) for m in (A, B, C))
+        A, B, C, D = fitting(name, A, B, C, D)
         n, m, p = len(A), B.shape[1], len(C)
-        D = np.zeros((p, m)) if D is None else np.atleast_2d(np.asarray(D, float))
-        if A.shape != (n, n) or len(B) != n or C.shape[1] != n or D.shape != (p, m):
-            shapes = ", ".join(str(k.shape) for k in (A, B, C, D))
-            raise UsageError(f"{name}: the shapes of A, B, C, D do not fit together: {shapes}", "simulation.size")
         start = [0.0] * n if x0 is None else x0
         super().__init__(name, lambda t, x, u: A @ x + B @ u, lambda t, x, u: C @ x + D @ u, start, m, p, bool(D.any()))
         self._affine = Affine(A, B, C, D, np.zeros(n), np.zeros(p))

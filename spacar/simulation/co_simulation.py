@@ -5,8 +5,6 @@ step the states follow a one-step code with error control; the inputs are held, 
 the held inputs, and the coupling itself of first order in h.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@ depend on besides is affine (affine_blocks.py) or given in time, the stages of a
 (spacar/compiled/loop_stages.py).
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -12,8 +12,6 @@ ki e has the sign of the limit that is met) or "none". Tt is sqrt(kp/ki kd/kp) =
 derivative kp/ki, and without proportional part 1/ki.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -21,8 +19,8 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
-from spacar.simulation.blocks import Affine, Block, Linear
-from spacar.simulation.switching_blocks import Numbers, limits, region, region_margins
+from spacar.simulation.blocks import Affine, Linear
+from spacar.simulation.switching_blocks import Numbers, Piecewise, limits, region, region_margins, spread
 
 ANTI_WINDUP = ("back-calculation", "clamping", "none")
 
@@ -51,28 +49,22 @@ def transfer_function(name: str, numerator: Sequence[float], denominator: Sequen
     return Linear(name, *canonical(name, numerator, denominator))
 
 
-class Integrator(Block):
+class Integrator(Piecewise):
     """y = x, x' = gain u, x held at a limit as long as u drives it beyond."""
 
     def __init__(
         self, name: str, initial: Numbers = 0.0, gain: Numbers = 1.0, lower: Numbers = -np.inf,
         upper: Numbers = np.inf, size: int = 1,
     ) -> None:  # fmt: skip
-        super().__init__(name, size, size)
-        self.direct[:] = False
-        self.gain, self.x0 = (np.broadcast_to(np.asarray(v, float), (size,)).copy() for v in (gain, initial))
         self.lower, self.upper = limits(name, lower, upper, size)
+        super().__init__(name, size, int(np.isfinite([self.lower, self.upper]).any()))
+        self.direct[:] = False
+        self.gain, self.x0 = spread(name, "gains and initial values", "simulation.gain", size, gain, initial)
         if np.any((self.x0 < self.lower) | (self.x0 > self.upper)):
             raise UsageError(f"{name}: the initial value is not between the limits", "simulation.limits")
-        self.n_events = size if np.isfinite([self.lower, self.upper]).any() else 0
-        self.mode = np.zeros(size, np.int64)
-
-    def start(self) -> Array:
-        self.mode = np.zeros(self.n_out, np.int64)
-        return self.x0.copy()
 
     def state_outputs(self, t: float, x: Array) -> Array:
-        return np.where(self.mode > 0, self.upper, np.where(self.mode < 0, self.lower, x))
+        return self.between(self.lower, x, self.upper)
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
         return self.state_outputs(t, x)
@@ -81,23 +73,21 @@ class Integrator(Block):
         return np.where(self.mode == 0, self.gain * u, 0.0)
 
     def affine(self) -> Affine:
-        free, zero = np.diag((self.mode == 0).astype(float)), np.zeros((self.n_out, self.n_out))
-        limit = np.where(self.mode > 0, self.upper, np.where(self.mode < 0, self.lower, 0.0))
-        return Affine(zero, free * self.gain, free, zero, np.zeros(self.n_out), limit)
+        zero, limit = np.zeros((self.n_out, self.n_out)), self.between(self.lower, 0.0, self.upper)
+        return Affine(zero, self.free * self.gain, self.free, zero, np.zeros(self.n_out), limit)
 
     def events(self, t: float, x: Array, u: Array) -> Array:
         rate = self.gain * u
         free = np.minimum(np.maximum(self.upper - x, -rate), np.maximum(x - self.lower, rate))
         return np.where(self.mode == 0, free, self.mode * rate)
 
-    def switch(self, t: float, x: Array, u: Array) -> bool:
-        before, rate = self.mode, self.gain * u
+    def piece(self, t: float, x: Array, u: Array) -> NDArray[np.int64]:
+        rate = self.gain * u
         at_upper, at_lower = (x >= self.upper) & (rate > 0.0), (x <= self.lower) & (rate < 0.0)
-        self.mode = at_upper.astype(np.int64) - at_lower
-        return not np.array_equal(before, self.mode)
+        return at_upper.astype(np.int64) - at_lower
 
 
-class RateLimiter(Block):
+class RateLimiter(Piecewise):
     """y' = bandwidth (u - y) limited to [-falling, rising]: it follows u with the time constant 1/bandwidth, but never
     faster than the limits [unit of u per s].
     """
@@ -106,20 +96,14 @@ class RateLimiter(Block):
         self, name: str, rising: Numbers, falling: Numbers | None = None, bandwidth: float = 1000.0,
         initial: Numbers = 0.0, size: int = 1,
     ) -> None:  # fmt: skip
-        super().__init__(name, size, size)
+        super().__init__(name, size, 2)
         self.direct[:] = False
         rates = limits(name, -np.asarray(rising if falling is None else falling, float), rising, size)
-        self.slowest, self.fastest = rates
-        if not (bandwidth > 0.0 and np.all(self.slowest < 0.0) and np.all(self.fastest > 0.0)):
+        self.lower, self.upper = rates
+        if not (bandwidth > 0.0 and np.all(self.lower < 0.0) and np.all(self.upper > 0.0)):
             raise UsageError(f"{name}: the rates and the bandwidth must be positive", "simulation.limits")
         self.bandwidth = float(bandwidth)
-        self.x0 = np.broadcast_to(np.asarray(initial, float), (size,)).copy()
-        self.n_events = 2 * size
-        self.mode = np.zeros(size, np.int64)
-
-    def start(self) -> Array:
-        self.mode = np.zeros(self.n_out, np.int64)
-        return self.x0.copy()
+        (self.x0,) = spread(name, "initial values", "simulation.size", size, initial)
 
     def state_outputs(self, t: float, x: Array) -> Array:
         return x.copy()
@@ -128,24 +112,20 @@ class RateLimiter(Block):
         return x.copy()
 
     def derivative(self, t: float, x: Array, u: Array) -> Array:
-        free = self.bandwidth * (u - x)
-        return np.where(self.mode > 0, self.fastest, np.where(self.mode < 0, self.slowest, free))
+        return self.between(self.lower, self.bandwidth * (u - x), self.upper)
 
     def affine(self) -> Affine:
-        one, zero = np.eye(self.n_out), np.zeros((self.n_out, self.n_out))
-        slope = self.bandwidth * np.diag((self.mode == 0).astype(float))
-        rate = np.where(self.mode > 0, self.fastest, np.where(self.mode < 0, self.slowest, 0.0))
-        return Affine(-slope, slope, one, zero, rate, np.zeros(self.n_out))
+        one, zero, slope = np.eye(self.n_out), np.zeros((self.n_out, self.n_out)), self.bandwidth * self.free
+        return Affine(-slope, slope, one, zero, self.between(self.lower, 0.0, self.upper), np.zeros(self.n_out))
 
     def events(self, t: float, x: Array, u: Array) -> Array:
-        return region_margins(self.mode, self.bandwidth * (u - x), self.slowest, self.fastest)
+        return region_margins(self.mode, self.bandwidth * (u - x), self.lower, self.upper)
 
-    def switch(self, t: float, x: Array, u: Array) -> bool:
-        before, self.mode = self.mode, region(self.bandwidth * (u - x), self.slowest, self.fastest)
-        return not np.array_equal(before, self.mode)
+    def piece(self, t: float, x: Array, u: Array) -> NDArray[np.int64]:
+        return region(self.bandwidth * (u - x), self.lower, self.upper)
 
 
-class PID(Block):
+class PID(Piecewise):
     """PID controller of errors e (size,) with a filtered derivative, limits and anti-windup; the formulas are above.
 
     kp, ki, kd      gains, one number or one for each signal [output/e, output/(e s), output s/e]
@@ -158,22 +138,19 @@ class PID(Block):
         lower: Numbers = -np.inf, upper: Numbers = np.inf, anti_windup: str = "back-calculation",
         tracking_time: float | None = None, size: int = 1,
     ) -> None:  # fmt: skip
-        super().__init__(name, size, size)
         self.kp, self.ki, self.kd = gains(name, size, kp, ki, kd)
         self.lower, self.upper = limits(name, lower, upper, size)
+        self.clamps = anti_windup == "clamping"
+        super().__init__(name, size, (2 + self.clamps) * int(np.isfinite([self.lower, self.upper]).any()))
         self.N = filter_of(name, self.kd, filter)
         self.tracking = tracking_rate(name, anti_windup, tracking_time, self.kp, self.ki, self.kd)
-        self.clamps = anti_windup == "clamping"
         self.direct[:] = np.any(self.kp != 0.0) or np.any(self.kd != 0.0)
         self.x0 = np.zeros(2 * size if self.kd.any() else size)
-        limited = np.isfinite([self.lower, self.upper]).any()
-        self.n_events = (3 if self.clamps else 2) * size if limited else 0
         self.start()
 
     def start(self) -> Array:
-        self.mode: NDArray[np.int64] = np.zeros(self.n_out, np.int64)
         self.held: NDArray[np.bool_] = np.zeros(self.n_out, bool)
-        return self.x0.copy()
+        return super().start()
 
     def unlimited(self, x: Array, u: Array) -> Array:
         """v, the output without limits."""
@@ -181,20 +158,18 @@ class PID(Block):
         v = self.kp * u + x[:n]
         return v + self.kd * self.N * (u - x[n:]) if self.kd.any() else v
 
-    def _limited(self, v: Array) -> Array:
-        return np.where(self.mode > 0, self.upper, np.where(self.mode < 0, self.lower, v))
-
     def outputs(self, t: float, x: Array, u: Array) -> Array:
-        return self._limited(self.unlimited(x, u))
+        return self.between(self.lower, self.unlimited(x, u), self.upper)
 
     def derivative(self, t: float, x: Array, u: Array) -> Array:
         v = self.unlimited(x, u)
-        rate = np.where(self.held, 0.0, self.ki * u) + self.tracking * (self._limited(v) - v)
+        back = self.between(self.lower, v, self.upper) - v
+        rate = np.where(self.held, 0.0, self.ki * u) + self.tracking * back
         return np.concatenate((rate, self.N * (u - x[self.n_out :]))) if self.kd.any() else rate
 
     def affine(self) -> Affine:
         free, sharp = (self.mode == 0).astype(float), self.kd * self.N
-        limit = np.where(self.mode > 0, self.upper, np.where(self.mode < 0, self.lower, 0.0))
+        limit = self.between(self.lower, 0.0, self.upper)
         back = self.tracking * (1.0 - free)
         A, C = np.diag(-back), np.diag(free)
         B = np.diag(np.where(self.held, 0.0, self.ki) - back * (self.kp + sharp))
@@ -212,21 +187,19 @@ class PID(Block):
         push = self.mode * self.ki * u
         return np.concatenate((margins, np.where(self.held, push, -push)))
 
+    def piece(self, t: float, x: Array, u: Array) -> NDArray[np.int64]:
+        return region(self.unlimited(x, u), self.lower, self.upper)
+
     def switch(self, t: float, x: Array, u: Array) -> bool:
-        mode, held = self.mode, self.held
-        self.mode = region(self.unlimited(x, u), self.lower, self.upper)
+        changed, held = super().switch(t, x, u), self.held
         if self.clamps:
             self.held = self.mode * self.ki * u > 0.0
-        return not (np.array_equal(mode, self.mode) and np.array_equal(held, self.held))
+        return changed or not np.array_equal(held, self.held)
 
 
 def gains(name: str, size: int, *values: Numbers) -> list[Array]:
     """Each as (size,). Raises UsageError."""
-    try:
-        found = [np.broadcast_to(np.asarray(v, float), (size,)).copy() for v in values]
-    except ValueError:
-        text = f"{name}: gains are one number or {size}, one for each signal"
-        raise UsageError(text, "simulation.gain") from None
+    found = spread(name, "gains", "simulation.gain", size, *values)
     if not np.isfinite(found).all():
         raise UsageError(f"{name}: the gains must be finite", "simulation.gain")
     return found

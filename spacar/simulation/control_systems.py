@@ -1,7 +1,5 @@
 """Blocks as python-control systems (optional extra `control`): for `control.interconnect`, `input_output_response`."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -4,8 +4,6 @@ While no mode changes, built-in blocks are evaluated together (affine_blocks.py)
 the blocks that they depend on.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

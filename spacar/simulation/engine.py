@@ -12,8 +12,6 @@ which the integration works: a piece is evaluated `shift` inside its cuts, a few
 nearer than four of these are one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -158,7 +156,9 @@ class _Simulation:
                 if found:
                     self.streak = self.streak + 1 if t_event - t <= 64.0 * self.shift else 0
                     if self.streak > MOST_RESTARTS:
-                        self._chatters(t_event, found)
+                        text = f"{', '.join(b.name for b in found)} chatters at t = {t_event:.9g}: {MOST_RESTARTS}"
+                        text += f" changes of mode and time does not go on; {CALM}"
+                        raise AnalysisError(text, "simulation.chatter")
                     self.evaluator.settle(t_event, self.x)
                     self.pass_on_jumps(k, t_event, t_event)
                     self.window = (self.window[0], self.axis.window(k)[1])
@@ -239,11 +239,6 @@ class _Simulation:
         names = {f"{b.event_word} of {b.name}" for b in ended} | {e.name for e in crossed}
         log += [(t, name) for name in sorted(names)]
         return any(e.terminal for e in crossed)
-
-    def _chatters(self, t: float, ended: Sequence[Block]) -> None:
-        names = ", ".join(b.name for b in ended)
-        text = f"{names} chatters at t = {t:.9g}: {MOST_RESTARTS} changes of mode and time does not go on; {CALM}"
-        raise AnalysisError(text, "simulation.chatter")
 
 
 class TimeAxis:

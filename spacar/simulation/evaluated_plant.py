@@ -5,8 +5,6 @@ Inputs are stresses and forces that are added to those of the model. Values are 
 `first` finds those of elements (ne,) and of coordinates (nx,).
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple

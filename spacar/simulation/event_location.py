@@ -6,8 +6,6 @@ neighbouring times are not seen; between the first two times with an event in be
 on the zero until the interval is a rounding of the time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

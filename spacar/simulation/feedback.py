@@ -4,8 +4,6 @@ Feedback du = -K_P de_a - K_D ded_a of the actuated coordinates e_a = E_a^T q, w
 nominal inputs, adds E_a K_P E_a^T to the stiffness and E_a K_D E_a^T to the damping; A changes accordingly, B does not.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 

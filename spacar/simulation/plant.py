@@ -25,13 +25,8 @@ from spacar.simulation.evaluated_plant import ACCELERATION, POSITION, RATE, Arra
 INPUT_KINDS = ("INPUTS", "INPUTF")
 OUTPUT_KINDS = ("OUTE", "OUTEP", "OUTEDP", "OUTX", "OUTXP", "OUTXDP")
 QUANTITY = {
-    "OUTE": POSITION,
-    "OUTX": POSITION,
-    "OUTEP": RATE,
-    "OUTXP": RATE,
-    "OUTEDP": ACCELERATION,
-    "OUTXDP": ACCELERATION,
-}
+    "OUTE": POSITION, "OUTX": POSITION, "OUTEP": RATE, "OUTXP": RATE, "OUTEDP": ACCELERATION, "OUTXDP": ACCELERATION,
+}  # fmt: skip
 
 
 class Spasim(Block):

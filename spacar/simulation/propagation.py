@@ -12,8 +12,6 @@ Source: S. Blanes, P. C. Moan, Fourth- and sixth-order commutator-free Magnus in
 56 (2006).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -16,8 +16,6 @@ static answer changes drives the low modes through the damping (a derivative gai
 dq_h' the part (X r)' is kept. Its r' is no input, so the state is w = eta' + P r with P = Phi_l^T C X instead of eta'.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a simulation is asked and what it answers: signals at a time, events of the caller, the response."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

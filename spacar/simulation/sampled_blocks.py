@@ -15,8 +15,6 @@ the methods of anti-windup are those of control_blocks. A block whose output doe
 delay, a linear system with D = 0) breaks an algebraic loop.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
@@ -24,7 +22,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
-from spacar.simulation.blocks import Sampled
+from spacar.simulation.blocks import Sampled, fitting
 from spacar.simulation.control_blocks import canonical, filter_of, gains, tracking_rate
 from spacar.simulation.switching_blocks import Numbers, limits
 
@@ -45,12 +43,8 @@ def sampled_linear(
     offset: float = 0.0,
 ) -> Sampled:  # fmt: skip
     """x_(k+1) = A x_k + B u_k, y_k = C x_k + D u_k. Raises UsageError for shapes that do not fit."""
-    A, B, C = (np.atleast_2d(np.asarray(m, float)) for m in (A, B, C))
+    A, B, C, D = fitting(name, A, B, C, D)
     n, m, p = len(A), B.shape[1], len(C)
-    D = np.zeros((p, m)) if D is None else np.atleast_2d(np.asarray(D, float))
-    if A.shape != (n, n) or len(B) != n or C.shape[1] != n or D.shape != (p, m):
-        shapes = ", ".join(str(k.shape) for k in (A, B, C, D))
-        raise UsageError(f"{name}: the shapes of A, B, C, D do not fit together: {shapes}", "simulation.size")
     start = np.zeros(n) if x0 is None else np.asarray(x0, float)
     if start.shape != (n,):
         raise UsageError(f"{name}: {start.size} start values for {n} states", "simulation.size")

@@ -5,74 +5,51 @@
 `hold` keeps the first and last values outside the stored times instead of raising an error.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.simulation.blocks import Block
 from spacar.simulation.reduction import reduce_modes
-from spacar.simulation.signal_sources import Table
+from spacar.simulation.signal_sources import Source, Table
 from spacar.simulation.time_varying import TimeVarying
 
 
-class _Source(Block):
+class _StoredVector(Source):
     """A stored vector as a function of time."""
 
     field = ""
 
     def __init__(self, data: TimeVarying, name: str = "", interpolation: str = "linear", hold: bool = False) -> None:
         (values,) = data.need(self.field)
-        super().__init__(name or self.field, 0, self._names(data, values.shape[1]))
+        count, n = values.shape[1], data.n_nominal
+        known = {"u0": data.inputs[:n], "sigma0": data.inputs[n:], "y0": data.outputs}[self.field]
+        super().__init__(
+            name or self.field, known if len(known) == count else [f"{self.field} {k + 1}" for k in range(count)]
+        )
         self.table = Table(data.t, values, interpolation, hold, f"{self.name} of {data.name}")
         self.breaks = self.table.breaks
 
-    def _names(self, data: TimeVarying, count: int) -> list[str]:
-        """Those of the result, as far as it has them."""
-        known = self.known(data)
-        return list(known) if len(known) == count else [f"{self.field} {k + 1}" for k in range(count)]
-
-    @staticmethod
-    def known(data: TimeVarying) -> tuple[str, ...]:
-        """Names of the values in the result."""
-        return ()
-
-    def outputs(self, t: float, x: Array, u: Array) -> Array:
-        return self.table(t)
-
-    def state_outputs(self, t: float, x: Array) -> Array:
+    def at(self, t: float) -> Array:
         return self.table(t)
 
 
-class SetpointU0(_Source):
+class SetpointU0(_StoredVector):
     """Nominal inputs u0(t) of a mode 2 or 3 result."""
 
     field = "u0"
 
-    @staticmethod
-    def known(data: TimeVarying) -> tuple[str, ...]:
-        return data.inputs[: data.n_nominal]
 
-
-class SetpointSigma0(_Source):
+class SetpointSigma0(_StoredVector):
     """Stresses sigma0(t) of the rigidified deformations of a mode 3 result."""
 
     field = "sigma0"
 
-    @staticmethod
-    def known(data: TimeVarying) -> tuple[str, ...]:
-        return data.inputs[data.n_nominal :]
 
-
-class ReferenceY0(_Source):
+class ReferenceY0(_StoredVector):
     """Reference outputs y0(t) of a mode 2 or 3 result."""
 
     field = "y0"
-
-    @staticmethod
-    def known(data: TimeVarying) -> tuple[str, ...]:
-        return data.outputs
 
 
 class TimesM0(Block):

@@ -7,8 +7,6 @@ the value undefined; here it is an error unless `hold` is asked for, which keeps
 the first one.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_right
 from collections.abc import Sequence
 from typing import Any
@@ -18,7 +16,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
 from spacar.simulation.blocks import Block
-from spacar.simulation.switching_blocks import Numbers
+from spacar.simulation.switching_blocks import Numbers, spread
 
 KINDS = ("step", "linear", "spline")
 # Chosen, for times summed from decimal steps: a time outside by less than this part of the span is the first or last.
@@ -83,8 +81,8 @@ class Table:
 class Source(Block):
     """Base: outputs `at(t)` that need no inputs."""
 
-    def __init__(self, name: str, size: int) -> None:
-        super().__init__(name, 0, size)
+    def __init__(self, name: str, outputs: Sequence[str] | int) -> None:
+        super().__init__(name, 0, outputs)
 
     def at(self, t: float) -> Array:
         """(n_out,) values at a time."""
@@ -97,12 +95,7 @@ class Source(Block):
         return self.at(t)
 
     def _spread(self, *values: Numbers) -> list[Array]:
-        """Each as (n_out,). Raises UsageError for another number of values."""
-        try:
-            return [np.broadcast_to(np.asarray(v, float), (self.n_out,)).copy() for v in values]
-        except ValueError:
-            text = f"{self.name}: values are one number or {self.n_out}, one for each signal"
-            raise UsageError(text, "simulation.size") from None
+        return spread(self.name, "values", "simulation.size", self.n_out, *values)
 
 
 class Constant(Source):

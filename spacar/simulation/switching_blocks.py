@@ -11,8 +11,6 @@ Each signal of such a block is in one piece, the mode of the block (blocks.Block
 The cubic interpolation is the one that keeps the monotony of the values (Fritsch and Butland, as in scipy's PCHIP).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -38,12 +36,21 @@ class Piecewise(Block):
         self.mode = self.mode0.copy()
         return self.x0.copy()
 
-    def piece(self, t: float, u: Array) -> NDArray[np.int64]:
+    def piece(self, t: float, x: Array, u: Array) -> NDArray[np.int64]:
         raise NotImplementedError
 
     def switch(self, t: float, x: Array, u: Array) -> bool:
-        before, self.mode = self.mode, self.piece(t, u)
+        before, self.mode = self.mode, self.piece(t, x, u)
         return not np.array_equal(before, self.mode)
+
+    def between(self, lower: Array | float, middle: Array | float, upper: Array | float) -> Array:
+        """(n_out,) what holds below, between and above the limits, by the mode -1, 0, 1 of every signal."""
+        return np.where(self.mode > 0, upper, np.where(self.mode < 0, lower, middle))
+
+    @property
+    def free(self) -> Array:
+        """(n_out, n_out) diagonal: 1 for signals between their limits, else 0."""
+        return np.diag((self.mode == 0).astype(float))
 
 
 class Limited(Piecewise):
@@ -53,7 +60,7 @@ class Limited(Piecewise):
         super().__init__(name, size, 2)
         self.lower, self.upper = limits(name, lower, upper, size)
 
-    def piece(self, t: float, u: Array) -> NDArray[np.int64]:
+    def piece(self, t: float, x: Array, u: Array) -> NDArray[np.int64]:
         return region(u, self.lower, self.upper)
 
     def events(self, t: float, x: Array, u: Array) -> Array:
@@ -64,22 +71,20 @@ class Saturation(Limited):
     """y = u limited to [lower, upper]; the integration stops and starts again where a limit is met or left."""
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
-        return np.where(self.mode < 0, self.lower, np.where(self.mode > 0, self.upper, u))
+        return self.between(self.lower, u, self.upper)
 
     def affine(self) -> Affine:
-        limit = np.where(self.mode < 0, self.lower, np.where(self.mode > 0, self.upper, 0.0))
-        return without_states(np.diag((self.mode == 0).astype(float)), limit)
+        return without_states(self.free, self.between(self.lower, 0.0, self.upper))
 
 
 class DeadZone(Limited):
     """y = 0 while lower <= u <= upper, beyond it the distance to the nearer end."""
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
-        return np.where(self.mode < 0, u - self.lower, np.where(self.mode > 0, u - self.upper, 0.0))
+        return self.between(u - self.lower, 0.0, u - self.upper)
 
     def affine(self) -> Affine:
-        end = np.where(self.mode < 0, -self.lower, np.where(self.mode > 0, -self.upper, 0.0))
-        return without_states(np.diag((self.mode != 0).astype(float)), end)
+        return without_states(np.eye(self.n_out) - self.free, self.between(-self.lower, 0.0, -self.upper))
 
 
 class Relay(Piecewise):
@@ -92,14 +97,14 @@ class Relay(Piecewise):
         initially_on: bool = False,
     ) -> None:  # fmt: skip
         super().__init__(name, size, 1)
-        self.lower, self.upper = (np.broadcast_to(np.asarray(v, float), (size,)).copy() for v in (lower, upper))
+        self.lower, self.upper = spread(name, "limits", "simulation.limits", size, lower, upper)
         if not np.all(self.lower <= self.upper):
             raise UsageError(f"{name}: the lower limit must not be above the upper one", "simulation.limits")
         self.off, self.on = float(off), float(on)
         self.mode0 = np.full(size, int(initially_on))
         self.start()
 
-    def piece(self, t: float, u: Array) -> NDArray[np.int64]:
+    def piece(self, t: float, x: Array, u: Array) -> NDArray[np.int64]:
         return np.where(u > self.upper, 1, np.where(u < self.lower, 0, self.mode))
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
@@ -116,11 +121,11 @@ class Quantizer(Piecewise):
 
     def __init__(self, name: str, interval: Numbers, size: int = 1) -> None:
         super().__init__(name, size, 2)
-        self.interval = np.broadcast_to(np.asarray(interval, float), (size,)).copy()
+        (self.interval,) = spread(name, "intervals", "simulation.size", size, interval)
         if not np.all((self.interval > 0.0) & np.isfinite(self.interval)):
             raise UsageError(f"{name}: the interval of a quantizer must be positive, not {interval}", "simulation.size")
 
-    def piece(self, t: float, u: Array) -> NDArray[np.int64]:
+    def piece(self, t: float, x: Array, u: Array) -> NDArray[np.int64]:
         levels = np.floor(u / self.interval + 0.5)
         if not np.all(np.abs(levels) < 2.0**53):
             k = int(np.argmax(np.abs(levels)))
@@ -184,7 +189,7 @@ class LookupTable(Piecewise):
         self.low = np.concatenate(([-np.inf], x))
         self.high = np.concatenate((x, [np.inf]))
 
-    def piece(self, t: float, u: Array) -> NDArray[np.int64]:
+    def piece(self, t: float, x: Array, u: Array) -> NDArray[np.int64]:
         found = np.searchsorted(self.points, u, side="right")
         last = u == self.points[-1]  # the end of the table belongs to its last piece
         found = np.where(last & ~np.full(len(u), self.stepwise), len(self.points) - 1, found)
@@ -205,13 +210,17 @@ class LookupTable(Piecewise):
         return np.concatenate((u - self.low[self.mode], self.high[self.mode] - u))
 
 
+def spread(name: str, what: str, code: str, size: int, *values: Numbers) -> list[Array]:
+    """Each as (size,). Raises UsageError of this code for another number of values."""
+    try:
+        return [np.broadcast_to(np.asarray(v, float), (size,)).copy() for v in values]
+    except ValueError:
+        raise UsageError(f"{name}: {what} are one number or {size}, one for each signal", code) from None
+
+
 def limits(name: str, lower: Numbers, upper: Numbers, size: int) -> tuple[Array, Array]:
     """(size,) each. Raises UsageError when a lower limit is not below the upper one, or their number is wrong."""
-    try:
-        low, high = (np.broadcast_to(np.asarray(v, float), (size,)).copy() for v in (lower, upper))
-    except ValueError:
-        text = f"{name}: limits are one number or {size}, one for each signal"
-        raise UsageError(text, "simulation.limits") from None
+    low, high = spread(name, "limits", "simulation.limits", size, lower, upper)
     if not np.all(low < high):
         raise UsageError(f"{name}: every lower limit must be below the upper one", "simulation.limits")
     return low, high

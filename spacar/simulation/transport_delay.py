@@ -6,8 +6,6 @@ so that only remembered values are asked for. A jump of the input comes out one 
 there (Bellen and Zennaro, chapter 4); kinks are left to the control of the step size.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_right
 from collections.abc import Callable, Iterator
 

@@ -7,8 +7,6 @@ most in the reference configuration; the deformation is released, which keeps it
 c). What the file says about additional loading (DEL...) and about the start of the drive is left out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import zip_longest

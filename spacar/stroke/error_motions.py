@@ -9,8 +9,6 @@ pole           c = x + (w x v)/w^2, with the velocities v of the node and w of t
                centre, in space the point of the instantaneous screw axis nearest to the node
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

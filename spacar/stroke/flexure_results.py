@@ -1,7 +1,5 @@
 """What `spacar.flexure` gives: arrays over the stroke, columns, extremes; pages and stresses from the rooms above."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path

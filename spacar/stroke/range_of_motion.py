@@ -14,8 +14,6 @@ Both are counted from the undeflected state. Their sum is the strain energy that
 missing is the error of the integrals.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -217,7 +215,8 @@ def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Array |
     result = Result(first.mechanism, 10, shots, tuple(lines), {})
     node = first.node
     x, loads = np.array([s.frame.x for s in stations]), first.mechanism.loads
-    by_stroke = [_per_stroke(move, value) for value in stroke]
+    # d(coordinate)/d(stroke)
+    by_stroke = (0.5 * np.cos(0.5 * stroke) if move.rotation else np.ones(len(stroke))).tolist()
     moving = [node.spatial(s.velocity * rate) for s, rate in zip(stations, by_stroke, strict=True)]
     errors = error_motions(
         np.array([node.place(s.frame.x) for s in stations]), np.array([node.turn(s.frame.x) for s in stations]),
@@ -231,11 +230,6 @@ def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Array |
         + moment_work(loads.moment, x[:, loads.moment_rows.T], zero),
         tuple(stations), errors, result,
     )  # fmt: skip
-
-
-def _per_stroke(move: StrokeMove, stroke: float) -> float:
-    """d(coordinate)/d(stroke)."""
-    return 0.5 * float(np.cos(0.5 * stroke)) if move.rotation else 1.0
 
 
 def _pivot(given: Sequence[float] | None, metre: float, planar: bool) -> Array | None:

@@ -9,8 +9,6 @@ The free mode that belongs to the drive is the one with the largest share s of t
 s = (phi^T M v)^2 / (phi^T M phi v^T M v). All modes together have 1.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

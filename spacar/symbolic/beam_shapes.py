@@ -5,13 +5,12 @@ Polynomial integrands are integrated term by term, c x^n -> c L^(n+1)/(n+1); oth
 and their integrals are numbers found by quadrature to 30 digits (`symbolic.md`, sections 3.4 and 4.3).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
+import mpmath  # type: ignore[import-untyped]
 import sympy as sp
 
 from spacar.errors import UsageError
@@ -225,8 +224,6 @@ def integral(integrand: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:
 
 @lru_cache(maxsize=4096)
 def _quadrature(shape: sp.Expr, xi: sp.Symbol) -> sp.Expr:
-    import mpmath  # type: ignore[import-untyped]
-
     if shape.is_polynomial(xi):
         return _unit_integral(sp.Poly(shape, xi))
     with mpmath.workdps(34):

@@ -5,8 +5,6 @@ The mass point x of a beam is at (x + e − w) b1 + u b2 + w b3, its section tur
 pseudo-speeds. Source: the paper, (5), (6), (10); `symbolic.md`, sections 3.3, 3.4, 8.7.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import sympy as sp

@@ -11,8 +11,6 @@ close the gap. The integration runs on all coordinates and speeds; what drifts o
 projected back. Source: decision; `symbolic.md`, section 3.5.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any

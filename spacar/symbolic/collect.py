@@ -4,8 +4,6 @@ Every function f satisfies expand(x − f(x)) = 0, which is how it is tested. So
 tables 11, 14; `symbolic.md`, section 4.2. `simplify` and `trigsimp` are never used: too slow on whole equations.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar
 

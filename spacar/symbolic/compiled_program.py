@@ -4,8 +4,6 @@ The right-hand side is called as a function of an extension module where the hea
 ctypes, at several times the price of a call, where they are not; everything else by ctypes.
 """
 
-from __future__ import annotations
-
 import ctypes
 import importlib.machinery
 import importlib.util

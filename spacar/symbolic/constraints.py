@@ -10,8 +10,6 @@ evaluation (`emit/solvers.py`), I ṡ − Jᵀ λ = f with J ṡ = −γ; λ are
 Source: `symbolic.md`, section 3.5; the paper, feature 33.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -24,7 +22,6 @@ from spacar.errors import UsageError
 from spacar.symbolic.collect import split_linear
 from spacar.symbolic.derivatives import rate
 from spacar.symbolic.description import Description
-from spacar.symbolic.system_parts import Constraint
 from spacar.symbolic.transform import transform
 from spacar.symbolic.unit_vectors import TIME
 
@@ -86,15 +83,11 @@ def check_constraints(system: Description) -> None:
     rows = constraint_rows(system, lambda e: transform(e).xreplace(values))
     rank = _rank(_random_numbers(rows.matrix))
     if rank < rows.count:
-        texts = "; ".join(_description(c) for c in system.constraints)
+        every = ((c.name, str(c.velocity if c.position is None else c.position)) for c in system.constraints)
+        texts = "; ".join(f"{name}: {text if len(text) < 60 else text[:57] + '...'} = 0" for name, text in every)
         raise UsageError(
             f"{rows.count} constraints have rank {rank}: they depend on each other ({texts})", "constraint"
         )
-
-
-def _description(constraint: Constraint) -> str:
-    text = str(constraint.velocity if constraint.position is None else constraint.position)
-    return f"{constraint.name}: {text if len(text) < 60 else text[:57] + '...'} = 0"
 
 
 def _random_numbers(rows: sp.Matrix) -> np.ndarray:

@@ -1,7 +1,5 @@
 """Equations of motion I(q) ṡ = f(q, s, inputs), with the Z variables they read, as one immutable result."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

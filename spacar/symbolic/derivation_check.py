@@ -8,8 +8,6 @@ The left sides are central differences with a step of 10^−digits at three time
 the constraints as they were written and not through J, γ or a derivative of the program.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Mapping
 from dataclasses import dataclass

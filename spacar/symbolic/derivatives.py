@@ -5,8 +5,6 @@
 Source: the paper, tables 6, 7, 9, 10, 15; `symbolic.md`, section 2.
 """
 
-from __future__ import annotations
-
 from typing import Any, TypeVar
 
 import sympy as sp

@@ -4,8 +4,6 @@ Nothing is derived here. `system.MultibodySystem` adds beams, whose fields need 
 derivation. Source: `symbolic.md`, sections 3 and 6.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
@@ -21,13 +19,14 @@ from spacar.symbolic.scalar_reader import read_expression, read_number
 from spacar.symbolic.system_parts import (
     Beam,
     Constraint,
-    CrossSection,
     DistributedLoad,
+    FrameOrSection,
     GeometricPoint,
     Load,
     Pseudo,
     RigidBody,
     Spring,
+    frame_at,
 )
 from spacar.symbolic.transform import transform
 from spacar.symbolic.unit_vectors import TIME, Key
@@ -163,13 +162,13 @@ class Description:
     # -- frames and points -------------------------------------------------------------------------------------
 
     def frame(
-        self, name: str, parent: ReferenceFrame | CrossSection, axis: int | str, angle: Any, symbol: str | None = None
+        self, name: str, parent: FrameOrSection, axis: int | str, angle: Any, symbol: str | None = None
     ) -> ReferenceFrame:
         """A frame turned about axis 1, 2 or 3 of its parent (a frame or a beam section) by `angle` [rad].
 
         A sequence as "321" or "zyx" turns about axes that move along, by as many angles: yaw, pitch and roll.
         """
-        base = parent.frame if isinstance(parent, CrossSection) else parent
+        base = frame_at(parent)
         if isinstance(axis, str):
             return self._sequence(name, base, axis, angle, symbol)
         if axis not in (1, 2, 3):
@@ -193,7 +192,7 @@ class Description:
         return base
 
     def attitude(
-        self, name: str, parent: ReferenceFrame | CrossSection, quaternion: Any, speeds: Any, symbol: str | None = None
+        self, name: str, parent: FrameOrSection, quaternion: Any, speeds: Any, symbol: str | None = None
     ) -> ReferenceFrame:
         """A frame that may turn freely, by a quaternion (e0, e) and the angular velocity ω = Σ w_i b_i in its parent.
 
@@ -205,7 +204,7 @@ class Description:
 
         Source: theory-spatial.md, section 1.
         """
-        base = parent.frame if isinstance(parent, CrossSection) else parent
+        base = frame_at(parent)
         if isinstance(quaternion, str):
             quaternion = [self.coordinate(f"{quaternion}{i}") for i in range(4)]
         if isinstance(speeds, str):
@@ -245,13 +244,13 @@ class Description:
         return self._add_body(RigidBody(name, point, self.expression(mass)))
 
     def rigid_body(
-        self, name: str, frame: ReferenceFrame | CrossSection, at: GeometricPoint, mass: Any, inertia: Any = None
+        self, name: str, frame: FrameOrSection, at: GeometricPoint, mass: Any, inertia: Any = None
     ) -> RigidBody:
         """A rigid body with mass centre `at`, fixed in `frame`.
 
         `inertia`: central inertia dyad, or (I11, I22, I33[, I12, I23, I31]) in `frame` [kg m²].
         """
-        frame = frame.frame if isinstance(frame, CrossSection) else frame
+        frame = frame_at(frame)
         if not isinstance(inertia, Dyad):
             if inertia is not None and (isinstance(inertia, str) or not hasattr(inertia, "__len__")):
                 raise UsageError(f"body {name}: inertia must be a dyad or 3 or 6 numbers, not {inertia!r}", "inertia")
@@ -279,13 +278,13 @@ class Description:
         self.loads.append(Load(vector.xreplace(self.rates), point=point))
 
     def torque(
-        self, frame: ReferenceFrame | CrossSection, vector: Vector,
-        reaction: ReferenceFrame | CrossSection | None = None,
+        self, frame: FrameOrSection, vector: Vector,
+        reaction: FrameOrSection | None = None,
     ) -> None:  # fmt: skip
         """A torque on a frame, with the opposite torque on the frame `reaction`. A motor at a tip reacts on the tip."""
         _demand_vector("torque", vector)
-        on, by = (f.frame if isinstance(f, CrossSection) else f for f in (frame, reaction))
-        self.loads.append(Load(vector.xreplace(self.rates), frame=on, reaction=by))
+        by = None if reaction is None else frame_at(reaction)
+        self.loads.append(Load(vector.xreplace(self.rates), frame=frame_at(frame), reaction=by))
 
     def distributed(self, beam: Beam, vector: Vector) -> None:
         """A force per length [N/m] on the middle line of a beam; its measure numbers may depend on `x` along the beam,

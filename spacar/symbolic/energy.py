@@ -1,7 +1,5 @@
 """Kinetic and potential energy of a system, and the power of its loads."""
 
-from __future__ import annotations
-
 import sympy as sp
 
 from spacar.errors import UsageError

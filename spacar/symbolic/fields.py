@@ -5,8 +5,6 @@ afterwards. Energy densities ½ EI u_xx² (bending), ½ GJ θ_x² (twist), ½ EA
 foreshortening w = ½ ∫ u_x² dx: `symbolic.md`, section 8.7.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import sympy as sp

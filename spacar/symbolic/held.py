@@ -8,8 +8,6 @@
 f = Tᵀ (E_0 − Î t). Source: the paper, (11) to (20), tables 11 to 19; `symbolic.md`, sections 3.2, 3.3, 4.2.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ SymPy's own derivation becomes `SymbolicEquations`, so that the program, the emi
 it too, and the two derivations can be compared.
 """
 
-from __future__ import annotations
-
 import sympy as sp
 from sympy.physics.mechanics import KanesMethod
 

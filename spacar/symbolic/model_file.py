@@ -3,8 +3,6 @@
 Errors name the file, the table, the key, and what was expected. Keys: `model_tables.py`; meaning: `model_reader.py`.
 """
 
-from __future__ import annotations
-
 import hashlib
 import sys
 from pathlib import Path

@@ -5,8 +5,6 @@ Coordinates, speeds, inputs and time `t`; of points `P.x`, `P.vx`, … in N; of 
 of constraints. Quantities of points are computed when they are asked for.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 

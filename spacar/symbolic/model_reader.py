@@ -4,8 +4,6 @@ Errors name the file, the table, the key, and what was expected; expressions by 
 The format: `symbolic.md`, section 7; the keys: `model_tables.py`.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +18,7 @@ from spacar.symbolic.name_rules import is_name, is_output
 from spacar.symbolic.reference_frames import ReferenceFrame
 from spacar.symbolic.script import SymbolicModel, read_script
 from spacar.symbolic.system import MultibodySystem
-from spacar.symbolic.system_parts import CrossSection, GeometricPoint
+from spacar.symbolic.system_parts import FrameOrSection, GeometricPoint, frame_at
 from spacar.symbolic.unit_vectors import TIME
 from spacar.symbolic.vectors import ZERO, Vector
 
@@ -53,7 +51,7 @@ class _TomlReader(ModelFile):
         self.beam_start: dict[str, float] = {}
         self.turning: dict[str, list[list[Any]]] = {}
         self.scalars: dict[str, sp.Expr] = {}
-        self.frames: dict[str, ReferenceFrame | CrossSection] = {}
+        self.frames: dict[str, FrameOrSection] = {}
         self.points: dict[str, GeometricPoint] = {}
 
     def read(self) -> SymbolicModel:
@@ -225,8 +223,7 @@ class _TomlReader(ModelFile):
         return self.points[row[key]]
 
     def components_in(self, row: dict[str, Any]) -> ReferenceFrame:
-        frame = self.frame_of(row, "in", self.system.N)
-        return frame.frame if isinstance(frame, CrossSection) else frame
+        return frame_at(self.frame_of(row, "in", self.system.N))
 
     def _frame(self, row: dict[str, Any]) -> None:
         parent = self.frame_of(row, "parent")

@@ -1,7 +1,5 @@
 """The tables and keys of a model file: what is required, of which type. Reader, checks and help use this table."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 from typing import Any

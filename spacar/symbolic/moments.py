@@ -4,8 +4,6 @@ A component is kept as {monomial in φ, dφ: function of x}. The integral of a p
 ∫ρ a(x) b(x) dx for every pair of functions, each found once; nothing long is ever expanded.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 
 import sympy as sp

@@ -5,8 +5,6 @@ executed. Generated text holds names and numbers only; what else a model says ab
 at the top of exported files, with every character that could end a comment or a string written as <U+XXXX>.
 """
 
-from __future__ import annotations
-
 import re
 import unicodedata
 from collections.abc import Iterator

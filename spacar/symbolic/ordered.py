@@ -3,8 +3,6 @@
 Source: `symbolic.md`, section 5.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ Time is not printed: q1(t) is q1, its derivative q1_dot (text), q̇1 (Unicode) o
 are written with subscripts, u_x, u_xt.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from typing import Any

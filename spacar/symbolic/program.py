@@ -1,9 +1,7 @@
 """From equations to an ordered program, and what a program can do: run, be written, be compiled."""
 
-from __future__ import annotations
-
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -96,7 +94,8 @@ def make_program(eq: DerivedEquations, outputs: dict[str, Any]) -> EquationProgr
     )
     states = [rule[s] for s in [*eq.coordinates, *eq.speeds]]
     inputs = {sp.Symbol(s.name, real=True): e.xreplace(rule) if e is not None else None for s, e in feeds.items()}
-    if any(TIME in e.free_symbols for e in _timeless([*definitions.values(), *flat], rule)):
+    # with functions of time as symbols, what still contains t depends on it explicitly
+    if any(TIME in e.xreplace(rule).free_symbols for e in (*definitions.values(), *flat)):
         # prescribed motion: time enters I and f as an input, so that accel(p, y, u) stays complete
         clock = sp.Symbol("time", real=True)
         if clock in (*states, *inputs):
@@ -140,11 +139,6 @@ def _check_laws(feeds: dict[sp.Symbol, sp.Expr | None], forbidden: set[sp.Symbol
         found = sorted(str(s) for s in law.free_symbols & forbidden) if law is not None else []
         if found:
             raise UsageError(f"the law of input {name} reads {found[0]}, which is only known after it", "input")
-
-
-def _timeless(expressions: Iterable[sp.Expr], rule: dict[sp.Basic, sp.Symbol]) -> Iterable[sp.Expr]:
-    """The expressions with functions of time as symbols: what still contains t depends on it explicitly."""
-    return (e.xreplace(rule) for e in expressions)
 
 
 def _signs(eq: DerivedEquations, parameters: list[sp.Symbol]) -> tuple[tuple[str, sp.Symbol, bool], ...]:

@@ -5,8 +5,6 @@ h = J a + γ, a and λ constant: I ∂a − Jᵀ ∂λ = ∂g, J ∂a = −∂h.
 expressions of the state are differentiated too (feedback). Source: `symbolic.md`, section 5.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

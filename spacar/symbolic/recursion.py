@@ -7,8 +7,6 @@ as base acceleration −g. Rigid body: I_rk += m V_r·V_k + W_r·(J W_k), f_r �
 Beams: `recursive_beam.py`. Source: `symbolic.md`, section 4.4.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias

@@ -12,8 +12,6 @@ Two products replace all cross products under the integral: ∫ρ p × q = vee(�
 ∫ρ r × (w × q) = (tr C 1 − C) w with C = ∫ρ q rᵀ. Source: `symbolic.md`, section 4.4; same result as `held.py`.
 """
 
-from __future__ import annotations
-
 import sympy as sp
 
 from spacar.symbolic.beam_shapes import X, integral, product_integral, weighted_integral

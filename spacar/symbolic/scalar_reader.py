@@ -6,8 +6,6 @@ smoothsign(x, w) = tanh(x/w) for friction. Never `eval`, `sympify` or `parse_exp
 exponents of at most 64, finite numbers.
 """
 
-from __future__ import annotations
-
 import ast
 import difflib
 import math

@@ -4,8 +4,6 @@ A script is a program of the user and runs as such. A TOML file runs nothing: on
 `name_rules.py` checked enter text that is executed or compiled.
 """
 
-from __future__ import annotations
-
 import hashlib
 import runpy
 from dataclasses import dataclass, field

@@ -4,8 +4,6 @@ Parameter-only factors move to the `once` part, then `sympy.cse` runs on definit
 ever inlined. Source: `symbolic.md`, sections 4.2 and 5.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 
 import sympy as sp

@@ -6,8 +6,6 @@ tolerance above 1e-2 is refused: a stiff method may then step over an unstable f
 eigenvalue with the largest real part at the end of the run is reported for the same reason.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence

@@ -6,8 +6,6 @@ frame, a beam is `PIECES` flexible ones along its deflected middle line, a sprin
 are supports. Points of which only the velocity is known have no place and are left out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any

@@ -3,8 +3,6 @@
 SymPy's `diff`, `collect` and `factor_terms` give the same; on equations of motion they take nearly all of the time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from functools import lru_cache
 from math import gcd, lcm

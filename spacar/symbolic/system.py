@@ -4,16 +4,13 @@
 comes out is public; the vectors module works without it. Source: `symbolic.md`, sections 3 and 6.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from spacar.errors import UsageError
 from spacar.symbolic.beams import make_beam, make_section
 from spacar.symbolic.description import Description
-from spacar.symbolic.reference_frames import ReferenceFrame
 from spacar.symbolic.symbolic_equations import SymbolicEquations, derive
-from spacar.symbolic.system_parts import Beam, CrossSection, GeometricPoint
+from spacar.symbolic.system_parts import Beam, CrossSection, FrameOrSection, GeometricPoint, frame_at
 from spacar.symbolic.unit_vectors import TIME
 
 
@@ -32,13 +29,11 @@ class MultibodySystem(Description):
     """
 
     def beam(
-        self, name: str, frame: ReferenceFrame | CrossSection, root: GeometricPoint, length: Any, mass: Any,
+        self, name: str, frame: FrameOrSection, root: GeometricPoint, length: Any, mass: Any,
         **properties: Any,
     ) -> Beam:  # fmt: skip
         """A beam along axis 1 of `frame` from `root`; the properties are those of `beams.make_beam`."""
-        beam = make_beam(
-            self, name, frame.frame if isinstance(frame, CrossSection) else frame, root, length, mass, **properties
-        )
+        beam = make_beam(self, name, frame_at(frame), root, length, mass, **properties)
         self.beams.append(beam)
         return beam
 

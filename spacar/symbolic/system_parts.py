@@ -70,6 +70,14 @@ class CrossSection(GeometricPoint):
         raise AttributeError(name)
 
 
+FrameOrSection = ReferenceFrame | CrossSection
+
+
+def frame_at(place: FrameOrSection) -> ReferenceFrame:
+    """A frame, or that of a cross-section."""
+    return place.frame if isinstance(place, CrossSection) else place
+
+
 @dataclass(frozen=True, eq=False)
 class Beam:
     """A beam along axis 1 of `frame` from `root`; mass per length, length, fields, damping.

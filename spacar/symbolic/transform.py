@@ -5,8 +5,6 @@ read (`co[1]`, `co[2,4]` of the paper, table 16). Consecutive turns about one ax
 taken, so u_x(L) + q4 needs one cosine.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import sympy as sp

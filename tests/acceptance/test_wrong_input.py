@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from .processes import Done, many, spacar
+from .processes import Outcome, many, spacar
 
 _SPEC = importlib.util.spec_from_file_location("deck_rows", Path(__file__).parents[1] / "deck" / "rows.py")
 assert _SPEC is not None
@@ -60,7 +60,7 @@ def outcomes(folder):
     return dict(zip((r.name for r in rows.ROWS), many([command_line(r) for r in rows.ROWS], folder), strict=True))
 
 
-def verify(row, done: Done) -> None:
+def verify(row, done: Outcome) -> None:
     assert done.status == (2 if row.severity == "error" else 0), done.err
     assert "Traceback" not in done.err
     lines = done.err.splitlines()

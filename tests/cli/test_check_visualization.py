@@ -1,7 +1,5 @@
 """`spacar check` names mistakes in the VISUALIZATION section; the settings of the reference pass."""
 
-from __future__ import annotations
-
 import pytest
 
 MODEL = "PLTRUSS 1 1 2\nX 2 1. 0.\nFIX 1\nFIX 2 2\nDYNE 1\nEND HALT\nXM 2 1.\nESTIFF 1 8.\nEND END\n"
@@ -10,17 +8,16 @@ MODEL = "PLTRUSS 1 1 2\nX 2 1. 0.\nFIX 1\nFIX 2 2\nDYNE 1\nEND HALT\nXM 2 1.\nES
 @pytest.fixture
 def check(call, tmp_path):
     """What `spacar check` prints about a model with these settings in the file, or in m.spv beside it."""
-    return lambda settings, beside=False: _check(call, tmp_path, settings, beside)
 
+    def said(settings: str, beside: bool = False) -> str:
+        (tmp_path / "m.dat").write_text(MODEL + ("" if beside else f"VISUALIZATION\n{settings}\n"))
+        if beside:
+            (tmp_path / "m.spv").write_text(settings + "\n")
+        result = call("check", "m")
+        assert result.status == 0
+        return result.err + result.out
 
-def _check(call, folder, settings: str, beside: bool) -> str:
-    path = folder / "m.dat"
-    path.write_text(MODEL + ("" if beside else f"VISUALIZATION\n{settings}\n"))
-    if beside:
-        (folder / "m.spv").write_text(settings + "\n")
-    result = call("check", "m")
-    assert result.status == 0
-    return result.err + result.out
+    return said
 
 
 @pytest.mark.parametrize(
@@ -38,7 +35,7 @@ def _check(call, folder, settings: str, beside: bool) -> str:
         ("VIBRATIONMODE 1.5", "'1.5' is no mode number"),
         ("STEPLINE 0", "0 must be positive"),
         ("ENLARGEFACTOR big", "'big' is not a number"),
-        ("COLOR 0 0 1", "belongs behind a line INITIAL"),
+        ("COLOR 0 0 1", "stands behind no heading; it belongs behind a line INITIAL"),
         ("3 4", "'3' stands where a setting is expected"),
     ],
 )

@@ -1,7 +1,5 @@
 """Which method was chosen, from when and why: in the log and in --json."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

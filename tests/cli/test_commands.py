@@ -1,7 +1,5 @@
 """The small commands: check, keywords, examples."""
 
-from __future__ import annotations
-
 import json
 
 import pytest
@@ -32,8 +30,9 @@ def test_every_keyword_is_explained(call, name):
                 assert all(p.text in done.out for p in variant.parameters)
 
 
-def test_an_alias_is_explained_under_its_name(call):
+def test_an_alias_is_explained_under_its_name_and_a_block_with_its_keys(call):
     assert call("keywords", "LEVELLOG").out.startswith("OUTLEVEL: ")
+    assert "anti_windup" in call("keywords", "pid").out
 
 
 @pytest.mark.parametrize("path", sorted(DATA.glob("*.dat")), ids=lambda p: p.stem)

@@ -1,7 +1,7 @@
 """`spacar eigen` shows physical modes by rising frequency, zero modes last, with the numbers of `spacar visual -m`."""
 
 import numpy as np
-from spacar_formats.vibration import mode_numbers, shown_order, without_rounding
+from spacar_formats.vibration import mode_numbers, shown_order
 
 
 def test_order_and_numbers():
@@ -15,10 +15,3 @@ def test_a_slow_mode_is_no_zero_mode():
     """1 mrad/s beside 10 000 rad/s is a mode of its own: sqrt(n eps) of the largest is 0.3 mrad/s."""
     values = np.array([1e4j, -1e4j, 1e-3j, -1e-3j])
     assert [abs(values[i]) for i in shown_order(values)] == [1e-3, 1e-3, 1e4, 1e4]
-
-
-def test_parts_of_rounding_are_not_shown():
-    values = np.array([1e3j + 1e-13, -1e3j + 1e-13, 1e-2 + 0j])
-    clean = without_rounding(values)
-    assert clean[0].real == 0.0
-    assert clean[2] == 1e-2

@@ -1,7 +1,5 @@
 """Completion, manual page, and what helps somebody who does not know the words."""
 
-from __future__ import annotations
-
 import ast
 import os
 import re
@@ -14,12 +12,12 @@ import click
 import pytest
 from spacar_cli.command_table import COMMANDS, TOPICS
 from spacar_cli.commands.completion import SHELLS, source
-from spacar_cli.environment import Environment
-from spacar_cli.main import main, program
+from spacar_cli.main import program
 from spacar_cli.man_page import command_section, page
 
 from spacar.modes import MODES
-from tests.test_as_users_expect import DATA, call
+from tests.command_line import call
+from tests.test_as_users_expect import DATA
 
 HOUSE = Path(__file__).parents[2]
 SPACAR = Path(sys.executable).parent / "spacar"
@@ -35,14 +33,11 @@ def completed(line: str, folder: Path) -> list[str]:
 @pytest.mark.parametrize(
     ("line", "found"),
     [
-        ("spacar pl", ["plain,plot"]),
-        ("spacar 1", ["plain,1", "plain,10"]),
-        ("spacar 1 cr", ["file,cr"]),
-        ("spacar plot cr", ["file,cr"]),
-        ("spacar 1 crank --integ", ["plain,--integrator"]),
+        ("spacar pl", ["plain,plot"]), ("spacar 1", ["plain,1", "plain,10"]), ("spacar 1 cr", ["file,cr"]),
+        ("spacar plot cr", ["file,cr"]), ("spacar 1 crank --integ", ["plain,--integrator"]),
         ("spacar completion z", ["plain,zsh"]),
     ],
-)
+)  # fmt: skip
 def test_completion(line, found, tmp_path):
     assert completed(line, tmp_path) == found
 
@@ -51,9 +46,8 @@ def test_completion(line, found, tmp_path):
 def test_the_script_works_in_bash(tmp_path):
     (tmp_path / "script").write_text(source("bash"))
     text = "source ./script; COMP_WORDS=(spacar chec); COMP_CWORD=1; _spacar_completion spacar; echo ${COMPREPLY[@]}"
-    path = f"{SPACAR.parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
-        ["bash", "-c", text], cwd=tmp_path, env=os.environ | {"PATH": path}, capture_output=True, text=True, check=True
+        ["bash", "-c", text], cwd=tmp_path, env=in_front(tmp_path), capture_output=True, text=True, check=True
     )
     assert done.stdout.split() == ["check", "checksbf"], done.stderr
 
@@ -108,18 +102,15 @@ def in_front(home: Path) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("shell", SHELLS)
-def test_completion_is_installed_by_one_command(shell, tmp_path, capsys):
+def test_completion_is_installed_by_one_command(shell, tmp_path):
     """Where the documentation of the shells says; printed without --install."""
-    import io
-
-    out, err = io.StringIO(), io.StringIO()
-    variables = {"HOME": str(tmp_path), "SHELL": f"/usr/bin/{shell}"}
-    assert main(["completion", "--install"], Environment(io.StringIO(), out, err, variables)) == 0
-    path = Path(out.getvalue().strip())
+    done = call("completion", "--install", HOME=str(tmp_path), SHELL=f"/usr/bin/{shell}")
+    assert done.status == 0
+    path = Path(done.out.strip())
     assert path.is_relative_to(tmp_path)
     assert path.read_text() == source(shell)
     assert "_SPACAR_COMPLETE" in path.read_text()
-    assert "new shell" in err.getvalue()
+    assert "new shell" in done.err
     status, printed, _ = call("completion", shell)
     assert (status, printed.strip()) == (0, source(shell).strip())
 

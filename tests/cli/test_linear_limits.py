@@ -1,7 +1,5 @@
 """What linear analyses still give when a part of them is impossible, and what they say about it."""
 
-from __future__ import annotations
-
 import json
 import shutil
 

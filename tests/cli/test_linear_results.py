@@ -1,7 +1,5 @@
 """eigen, bode, compliance: numbers, names, pictures, errors."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -1,7 +1,5 @@
 """The log: its sections in their order, numbers with enough digits, words (reference/files.md section 2)."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

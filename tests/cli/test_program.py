@@ -1,7 +1,5 @@
 """Help, version, colours, streams, and what happens to errors that nobody expected."""
 
-from __future__ import annotations
-
 from importlib import import_module
 
 import click

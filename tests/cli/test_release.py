@@ -1,7 +1,5 @@
 """`spacar 0 --release`: lines, file, JSON, exit status."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The result files: every variable of reference/files.md sections 4 to 6, against mechanism and library."""
 
-from __future__ import annotations
-
 import hashlib
 
 import numpy as np

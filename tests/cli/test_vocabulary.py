@@ -1,7 +1,5 @@
 """One vocabulary of options: all `--help` are held against the table, and a former spelling is told the new one."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 
@@ -12,7 +10,8 @@ from spacar_cli.main import program
 from spacar_cli.vocabulary import FORMER, VOCABULARY
 
 from spacar.modes import MODES
-from tests.test_as_users_expect import DATA, call
+from tests.command_line import call
+from tests.test_as_users_expect import DATA
 
 SPELLINGS = re.compile(r"^  (-\S.*?)(?:  +|$)(.*)$")
 

@@ -1,7 +1,5 @@
 """Pictures of all example models: how each is made, for the reference images and their test."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The public functions of spacar_drawing, from a Result in memory and from a file."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PIL import Image

@@ -1,7 +1,5 @@
 """Pictures are the same bytes whatever a matplotlibrc in the current folder says; LaTeX is never started."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

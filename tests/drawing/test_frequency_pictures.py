@@ -33,9 +33,9 @@ def test_many_curves_have_a_column_an_input_and_one_legend():
 
 
 def test_rounding_is_zero_and_light_damping_is_not():
-    values = np.array([1e-13 + 1000j, 1e-13 - 1000j, -1e-9 + 500j, -1e-9 - 500j])
+    values = np.array([1e-13 + 1000j, 1e-13 - 1000j, -1e-9 + 500j, -1e-9 - 500j, 1e-2])
     clean = without_rounding(values)
-    np.testing.assert_array_equal(clean, [1000j, -1000j, -1e-9 + 500j, -1e-9 - 500j])
+    np.testing.assert_array_equal(clean, [1000j, -1000j, -1e-9 + 500j, -1e-9 - 500j, 1e-2])
     figure = root_figure([SimpleNamespace(values=values[:2])], np.array([0.0]), "step", "undamped")
     (dots,) = [np.asarray(c.get_offsets()) for c in figure.axes[1].collections]
     np.testing.assert_array_equal(dots[:, 0], 0.0)

@@ -6,7 +6,6 @@ from spacar_drawing.mode_picture import period, swing
 from spacar_drawing.mode_shapes import (
     ModeShape,
     buckling_modes,
-    displaced,
     dynamic_columns,
     redundancy,
     suitable_factor,
@@ -109,11 +108,11 @@ def test_buckling_of_the_guided_column():
 def test_displacement_and_automatic_factor():
     source, modes = modes_of("plbeam5free", 7, "vibration")
     x, mode = source.x(1), modes[0]
-    factor = suitable_factor(source.scene, mode, 10.0)
-    moved = displaced(x, mode, factor, 0.0)
+    factor = suitable_factor(source.scene, mode.motion, 10.0)
+    moved = swing(mode, x, factor, 0.0)
     tip = source.scene.lnp[10, 1] - 1
     assert np.isclose(abs(moved[tip] - x[tip]), 1.2)  # 12 % of 10 m, the tip moves most
-    np.testing.assert_allclose(displaced(x, mode, factor, np.pi) - x, x - moved, atol=1e-12)
+    np.testing.assert_allclose(swing(mode, x, factor, np.pi) - x, x - moved, atol=1e-12)
     still = ModeShape(1, "vibration", 1.0 + 0j, mode.vector, mode.motion)
     ends = [swing(still, x, factor, p) for p in (0.0, np.pi)]
     np.testing.assert_allclose(ends, [x, moved], atol=1e-12)  # to one side and back

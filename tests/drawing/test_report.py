@@ -1,17 +1,16 @@
 """The report: one file that needs nothing else, shown by a real browser."""
 
 import re
-import shutil
 import subprocess
 from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from spacar_drawing.report_page import report_page
 
 from .conftest import RUNS, call
 from .models import result_source
-
-BROWSER = next((b for b in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if b), None)
+from .test_viewer import CHROMIUM
 
 
 class Page(HTMLParser):
@@ -81,13 +80,13 @@ def test_text_from_files_cannot_break_the_page(results):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(BROWSER is None, reason="no chromium on this machine")
+@pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
 def test_a_browser_shows_the_pictures(results):
     from PIL import Image
 
     call("report", results / "crank")
     shot = results / "shot.png"
-    command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={results / 'profile'}",
+    command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={results / 'profile'}",
                "--window-size=950,1400", f"--screenshot={shot}", f"file://{results / 'crank.html'}"]  # fmt: skip
     subprocess.run(command, check=True, capture_output=True, timeout=60)
     with Image.open(shot) as image:
@@ -99,8 +98,6 @@ def test_a_browser_shows_the_pictures(results):
 
 
 def test_symbols_have_a_picture_of_their_own(results):
-    from spacar_drawing.report_page import report_page
-
     source = result_source("plbeam5", 7)
     plain, marked = (report_page(source, log_lines=0, symbols=kinds) for kinds in ((), ("loads", "reactions")))
     assert marked.count("<figure") == plain.count("<figure") + 1
@@ -108,3 +105,14 @@ def test_symbols_have_a_picture_of_their_own(results):
     wrong = call("report", results / "crank", "--symbols", "winds")
     assert wrong.status == 2
     assert "--symbols winds: expected loads" in wrong.err
+
+
+@pytest.mark.parametrize("asked", [[], ["e[1,2]"]])
+def test_what_stays_zero_is_named_in_one_line_unless_it_was_asked_for(asked):
+    section = report_page(result_source("plbeam5free", 7), asked).partition("Key results")[2].partition("<h2>")[0]
+    if asked:
+        assert "Zero at all steps" not in section
+        assert len(re.findall(r"<tr><th>([^<]*)</th><td>", section)) == 1
+    else:
+        assert "Zero at all steps: " in section
+        assert not re.search(r"<td>0</td></tr>", section)

@@ -3,8 +3,6 @@
 A straight bar of 1 m along x with a section by BEAMSEC, loads so small that the deflection changes nothing: to 1e-6.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 

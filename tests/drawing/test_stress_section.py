@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 from spacar_drawing.mechanism_picture import Extras
-from spacar_drawing.sections import inside, moments
-from spacar_drawing.settings import SectionShape
 from spacar_drawing.stress_numbers import stress_results
 from spacar_drawing.stress_picture import section_figure, section_stress, stress_still
 
@@ -12,21 +10,6 @@ from spacar.errors import UsageError
 
 from .conftest import call
 from .models import result_source
-
-SECTIONS = [
-    SectionShape("RECT", (0.1, 0.3)), SectionShape("RECTHOL", (0.1, 0.3, 0.06, 0.2)), SectionShape("CIRC", (0.2,)),
-    SectionShape("CIRCHOL", (0.2, 0.15)), SectionShape("I", (0.1, 0.2, 0.01, 0.02)),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("section", SECTIONS, ids=lambda s: s.shape)
-def test_the_material_has_the_area_of_the_section(section):
-    """Count of the middles of a fine grid; its error is the outline times half a cell."""
-    y, z = np.meshgrid(*(0.5 * 0.31 * (np.arange(-399, 400, 2) / 400),) * 2)
-    cell = (0.31 / 400) ** 2
-    counted = np.count_nonzero(inside(section, y, z)) * cell
-    assert counted == pytest.approx(moments(section).A, abs=1.2 * 0.31 / 400)
-    assert not inside(SectionShape("LINE"), y, z).any()
 
 
 def test_a_cantilever_under_a_tip_load():

@@ -6,8 +6,6 @@ thickness, 0.5 N m. Measured with 60 x 12 x 4 elements C3D20R at mid-length: von
 38.34 MPa with the 30 x 8 x 2 elements of this test, which takes seconds instead of half a minute.
 """
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from itertools import product

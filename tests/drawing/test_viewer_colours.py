@@ -11,7 +11,7 @@ from spacar_drawing.picture_source import source_of_result
 from spacar_drawing.stress_numbers import stress_results
 from spacar_drawing.stresses import QUANTITIES
 from spacar_drawing.viewer_mesh import mesh_of
-from spacar_drawing.viewer_page import LAST, NONE, field_colours
+from spacar_drawing.viewer_page import LAST, NONE, field_colours, view_page
 
 import spacar
 from spacar.deck import parse_deck
@@ -101,20 +101,14 @@ def test_what_is_not_finite_has_no_colour_and_no_part_in_the_scale(wrong, monkey
 
 def test_a_page_with_stress_has_its_scale():
     source = result_source("crosshingew", 10)
-    field = data_of(view_of(source, "mises"))["field"]
+    field = data_of(view_page(source, stress="mises"))["field"]
     assert field["name"] == "von Mises stress"
     assert field["low"] == 0.0
     assert len(field["palette"]) == 9
     largest = stress_results(source, list(range(1, source.steps + 1))).largest("mises").value
     assert field["high"] <= largest * (1.0 + 1e-12)
     assert field["high"] == pytest.approx(largest, rel=0.05)  # the pictures have fewer points along an element
-    assert data_of(view_of(source, None))["field"] is None
-
-
-def view_of(source, stress):
-    from spacar_drawing.viewer_page import view_page
-
-    return view_page(source, stress=stress)
+    assert data_of(view_page(source))["field"] is None
 
 
 def test_wrong_stress(results):
@@ -133,7 +127,7 @@ def test_the_command_knows_every_quantity():
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium to open the page with")
 def test_a_browser_shows_the_colours(tmp_path):
     path = tmp_path / "hinge.html"
-    path.write_text(view_of(result_source("crosshingew", 10), "mises"))
+    path.write_text(view_page(result_source("crosshingew", 10), stress="mises"))
     state, page = opened(path, "step=10&ink=1")
     if state.get("state") == "no-webgl":
         pytest.skip("this Chromium has no WebGL 2")

@@ -12,7 +12,7 @@ from spacar_cli.keyword_help import keywords_json, textmate_grammar
 
 from spacar.deck import parse_deck
 from spacar.deck.keyword_table import ALIASES, ELEMENT_TYPES, KEYWORDS
-from tests.test_as_users_expect import call
+from tests.command_line import call
 
 DATA = Path(__file__).parents[2] / "data"
 

@@ -1,7 +1,5 @@
 """Small result files for the tests of this folder, and the 512-byte vector of reference/files.md 8."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The subcommands in process: output, warnings on standard error, and which error each mistake raises."""
 
-from __future__ import annotations
-
 import json
 from importlib import import_module
 from io import StringIO

@@ -1,7 +1,5 @@
 """Damaged bytes and killed processes: only SbfError is raised, committed steps are never lost."""
 
-from __future__ import annotations
-
 import signal
 import struct
 import subprocess

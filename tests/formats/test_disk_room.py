@@ -1,20 +1,16 @@
 """The size of results is known before the first step, and what does not fit on the disk is refused."""
 
-from __future__ import annotations
-
-import io
 import shutil
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from spacar_cli.environment import Environment
-from spacar_cli.main import main
 from spacar_formats import disk_room
 from spacar_formats.disk_room import bytes_of_a_step, steps_of
 from spacar_formats.sbf import SbfFile
 
 import spacar
+from tests import command_line
 
 DATA = Path(__file__).parents[2] / "data"
 
@@ -23,12 +19,7 @@ DATA = Path(__file__).parents[2] / "data"
 def call(tmp_path, monkeypatch):
     shutil.copy(DATA / "crank.dat", tmp_path)
     monkeypatch.chdir(tmp_path)
-
-    def run(*words):
-        env = Environment(io.StringIO(), io.StringIO(), io.StringIO(), {})
-        return main([*words], env), env.stderr.getvalue()
-
-    return run
+    return lambda *words: command_line.call(*words)[::2]
 
 
 @pytest.mark.parametrize(

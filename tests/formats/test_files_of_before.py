@@ -4,8 +4,6 @@
 `sweep crank.dat --set XM.6=0.03,0.04 -r 'moment: max(abs(fxtot[2,1]))'` as csv and jsonl.
 """
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The container against its description: the vector that two other programs agreed on, round trips."""
 
-from __future__ import annotations
-
 import string
 import tracemalloc
 
@@ -125,14 +123,10 @@ def test_steps_of_a_header_variable_are_refused(tmp_path):
 @pytest.mark.parametrize(
     "values",
     [
-        {"T": 0.0},
-        {"T": 0.0, "Y": [1.0, 2.0]},
-        {"T": 0.0, "X": [1.0]},
-        {"T": 0.0, "X": 1.0},
-        {"T": 0.0, "X": [[1.0, 2.0], [3.0, 4.0]]},
-        {"T": 0.0, "X": [1.0, 2.0], "Y": 1.0},
+        {"T": 0.0}, {"T": 0.0, "Y": [1.0, 2.0]}, {"T": 0.0, "X": [1.0]}, {"T": 0.0, "X": 1.0},
+        {"T": 0.0, "X": [[1.0, 2.0], [3.0, 4.0]]}, {"T": 0.0, "X": [1.0, 2.0], "Y": 1.0},
     ],
-)
+)  # fmt: skip
 def test_append_refuses_what_does_not_fit_and_writes_nothing(tmp_path, values):
     with SbfWriter(tmp_path / "a.sbd", "sbd", {}, {"T": (1, 1), "X": (2, 1)}) as out:
         with pytest.raises(ValueError, match=r"."):
@@ -145,15 +139,10 @@ def test_append_refuses_what_does_not_fit_and_writes_nothing(tmp_path, values):
 @pytest.mark.parametrize(
     ("header", "variables"),
     [
-        ({"TOO_LONG_TO_BE_AN_ID": 1}, {}),
-        ({"A": 1, "a": 2}, {}),
-        ({"A": 1}, {"A": (1, 1)}),
-        ({"TDEF": 1}, {}),
-        ({"A B": 1}, {}),
-        ({"A": 1j}, {}),
-        ({"A": np.zeros((1, 1, 1))}, {}),
+        ({"TOO_LONG_TO_BE_AN_ID": 1}, {}), ({"A": 1, "a": 2}, {}), ({"A": 1}, {"A": (1, 1)}), ({"TDEF": 1}, {}),
+        ({"A B": 1}, {}), ({"A": 1j}, {}), ({"A": np.zeros((1, 1, 1))}, {}),
     ],
-)
+)  # fmt: skip
 def test_the_writer_refuses_what_the_container_cannot_hold(tmp_path, header, variables):
     with pytest.raises(ValueError, match=r"."):
         SbfWriter(tmp_path / "a.sbd", "sbd", header, variables)

@@ -4,20 +4,16 @@ Statics knows no mass, so the file without its UNITS line is the same model in t
 compliances must show the same numbers.
 """
 
-from __future__ import annotations
-
-import io
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 import spacar_drawing
-from spacar_cli.environment import Environment
-from spacar_cli.main import main
 from spacar_formats.log.text_layout import ShownUnits
 
 import spacar
+from tests.command_line import call
 
 DATA = Path(__file__).parents[2] / "data"
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?\Z")
@@ -33,8 +29,8 @@ def folder(tmp_path_factory):
     (place / "mm.dat").write_text(text)
     (place / "plain.dat").write_text(re.sub(r"UNITS mm.*", "", text))
     for name in ("mm", "plain"):
-        env = Environment(io.StringIO(), io.StringIO(), io.StringIO(), {})
-        assert main(["10", str(place / name)], env) == 0, env.stderr.getvalue()
+        done = call("10", place / name)
+        assert done.status == 0, done.err
     return place
 
 
@@ -46,14 +42,11 @@ def part(text: str, first: str, last: str) -> list[str]:
 @pytest.mark.parametrize(
     ("first", "last"),
     [
-        ("\n  section  material", "Elements: numbers"),
-        ("ESTIFF: stiffness", "DELXF: "),
-        ("XF: ", "DELXF: "),
+        ("\n  section  material", "Elements: numbers"), ("ESTIFF: stiffness", "DELXF: "), ("XF: ", "DELXF: "),
         ("  node  coordinate  class", "Eigenvalues"),
-        ("  node  coordinate       compliance", "The reduced mass matrix"),
-        ("SOLUTION 5, LOAD STEP 4", "Eigenvalues"),
+        ("  node  coordinate       compliance", "The reduced mass matrix"), ("SOLUTION 5, LOAD STEP 4", "Eigenvalues"),
     ],
-)
+)  # fmt: skip
 def test_the_log_shows_the_numbers_of_the_file(folder, first, last):
     """Solutions are equal to the tolerance of the iteration; what is zero in both is rounding in both."""
     ours, theirs = (part((folder / f"{n}.log").read_text(), first, last) for n in ("mm", "plain"))
@@ -82,9 +75,7 @@ def test_curves(folder):
         for a, b in zip(ours.lines, theirs.lines, strict=True):
             assert a.get_xdata() == pytest.approx(b.get_xdata(), rel=1e-6)
             assert a.get_ydata() == pytest.approx(b.get_ydata(), rel=1e-5, abs=1e-6 * np.abs(b.get_ydata()).max())
-    env = Environment(io.StringIO(), io.StringIO(), io.StringIO(), {})
-    assert main(["plot", str(folder / "mm"), "x[7,1]", "--csv", "-"], env) == 0
-    head, *lines = env.stdout.getvalue().splitlines()
+    head, *lines = call("plot", folder / "mm", "x[7,1]", "--csv", "-").out.splitlines()
     assert head == 't,"x[7,1] (m)"'
     assert float(lines[-1].split(",")[1]) == pytest.approx(figures[0].axes[0].lines[0].get_ydata()[-1] / 1e3)
 
@@ -99,11 +90,7 @@ def test_key_results(folder):
 
 
 def test_compliances(folder):
-    tables = []
-    for name in ("mm", "plain"):
-        env = Environment(io.StringIO(), io.StringIO(), io.StringIO(), {})
-        assert main(["compliance", str(folder / name), "7"], env) == 0
-        tables.append(env.stdout.getvalue())
+    tables = [call("compliance", folder / name, "7").out for name in ("mm", "plain")]
     assert "in mm and rad by N and N mm" in tables[0]
     ours, theirs = ([float(w) for w in t.split() if NUMBER.match(w) and "e" in w] for t in tables)
     assert ours == pytest.approx(theirs, rel=1e-6, abs=1e-12)

@@ -1,7 +1,5 @@
 """The utilities of reference/files.md 7: values, shapes, refusals; no file is changed in place."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys
@@ -29,16 +27,10 @@ from .samples import LNP, M, ltv, sbd, sbm
 @pytest.mark.parametrize(
     ("text", "numbers"),
     [
-        ("3", 3),
-        ("end", 9),
-        ("2:4", [2, 3, 4]),
-        ("1:4:end", [1, 5, 9]),
-        ("1,4, 9", [1, 4, 9]),
-        ("8:end,1", [8, 9, 1]),
-        ("-1", 9),
-        ("-2:end", [8, 9]),
+        ("3", 3), ("end", 9), ("2:4", [2, 3, 4]), ("1:4:end", [1, 5, 9]), ("1,4, 9", [1, 4, 9]), ("8:end,1", [8, 9, 1]),
+        ("-1", 9), ("-2:end", [8, 9]),
     ],
-)
+)  # fmt: skip
 def test_step_numbers_as_in_matlab(text, numbers):
     assert step_numbers(text, 9) == numbers
 
@@ -162,20 +154,12 @@ def test_repinsbf_replaces_exactly_one_value(tmp_path):
 @pytest.mark.parametrize(
     ("ident", "value", "step"),
     [
-        ("x", [1.0, 2.0], 1),
-        ("x", [[1.0, 2.0, 3.0]], 1),
-        ("x", [1.0, 2.0, 3.0], None),
-        ("x", [1.0, 2.0, 3.0], 4),
-        ("x", [1.0, 2.0, "a"], 1),
-        ("x", [[1.0], [2.0, 3.0]], 1),
-        ("lnp", LNP, 1),
-        ("lnp", LNP.T, None),
-        ("mode", 1.5, None),
-        ("etype", ["PLBEAM"], None),
-        ("etype", ["PLBEAM", "MUCHTOOLONG"], None),
+        ("x", [1.0, 2.0], 1), ("x", [[1.0, 2.0, 3.0]], 1), ("x", [1.0, 2.0, 3.0], None), ("x", [1.0, 2.0, 3.0], 4),
+        ("x", [1.0, 2.0, "a"], 1), ("x", [[1.0], [2.0, 3.0]], 1), ("lnp", LNP, 1), ("lnp", LNP.T, None),
+        ("mode", 1.5, None), ("etype", ["PLBEAM"], None), ("etype", ["PLBEAM", "MUCHTOOLONG"], None),
         ("nothing", 1, None),
     ],
-)
+)  # fmt: skip
 def test_repinsbf_refuses_and_leaves_the_file(tmp_path, ident, value, step):
     path = sbd(tmp_path / "a.sbd")
     before = path.read_bytes()
@@ -202,7 +186,7 @@ def test_combsbd_puts_steps_behind_each_other(tmp_path):
         assert file.complete
         np.testing.assert_array_equal(file.get("x")[:, 0], [0, 1, 2, 0, 1, 0, 1, 2])
         assert file.get("note") == ["unknown variable"]
-    with pytest.raises(UsageError, match="--overwrite"):
+    with pytest.raises(UsageError, match=r"all\.sbd exists.*the original overwrites.*--overwrite"):
         combsbd([tmp_path / "a", tmp_path / "b"], tmp_path / "all")
     assert combsbd([tmp_path / "a", tmp_path / "b"], tmp_path / "a", force=True)[1] == 5
     assert getfrsbf(tmp_path / "a", "tdef") == [[5]]

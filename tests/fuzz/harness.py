@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import os
 import shutil
 import signal
@@ -13,11 +12,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import sympy  # noqa: F401  (a Ctrl-C within its import would leave half of it to the cases behind)
-from spacar_cli.environment import Environment
-from spacar_cli.main import main
 from spacar_formats.checksbf import checksbf
 
 from spacar.errors import LONGEST_LINE
+from tests.command_line import call
 
 from .cases import DATA, Case
 
@@ -33,17 +31,11 @@ def sound_results(folder: Path) -> dict[str, bytes]:
     try:
         for name, mode, *options in SOUND:
             shutil.copy(DATA / f"{name}.dat", folder)
-            assert _call((mode, name, *options))[0] == 0
+            assert call(mode, name, *options).status == 0
     finally:
         os.chdir(here)
     found = (p for p in sorted(folder.iterdir()) if p.suffix in (".sbd", ".sbm", ".ltv"))
     return {p.name: p.read_bytes() for p in found}
-
-
-def _call(words: tuple[str, ...]) -> tuple[int, str, str]:
-    out, err = io.StringIO(), io.StringIO()
-    status = main(words, Environment(io.StringIO(), out, err, {}))
-    return status, out.getvalue(), err.getvalue()
 
 
 @contextmanager
@@ -75,7 +67,7 @@ def finding(case: Case) -> str | None:
             before = time.process_time()
             try:
                 with impatient():
-                    status, out, err = _call(case.words)
+                    status, out, err = call(*case.words)
             except KeyboardInterrupt:
                 return None  # between the command and this line
             except BaseException as error:

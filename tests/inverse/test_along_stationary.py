@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import io
 import json
 from pathlib import Path
 
 import numpy as np
 import pytest
-from spacar_cli.environment import Environment
-from spacar_cli.main import main
 
 import spacar
 from spacar.deck import parse_deck
 from spacar.errors import UsageError
+from tests.command_line import call
 
 HINGE = """PLBEAM 1 1 2 3 4
 PLBEAM 2 3 4 5 6
@@ -125,9 +123,9 @@ def test_another_iterstep_is_refused(ten):
 
 def command(*words: object) -> str:
     """Standard output of a command that must succeed."""
-    out, err = io.StringIO(), io.StringIO()
-    assert main([str(w) for w in words], Environment(io.StringIO(), out, err, {})) == 0, err.getvalue()
-    return out.getvalue()
+    done = call(*words)
+    assert done.status == 0, done.err
+    return done.out
 
 
 def test_the_files_as_spacar_light_writes_them(tmp_path: Path):

@@ -1,4 +1,11 @@
-"""Models as front-ends write them: node k has position 3k-2 and orientation 3k-1, load in steps, transfer functions."""
+"""Models as front-ends write them: node k has position 3k-2 and orientation 3k-1, load in steps, transfer functions.
+
+And robotinv.dat with a few steps only.
+"""
+
+from .octave import DATA
+
+SHORT_ROBOT = (DATA / "robotinv.dat").read_text().replace("TRTIME 0.2 20", "TRTIME 0.2 2").replace("1.0 100", "1.0 7")
 
 BENT = """\
 BEAM 1  1 2  7 8   0 1 0

@@ -1,7 +1,5 @@
 """Octave as a process: one script, its results as arrays."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """With Octave's control package `getss` gives an `ss` object, of results of the program, of `mrltv`, of `spacntrl`."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 
@@ -11,7 +9,7 @@ from spacar_formats.frequency import frequency_response
 from spacar_formats.getss import getss
 from spacar_formats.mex import FOLDER
 
-from .models import TRANSFER
+from .models import SHORT_ROBOT, TRANSFER
 from .octave import DATA, PROGRAM, analyse, need, run_octave
 
 SCRIPT = """
@@ -40,8 +38,7 @@ def folder(tmp_path_factory):
     if subprocess.run(here, capture_output=True, check=False).returncode:
         pytest.skip("Octave's control package is not installed (Debian: octave-control)")
     made = tmp_path_factory.mktemp("control")
-    path = (DATA / "robotinv.dat").read_text().replace("TRTIME 0.2 20", "TRTIME 0.2 2").replace("1.0 100", "1.0 7")
-    (made / "robotinv.dat").write_text(path)
+    (made / "robotinv.dat").write_text(SHORT_ROBOT)
     shutil.copy(DATA / "robotinvlin.dat", made)
     (made / "transfer.dat").write_text(TRANSFER)
     for mode, name in ((2, "robotinv"), (3, "robotinvlin"), (9, "transfer")):

@@ -1,7 +1,5 @@
 """The command `spacar matlab`, what is in the folder, and that all of it is MATLAB's language, not only Octave's."""
 
-from __future__ import annotations
-
 import re
 import stat
 from pathlib import Path

@@ -4,8 +4,6 @@ Check of the constraints, statics and frequencies, buckling, transfer functions,
 compliance, stresses, failures.
 """
 
-from __future__ import annotations
-
 import shutil
 
 import numpy as np
@@ -20,7 +18,7 @@ from spacar_formats.mex import build
 from spacar.simulation.feedback import with_gain
 from spacar.simulation.reduction import reduce_modes
 
-from .models import BENT, MASSLESS, TRANSFER
+from .models import BENT, MASSLESS, SHORT_ROBOT, TRANSFER
 from .octave import DATA, PROGRAM, need, run_octave
 
 pytestmark = pytest.mark.slow
@@ -92,8 +90,7 @@ try, spacar(0, 'robot'); catch e, out.nowhere = [e.identifier, '|', e.message]; 
 def folder(tmp_path_factory):
     need("octave-cli", "mkoctfile")
     made = tmp_path_factory.mktemp("it's à folder")
-    path = (DATA / "robotinv.dat").read_text().replace("TRTIME 0.2 20", "TRTIME 0.2 2").replace("1.0 100", "1.0 7")
-    (made / "robot.dat").write_text(path)
+    (made / "robot.dat").write_text(SHORT_ROBOT)
     shutil.copy(DATA / "robotinvlin.dat", made / "robot_3.dat")
     for name, text in (("my bent", BENT), ("transfer", TRANSFER), ("massless", MASSLESS)):
         (made / f"{name}.dat").write_text(text)

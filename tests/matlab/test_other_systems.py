@@ -3,8 +3,6 @@
 The C file sees the documented prototypes of the C Matrix and MEX library only (mex.h of neither program).
 """
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sysconfig

@@ -1,7 +1,5 @@
 """The blocks of docs/matlab.md, from top to bottom in one Octave session; `value   % = 1.5` is compared."""
 
-from __future__ import annotations
-
 import re
 import shutil
 

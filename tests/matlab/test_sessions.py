@@ -1,7 +1,5 @@
 """Sessions of SPACAR's documentation, typed into Octave as printed there: arrays of a run are in the workspace."""
 
-from __future__ import annotations
-
 import shutil
 
 import numpy as np

@@ -1,7 +1,5 @@
 """getss.m of the sparse system of a large model (asp, bsp, csp) in Octave, against getss of Python."""
 
-from __future__ import annotations
-
 import numpy as np
 from spacar_formats.getss import getss
 from spacar_formats.mex import FOLDER

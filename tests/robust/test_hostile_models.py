@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import io
 import shutil
 import subprocess
 import sys
 
 import pytest
-from spacar_cli.environment import Environment
-from spacar_cli.main import main
 
 from spacar.errors import UsageError
 from spacar.symbolic import MultibodySystem
 from spacar.symbolic.name_rules import control_character, escaped, is_name, is_output
+from tests.command_line import call as run
 
 PENDULUM = """
 [system]
@@ -51,12 +49,6 @@ BREAKOUTS = {
     "trigraph": '"x ??/ y *??/ /"',
     "latex": '"\\\\immediate\\\\write18{touch PWNED} %"',
 }
-
-
-def run(*words):
-    out, err = io.StringIO(), io.StringIO()
-    status = main([str(w) for w in words], Environment(stdout=out, stderr=err, variables={}))
-    return status, out.getvalue(), err.getvalue()
 
 
 def write(folder, title='"a pendulum"', extra="", output="a"):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import os
 import shutil
 import struct
@@ -12,21 +11,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from spacar_cli.environment import Environment
-from spacar_cli.main import main
 from spacar_formats.sbf import SbfFile
 from spacar_formats.sbf.record_layout import PREAMBLE, directory_crc
 
 from spacar.deck import parse_deck
 from spacar.errors import LONGEST_LINE, InputError, UsageError, shown
+from tests.command_line import call as run
 
 from .processes import DATA, done, model
-
-
-def run(*words):
-    out, err = io.StringIO(), io.StringIO()
-    status = main([str(w) for w in words], Environment(stdout=out, stderr=err, variables={}))
-    return status, out.getvalue(), err.getvalue()
 
 
 def is_one_sentence(err):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import os
 import re
 import shutil
@@ -10,11 +9,10 @@ import subprocess
 import sys
 
 import pytest
-from spacar_cli.environment import Environment
-from spacar_cli.main import main
 
 from spacar.errors import UsageError
 from spacar.native import store
+from tests.command_line import call as run
 
 from .processes import ENVIRONMENT, done, model
 
@@ -33,12 +31,6 @@ END
 END
 """
 PUSH = "open('RUN', 'w').close()\ndef push(t, *rest):\n    return t, [], []\n"
-
-
-def run(*words):
-    out, err = io.StringIO(), io.StringIO()
-    status = main([str(w) for w in words], Environment(stdout=out, stderr=err, variables={}))
-    return status, out.getvalue(), err.getvalue()
 
 
 def test_check_lists_functions_and_imports_none(tmp_path, monkeypatch):

@@ -1,7 +1,5 @@
 """Built-in blocks together: against the blocks one by one, and the Jacobian against differences of the loop."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -26,12 +24,9 @@ BLOCKS = [
     PID("pid", [4.0, 3.0], 2.0, 0.5, filter=80.0, lower=-1.0, upper=1.0, size=2),
     PID("clamps", 4.0, 2.0, lower=-1.0, upper=1.0, anti_windup="clamping", size=2),
     Integrator("integral", gain=[2.0, 3.0], lower=-1.0, upper=1.0, size=2),
-    RateLimiter("rate", 2.0, bandwidth=30.0, size=2),
-    Saturation("limit", -0.5, 0.5, 2),
-    DeadZone("dead", -0.2, 0.3, 2),
-    Gain("gain", [[1.0, 2.0], [0.5, -1.0]]),
-    transfer_function("notch", [1.0, 2.0, 90.0], [1.0, 30.0, 100.0]),
-]
+    RateLimiter("rate", 2.0, bandwidth=30.0, size=2), Saturation("limit", -0.5, 0.5, 2), DeadZone("dead", -0.2, 0.3, 2),
+    Gain("gain", [[1.0, 2.0], [0.5, -1.0]]), transfer_function("notch", [1.0, 2.0, 90.0], [1.0, 30.0, 100.0]),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("block", BLOCKS, ids=lambda b: b.name)

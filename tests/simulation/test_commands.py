@@ -1,17 +1,15 @@
 """spacar 2, 3, sim, ltv, mrltv, spacntrl on real files, in process."""
 
-import io
 import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
-from spacar_cli.environment import Environment
-from spacar_cli.main import main
 from spacar_formats.ltvfile import read_ltv
 
 from spacar.compiled import compiled_evaluator
 from spacar.dynamics import array_evaluator
+from tests.command_line import call
 
 DATA = Path(__file__).parents[2] / "data"
 
@@ -19,9 +17,7 @@ DATA = Path(__file__).parents[2] / "data"
 def run(folder, monkeypatch, *words):
     """Exit status, standard output and standard error of one command line."""
     monkeypatch.chdir(folder)
-    out, err = io.StringIO(), io.StringIO()
-    status = main([*map(str, words)], Environment(io.StringIO(), out, err, {}))
-    return status, out.getvalue(), err.getvalue()
+    return call(*words)
 
 
 @pytest.fixture(scope="module")

@@ -4,18 +4,14 @@ Positions are known to 1e-11 of their size where Newton's iteration stops; stiff
 accelerations and stresses: 1e-8 of the largest value of each kind, as in tests/compiled/test_everything.py.
 """
 
-from __future__ import annotations
-
-import io
 from pathlib import Path
 
 import numpy as np
 import pytest
-from spacar_cli.environment import Environment
-from spacar_cli.main import main
 
 from spacar.compiled.library import why_off
 from spacar.simulation.plant import Spasim
+from tests.command_line import call
 
 DATA = Path(__file__).parents[2] / "data"
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
@@ -91,9 +87,8 @@ def test_inputs_that_stay_are_not_asked_for_again(model: Path, monkeypatch: pyte
 def test_the_log_says_which_engine(model: Path, general: bool) -> None:
     source = model.with_name("b.sim")
     source.write_text("[simulation]\ntime = 0.1\nstep = 0.05\n\n[truss]\nblock = spasim\nmodel = a\n\n[wires]\n")
-    said = io.StringIO()
-    words = ["sim", str(source), *["--general"] * general]
-    assert main(words, Environment(said, said, said, {})) == 0, said.getvalue()
+    done = call("sim", source, *["--general"] * general)
+    assert done.status == 0, done.err
     log = source.with_name("b_sim.log").read_text()
     assert ("engine: general (--general or compiled=False asks for it)" in log) == general
     assert ("engine: compiled (" in log) != general

@@ -115,7 +115,6 @@ def test_the_end_of_a_table_is_an_error_when_asked():
 
 def test_quantized_signal_is_integrated_exactly():
     """The integral of floor(t/q + 1/2) q: each level is met at its time although the steps could be long."""
-    r = through(Quantizer("q", 0.3), Ramp("t", 1.0))
     d = Diagram().add(Ramp("t", 1.0), Quantizer("q", 0.3), Integrator("i")).connect("t", "q").connect("q", "i")
     r = simulate(d, [0.0, 1.0], rtol=1e-3, atol=1e-3)
     truth = 0.3 * (1 - 0.15) + 0.3 * (1 - 0.45) + 0.3 * (1 - 0.75)

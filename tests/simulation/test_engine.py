@@ -34,13 +34,6 @@ def test_linear_loop_equals_the_closed_form():
     assert r["k"][:, 0] == pytest.approx(-3 * r["i"][:, 0])
 
 
-@pytest.mark.parametrize("method", ["RK45", "RK23", "DOP853", "Radau", "BDF"])
-def test_all_methods(method):
-    d = Diagram().add(integrator(1.0)).connect("i", "i", -1.0)
-    r = simulate(d, TIMES, method=method, rtol=1e-6, atol=1e-9)
-    assert r["i"][-1, 0] == pytest.approx(np.exp(-2.0), rel=1e-4)
-
-
 def test_sampled_feedback_equals_the_difference_equation():
     """x_(k+1) = x_k - T g x_k exactly, for a held u = -g x; with delay, u lags one period."""
     T, g = 0.1, 4.0
@@ -98,16 +91,13 @@ def test_jump_of_an_input_is_not_smeared():
 
 @pytest.mark.parametrize(
     ("kind", "expected"),
-    [("step", [0.0, 0.0, 1.0, 4.0]), ("linear", [0.0, 0.4, 1.0 + 0.6 * 3.0, 4.0]), ("spline", [0.0, 0.16, 2.56, 4.0])],
+    [("step", [0.0, 0.0, 4.0, 4.0]), ("linear", [0.0, 0.4, 1.0 + 0.6 * 3.0, 4.0]), ("spline", [0.0, 0.16, 2.56, 4.0])],
 )
 def test_tables(kind, expected):
     """Values of t^2 stored at 0, 1, 2, 3: a not-a-knot spline reproduces it."""
     t = np.arange(4.0)
     table = Table(t, t**2, kind)
-    at = [0.0, 0.4, 1.6, 2.0]
-    if kind == "step":
-        expected = [0.0, 0.0, 4.0, 4.0]
-    assert [float(table(v)) for v in at] == pytest.approx(expected, abs=1e-12)
+    assert [float(table(v)) for v in (0.0, 0.4, 1.6, 2.0)] == pytest.approx(expected, abs=1e-12)
 
 
 def test_beyond_the_table():
@@ -131,14 +121,9 @@ def test_controller_with_a_wrong_result(returned, why):
     d = Diagram().add(integrator(), Function("c", lambda t, u: returned, 1, 1)).connect("i", "c").connect("c", "i")
     with pytest.raises(AnalysisError, match=why):
         simulate(d, TIMES)
-    s = (
-        Diagram()
-        .add(integrator(), Sampled("c", lambda t, x, u: (x, returned), 0.1, 1, 1))
-        .connect("i", "c")
-        .connect("c", "i")
-    )
+    d = Diagram().add(integrator(), Sampled("c", lambda t, x, u: (x, returned), 0.1, 1, 1))
     with pytest.raises(AnalysisError, match=why):
-        simulate(s, TIMES)
+        simulate(d.connect("i", "c").connect("c", "i"), TIMES)
 
 
 def test_controller_that_raises_or_returns_no_pair():
@@ -148,16 +133,6 @@ def test_controller_that_raises_or_returns_no_pair():
     s = Diagram().add(integrator(), Sampled("c", lambda t, x, u: 1.0, 0.1, 1, 1)).connect("i", "c").connect("c", "i")
     with pytest.raises(AnalysisError, match=r"c must return its new state and its output, \(x, y\)"):
         simulate(s, TIMES)
-
-
-def test_algebraic_loop_and_how_a_delay_breaks_it():
-    hold = Sampled("b", lambda t, x, u: (x, 0.5 * u), 0.1, 1, 1)
-    d = Diagram().add(Gain("a", 0.5), hold).connect("a", "b").connect("b", "a")
-    with pytest.raises(UsageError, match="algebraic loop: a <- b <- a"):
-        simulate(d, TIMES)
-    late = Sampled("late", lambda t, x, u: (x, 0.5 * u + 1), 0.1, 1, 1, delay=True)
-    r = simulate(Diagram().add(Gain("a", 1.0), late).connect("a", "late").connect("late", "a"), TIMES)
-    assert r["a"][-1, 0] == pytest.approx(2.0 * (1 - 0.5**20), abs=1e-12)
 
 
 def test_wrong_wires_and_names():

@@ -1,7 +1,5 @@
 """The loop of a mechanism and affine blocks in C against the same in Python; the method that chooses itself."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -118,13 +118,8 @@ def test_mode_2_torques_retrace_the_path_through_a_spline():
     from spacar.simulation import TimeVarying
 
     motion = [
-        ("TRAJECT", 1),
-        ("TRANS", 7, -0.1, 0.75),
-        ("TRFRONT", 7, 2),
-        ("TRTIME", 1.0, 200),
-        *arm.MOTORS,
-        *arm.REFERENCES,
-    ]
+        ("TRAJECT", 1), ("TRANS", 7, -0.1, 0.75), ("TRFRONT", 7, 2), ("TRTIME", 1.0, 200), *arm.MOTORS, *arm.REFERENCES,
+    ]  # fmt: skip
     inverse = spacar.run(2, arm.deck(arm.END_POINT, motion))
     ports = [("INPUTS", 1, 1, 1), ("INPUTS", 2, 2, 1), ("OUTX", 1, 7, 1), ("OUTX", 2, 7, 2)]
     plant = Spasim(arm.deck(arm.FREE_JOINTS, ports, mode="simulation"))

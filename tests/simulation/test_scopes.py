@@ -1,16 +1,15 @@
 """Scopes: drawn when asked, stored with the result, plotted by name, beside the mechanism in pictures."""
 
-import io
 import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
-from spacar_cli.environment import Environment
-from spacar_cli.main import main
 from spacar_drawing.curves import curves_of, evaluate
 from spacar_drawing.picture_source import open_source
 from spacar_formats.getfrsbf import getfrsbf
+
+from tests.command_line import call as run
 
 DATA = Path(__file__).parents[2] / "data"
 HELD = """
@@ -71,12 +70,6 @@ sensor -> controller * -1
 controller -> motor
 motor -> sensor
 """
-
-
-def run(*words):
-    out, err = io.StringIO(), io.StringIO()
-    status = main([*map(str, words)], Environment(io.StringIO(), out, err, {}))
-    return status, out.getvalue(), err.getvalue()
 
 
 @pytest.fixture(scope="module")
@@ -197,11 +190,6 @@ def test_every_example_simulation_is_listed_and_copied_with_its_models(tmp_path)
     assert run("examples", "robotflexltv", "--output-dir", tmp_path)[0] == 0
     names = {p.name for p in tmp_path.iterdir()}
     assert names == {"robotflexltv.sim", "robotflexinv.dat", "robotflexinvlin.dat"}
-
-
-def test_keywords_explain_blocks():
-    assert "anti_windup" in run("keywords", "pid")[1]
-    assert "rate-limiter" in run("keywords")[1]
 
 
 def test_the_page_of_blocks_is_made_from_the_table():

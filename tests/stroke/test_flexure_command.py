@@ -7,16 +7,16 @@ import io
 import json
 import re
 import shutil
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 import stroke_models as models
-from spacar_cli.environment import Environment
-from spacar_cli.main import main
 
 import spacar
 from spacar.deck import parse_deck
+from tests import command_line
 
 DATA = Path(__file__).parents[2] / "data"
 
@@ -28,12 +28,7 @@ def call(tmp_path, monkeypatch):
     (tmp_path / "planar.dat").write_text(models.two_leaves(models.GUIDE, 2))
     monkeypatch.chdir(tmp_path)
 
-    def run(*words):
-        env = Environment(io.StringIO(), io.StringIO(), io.StringIO(), {})
-        status = main(["flexure", *words], env)
-        return status, env.stdout.getvalue(), env.stderr.getvalue()
-
-    return run
+    return partial(command_line.call, "flexure")
 
 
 def test_tables_are_in_the_unit_of_the_file_and_files_in_metres(call, tmp_path):

@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
-import io
 import shutil
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from spacar_cli.environment import Environment
-from spacar_cli.main import main
+
+from tests import command_line
 
 DATA = Path(__file__).resolve().parents[2] / "data"
-
-
-@dataclass(frozen=True)
-class Outcome:
-    status: int
-    out: str
-    err: str
 
 
 @pytest.fixture
@@ -27,13 +18,7 @@ def call(tmp_path, monkeypatch):
     for path in DATA.glob("*.dat"):
         shutil.copy(path, tmp_path)
     monkeypatch.chdir(tmp_path)
-
-    def run(*words: object) -> Outcome:
-        env = Environment(io.StringIO(), io.StringIO(), io.StringIO(), {})
-        status = main([str(w) for w in words], env)
-        return Outcome(status, env.stdout.getvalue(), env.stderr.getvalue())
-
-    return run
+    return command_line.call
 
 
 @pytest.fixture

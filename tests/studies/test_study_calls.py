@@ -9,7 +9,7 @@ import pytest
 
 import spacar
 from spacar.errors import UsageError
-from tests.test_as_users_expect import call
+from tests.command_line import call
 
 
 @pytest.fixture

@@ -1,7 +1,5 @@
 """The two-link manipulator of the paper (bibliography.md) with its variants, and numbers for it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any

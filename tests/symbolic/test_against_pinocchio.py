@@ -1,7 +1,5 @@
 """Rigid chains against Pinocchio (`aba`), which shares nothing with the package; skipped where it is not installed."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Attitude by named sequences, against `sympy.physics.vector` and the energy of a spinning body."""
 
-from __future__ import annotations
-
 import pytest
 
 pytest.importorskip("sympy")

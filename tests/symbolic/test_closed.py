@@ -5,8 +5,6 @@ of 1e-20 at 120 digits: I_ij = Σ w r_i·r_j, f_i = −Σ w r_i·(d²r/dε² alo
 differences too. What is left is the truncation of the differences, 1e-40 relative: 1e-25 is asked.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import mpmath as mp
@@ -168,16 +166,9 @@ def model(kind, spatial, shortening, strategy):
         root = S.point("P", S.O, L1 * A[1])
         S.beam("crank", A, S.O, L1, rho, field=())
     rod = S.beam(
-        "rod",
-        B,
-        root,
-        L,
-        rho,
-        EI=EI,
-        bends=(2, 3) if spatial else 2,
-        field=beam_shapes.monomial(2, 3),
+        "rod", B, root, L, rho, EI=EI, bends=(2, 3) if spatial else 2, field=beam_shapes.monomial(2, 3),
         foreshortening=shortening,
-    )
+    )  # fmt: skip
     S.particle("block", rod.tip, m)
     if kind == "close":
         S.close(rod.tip, S.O, S.N[2], name="loop")

@@ -1,7 +1,5 @@
 """Closed loops of rigid bars: motion, reactions, linearization, start values; the constraint force of a stop."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -18,12 +16,9 @@ def four_bar():
         frame = S.frame(f"B{k}", S.N, 3, q)
         L = S.expression(length)
         S.rigid_body(
-            f"bar{k}",
-            frame,
-            S.point(f"G{k}", at, L / 2 * frame[1]),
-            f"m{k}",
+            f"bar{k}", frame, S.point(f"G{k}", at, L / 2 * frame[1]), f"m{k}",
             (0, 0, S.expression(f"m{k}*{length}**2/12")),
-        )
+        )  # fmt: skip
         at = S.point(f"P{k}", at, L * frame[1])
         tips.append(at)
     ground = S.point("D", S.O, S.expression("d") * S.N[1])
@@ -41,14 +36,9 @@ def test_four_bar_turns_through_every_choice_of_dependent_speeds():
     eq = S.derive("recursive")
     program = eq.program({"E": sum(eq.energy())})
     run = program.simulate(
-        BAR,
-        {"q1": 1.0, "w1": 12.0},
-        guess={"q2": 0.5, "q3": -1.0},
-        t_end=1.4,
-        steps=100,
-        integrator="dop853",
+        BAR, {"q1": 1.0, "w1": 12.0}, guess={"q2": 0.5, "q3": -1.0}, t_end=1.4, steps=100, integrator="dop853",
         rtol=1e-10,
-    )
+    )  # fmt: skip
     assert run["q1"][-1] > 4 * np.pi
     assert np.min(np.abs(run["w3"])) < 0.3
     assert np.min(run["w3"]) < 0 < np.max(run["w3"])

@@ -1,7 +1,5 @@
 """Collection functions are exact rewrites: expand(before − after) = 0; the Z table keeps order and signs."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

@@ -1,7 +1,5 @@
 """The right-hand side compiled for this machine, called from Python."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Non-holonomic systems: the Chaplygin sleigh of symbolic.md, section 3.5, in closed form and with a flexible beam."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

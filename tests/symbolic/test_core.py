@@ -4,8 +4,6 @@ Only these tests know both parts. Reference numbers: symbolic.md, section 8.7 (t
 terms and foreshortening; no structural damping in either).
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

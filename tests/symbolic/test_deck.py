@@ -1,11 +1,7 @@
 """Input files of the modes as symbolic models: their motion is that of mode 1, which shares no equations with them."""
 
-from __future__ import annotations
-
-import io
 import re
 import shutil
-from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +9,7 @@ import pytest
 
 pytest.importorskip("sympy")
 
-from spacar_cli.main import main
+from tests.command_line import call as spacar
 
 DATA = Path(__file__).resolve().parents[2] / "data"
 # a rigid part that hangs on a flexible beam, welded rotations, a spring, a preloaded hinge, constant loads, gravity
@@ -102,13 +98,6 @@ TIMESTEP 0.3 10
 END
 END
 """
-
-
-def spacar(*arguments: str) -> tuple[int, str, str]:
-    out, err = io.StringIO(), io.StringIO()
-    with redirect_stdout(out), redirect_stderr(err):
-        status = main([*arguments])
-    return status, out.getvalue(), err.getvalue()
 
 
 @pytest.fixture

@@ -1,7 +1,5 @@
 """Forces per length on beams: deflections of beam theory, gravity written as a load, quadrature, energy."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The tutorial and the docstrings say what happens."""
 
-from __future__ import annotations
-
 import doctest
 import importlib
 import pkgutil

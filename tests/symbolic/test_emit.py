@@ -1,7 +1,5 @@
 """Generated Python, C and Fortran: compiled without warning, equal to each other, legal and unique names."""
 
-from __future__ import annotations
-
 import ctypes
 import re
 import shutil

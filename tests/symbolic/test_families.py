@@ -4,8 +4,6 @@ Bending of a uniform beam, ω = k² √(EI/ρ)/L²: free-free and clamped-clampe
 tan k + tanh k = 0; hinged at both ends k = nπ. Ritz frequencies lie above the exact ones and converge to them.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.polynomial import legendre

@@ -1,7 +1,5 @@
 """The generated Fortran solves and differentiates: rhs, outputs and jac against Python and central differences."""
 
-from __future__ import annotations
-
 import ctypes
 import shutil
 import subprocess

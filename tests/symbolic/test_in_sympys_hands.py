@@ -3,8 +3,6 @@
 Truth: the same function of the transformed expression.
 """
 
-from __future__ import annotations
-
 import copy
 import pickle
 

@@ -1,7 +1,5 @@
 """Rigid systems against SymPy's KanesMethod (an independent derivation in components), both strategies."""
 
-from __future__ import annotations
-
 import random
 from functools import cache
 

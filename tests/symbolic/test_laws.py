@@ -1,7 +1,5 @@
 """Laws with jumps and switches in all languages; silent misreadings refused; TOML and Python read the same."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 import shutil

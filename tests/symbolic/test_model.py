@@ -2,9 +2,6 @@
 
 # ruff: noqa: E501  (tables of input and message, one line each)
 
-from __future__ import annotations
-
-import io
 import json
 import os
 import subprocess
@@ -13,20 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from spacar_cli.environment import Environment
-from spacar_cli.main import main
 
 from spacar.symbolic.model_reader import read_model
+from tests.command_line import call as run
 
 DATA = Path(__file__).parents[2] / "data" / "symbolic"
 BASE = (DATA / "manipulator.toml").read_text()
-
-
-def run(*words):
-    """Exit status, standard output and standard error of one command line in this process."""
-    out, err = io.StringIO(), io.StringIO()
-    status = main([str(w) for w in words], Environment(stdout=out, stderr=err, variables={}))
-    return status, out.getvalue(), err.getvalue()
 
 
 @pytest.fixture
@@ -171,36 +160,11 @@ angle = "a"
 """
 
 
-def process(*words):
-    return subprocess.run([sys.executable, "-m", "spacar_cli.main", *map(str, words)], capture_output=True, text=True)
-
-
 def test_failure_while_running_is_status_1(model):
     status, _, err = run("symbolic", "simulate", model(text=MASSLESS))
     assert status == 1
     assert "mass matrix is not positive definite at u" in err
     assert "Traceback" not in err
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ERRORS)
-def test_wrong_models_in_a_real_process(model, name):
-    done = process("symbolic", "simulate", model(*ERRORS[name][0]))
-    assert done.returncode == 2
-    assert ERRORS[name][1] in done.stderr
-    assert done.stderr.count("\n") == 1
-    assert "Traceback" not in done.stderr
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SCRIPTS)
-def test_wrong_scripts_in_a_real_process(model, name):
-    text, message = SCRIPTS[name]
-    done = process("symbolic", "check", model(text=text, name="manip.py"))
-    assert done.returncode == 2
-    assert message in done.stderr
-    assert done.stderr.count("\n") == 1
-    assert "Traceback" not in done.stderr
 
 
 # -- command line -----------------------------------------------------------------------------------------------
@@ -210,11 +174,8 @@ def test_check_says_what_the_model_contains(model):
     status, out, _ = run("symbolic", "check", model())
     assert status == 0
     for piece in (
-        "coordinates  8: q1, q4, phi1_1",
-        "link2: u (bending, 3 shapes)",
-        "2 forces and torques",
-        "torque1 = -D1*s1",
-    ):
+        "coordinates  8: q1, q4, phi1_1", "link2: u (bending, 3 shapes)", "2 forces and torques", "torque1 = -D1*s1",
+    ):  # fmt: skip
         assert piece in out
 
 
@@ -309,16 +270,8 @@ def test_texts_do_not_depend_on_hash_order(tmp_path, strategy):
     for seed in ("1", "2"):
         target = tmp_path / f"{seed}.c"
         words = [
-            "symbolic",
-            "export",
-            DATA / "manipulator.toml",
-            "--language",
-            "c",
-            "--strategy",
-            strategy,
-            "-o",
-            target,
-        ]
+            "symbolic", "export", DATA / "manipulator.toml", "--language", "c", "--strategy", strategy, "-o", target,
+        ]  # fmt: skip
         command = [sys.executable, "-m", "spacar_cli.main", *map(str, words)]
         done = subprocess.run(command, env=os.environ | {"PYTHONHASHSEED": seed}, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr

@@ -1,18 +1,14 @@
 """Symbolic results in `plot`, `draw`, `report`, and compiled speed from Python in one call."""
 
-from __future__ import annotations
-
 import csv
 import hashlib
 import io
-from contextlib import redirect_stderr, redirect_stdout
 
 import numpy as np
 import pytest
 
 pytest.importorskip("sympy")
 
-from spacar_cli.main import main
 from spacar_drawing.picture_source import open_source
 from spacar_drawing.scene import positions, rotations
 from spacar_formats.locate import open_result
@@ -20,6 +16,7 @@ from spacar_formats.locate import open_result
 from spacar.errors import UsageError
 from spacar.symbolic import MultibodySystem
 from spacar.symbolic.compiled_program import compiler
+from tests.command_line import call as spacar
 
 MODEL = """
 [system]
@@ -48,14 +45,6 @@ mass = "m"
 "T + V" = "m*(L*s)**2/2 - m*g*L*cos(q)"
 "P.y" = "P.y"
 """
-
-
-def spacar(*arguments: str) -> tuple[int, str, str]:
-    """Exit status, stdout, stderr of the command line."""
-    out, err = io.StringIO(), io.StringIO()
-    with redirect_stdout(out), redirect_stderr(err):
-        status = main([*arguments])
-    return status, out.getvalue(), err.getvalue()
 
 
 @pytest.fixture

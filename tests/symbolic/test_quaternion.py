@@ -1,7 +1,5 @@
 """Attitude by a quaternion: free tumbling against closed forms, conservation, and the same top by three angles."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation as Turn

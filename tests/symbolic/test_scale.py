@@ -1,7 +1,5 @@
 """What must be derived in seconds: chains of rigid links by the held strategy, against the recursive one."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The manual's slider-crank with a flexible rod from its model file: closed, driven, against mode 1 of crankfl.dat."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,16 +1,14 @@
 """Spatial input files as symbolic models: their motion is that of mode 1, which shares no equations with them."""
 
-from __future__ import annotations
-
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 pytest.importorskip("sympy")
+
+from tests.command_line import call
 
 DATA = Path(__file__).resolve().parents[2] / "data"
 # a free body of two rods, on it a hinge about a skew axis with spring, damper and preload, a rod with rotary inertia
@@ -82,30 +80,26 @@ THROWN = (
 )
 
 
-def export(folder: Path, name: str, *options: str) -> str:
-    words = [sys.executable, "-m", "spacar_cli.main", "symbolic", "export", name, *options]
-    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
-def difference(out: str) -> float:
+def exported(*words: str | Path) -> tuple[str, float]:
+    """What `spacar symbolic export` says, and by how much the positions differ from those of mode 1 [m]."""
+    status, out, err = call("symbolic", "export", *words)
+    assert status == 0, err
     found = re.search(r"positions +differ by at most (\S+) m", out)
     assert found
-    return float(found[1])
+    return out, float(found[1])
 
 
 def test_a_manipulator_moves_as_in_mode_1(tmp_path: Path) -> None:
     shutil.copy(DATA / "robotsim.dat", tmp_path)
-    out = export(tmp_path, "robotsim.dat", "--time", "0.05")
-    assert difference(out) < 1e-8  # both runs at rtol 1e-9
+    out, difference = exported(tmp_path / "robotsim.dat", "--time", "0.05")
+    assert difference < 1e-8  # both runs at rtol 1e-9
     assert "3 coordinates, 0 constraints" in out
 
 
 @pytest.mark.slow
 def test_a_free_body_with_a_skew_hinge_moves_as_in_mode_1(tmp_path: Path) -> None:
     (tmp_path / "free.dat").write_text(FREE)
-    assert difference(export(tmp_path, "free.dat")) < 1e-8
+    assert exported(tmp_path / "free.dat")[1] < 1e-8
 
 
 @pytest.mark.slow
@@ -113,6 +107,6 @@ def test_a_free_body_with_a_skew_hinge_moves_as_in_mode_1(tmp_path: Path) -> Non
 def test_a_beam_in_two_planes_moves_as_in_mode_1(tmp_path: Path, text: str, limit: float, deflection: str) -> None:
     """Same two shapes in each plane, one of twist: what is left is of second order, 1e-4 of the deflection."""
     (tmp_path / "column.dat").write_text(text)
-    out = export(tmp_path, "column.dat")
-    assert difference(out) < limit
+    out, difference = exported(tmp_path / "column.dat")
+    assert difference < limit
     assert f"largest deflection {deflection}" in out

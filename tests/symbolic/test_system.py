@@ -1,7 +1,5 @@
 """The description of a system: strong forms, inputs, plots, wrong calls."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy as sp

@@ -5,8 +5,6 @@ in Bessel functions (Kirchhoff 1882): J1(z) I2(z) + I1(z) J2(z) = 0 with z = 2 �
 frequency is ω₁ = 5.3151.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq

@@ -1,7 +1,5 @@
 """The held algebra: tables 1 to 11 and 14 of the paper, and its rules against components of SymPy's frames."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

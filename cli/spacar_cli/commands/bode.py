@@ -8,7 +8,7 @@ from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.drawing_options import PICTURES
 from spacar_cli.environment import Environment, tell_notes
-from spacar_cli.row_output import put_rows
+from spacar_cli.row_output import put_figure, put_rows
 
 
 @words.command("bode")
@@ -53,16 +53,12 @@ def command(
         put_rows(environment, csv_file, heads, np.vstack([omega / turn, columns]).T.tolist())
         if not output:
             return
-    from spacar_drawing.files import check_name, save
+    from spacar_drawing.files import check_stills
     from spacar_drawing.frequency_pictures import bode_figure
 
     targets = output or (path.with_name(f"{path.name.split('.ltv')[0]}_bode.png"),)
-    for target in targets:
-        check_name(target, film=False)
-    figure = bode_figure(system, omega, response, pairs, path.stem)
-    for target in targets:
-        save(figure, target)
-        environment.wrote(target)
+    check_stills(targets)
+    put_figure(environment, bode_figure(system, omega, response, pairs, path.stem), targets)
 
 
 def _chosen(names: tuple[str, ...], wanted: tuple[str, ...], what: str) -> list[int]:

@@ -6,14 +6,19 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+from spacar_drawing.curves import evaluate, in_units
+from spacar_drawing.files import check_stills
+from spacar_drawing.history import axis_text
+from spacar_drawing.picture_source import open_source
+
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.drawing_options import PICTURES
 from spacar_cli.environment import Environment, tell_notes
-from spacar_cli.row_output import put_rows
+from spacar_cli.row_output import put_figure, put_rows
 
 if TYPE_CHECKING:
-    import numpy as np
     from spacar_formats.vibration import Vibration
 
 HEADS = (
@@ -93,23 +98,13 @@ def _pictures(
     environment: Environment, file: str, steps: list[Vibration], numbers: list[int], against: str | None,
     output: tuple[Path, ...],
 ) -> None:  # fmt: skip
-    import numpy as np
-    from spacar_drawing.files import check_name, save
     from spacar_drawing.frequency_pictures import root_figure
 
-    for path in output:
-        check_name(path, film=False)
+    check_stills(output)
     across: np.ndarray = np.array([s.t for s in steps])
     text = "load step" if np.array_equal(across, np.round(across)) else "time (s)"
     if against is not None:
-        from spacar_drawing.curves import evaluate, in_units
-        from spacar_drawing.history import axis_text
-        from spacar_drawing.picture_source import open_source
-
         source = open_source(file)
         curve = in_units(evaluate(source, against), source.scene.metre)
         across, text = np.ravel(curve.values)[np.array(numbers) - 1], axis_text(curve)
-    figure = root_figure(steps, across, text, Path(file).stem)
-    for path in output:
-        save(figure, path)
-        environment.wrote(path)
+    put_figure(environment, root_figure(steps, across, text, Path(file).stem), output)

@@ -32,7 +32,9 @@ def command(environment: Environment, names: tuple[str, ...], output_dir: Path, 
 
     alone = {path.stem: path for path in sorted(_home().glob("*.sim"))}
     models = alone | {path.stem: path for path in sorted(_home().glob("*.dat"))}
-    models = dict(sorted(models.items())) | _in_folders()
+    # those in folders go by FOLDER/NAME
+    within = sorted((p for p in _home().glob("*/*") if ENDING.search(p.name)), key=lambda p: p.suffix != ".py")
+    models = dict(sorted(models.items())) | dict(sorted((f"{p.parent.name}/{p.stem}", p) for p in within))
     if not names:
         width = max(map(len, models))
         for name, path in models.items():
@@ -64,12 +66,6 @@ def _home() -> Path:
         if place.is_dir():
             return place
     raise UsageError("the example models are not installed", "files.examples")
-
-
-def _in_folders() -> dict[str, Path]:
-    """The models in folders, as FOLDER/NAME."""
-    found = sorted((p for p in _home().glob("*/*") if ENDING.search(p.name)), key=lambda p: p.suffix != ".py")
-    return dict(sorted((f"{path.parent.name}/{path.stem}", path) for path in found))
 
 
 def _files(name: str) -> list[Path]:

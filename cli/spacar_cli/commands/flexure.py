@@ -53,11 +53,11 @@ def command(
     import spacar
     from spacar_cli.input_files import input_file
 
-    for path in output:
-        if path.suffix.lower() not in (".html", ".npz"):
-            from spacar_drawing.files import check_name
+    pictures = [path for path in output if path.suffix.lower() not in (".html", ".npz")]
+    if pictures:
+        from spacar_drawing.files import check_stills
 
-            check_name(path, film=False)
+        check_stills(pictures)
     deck = spacar.read_deck(input_file(file), 10)
     tell_messages(environment, deck.messages, ("warning",))
     if releases:

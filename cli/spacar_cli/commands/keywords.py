@@ -9,7 +9,7 @@ import click
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment
-from spacar_cli.keyword_help import explanation, overview
+from spacar_cli.keyword_help import explanation, keywords_json, overview, textmate_grammar
 
 
 @words.command("keywords")
@@ -21,8 +21,6 @@ def command(environment: Environment, name: str | None, formats: str | None) -> 
     The blocks of a simulation (.sim files) are listed and explained too.
     """
     if formats is not None:
-        from spacar_cli.keyword_help import keywords_json, textmate_grammar
-
         if name is not None:
             raise UsageError("--to writes the whole table: without NAME", "usage")
         record = keywords_json() if formats == "json" else textmate_grammar()

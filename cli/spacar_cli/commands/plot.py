@@ -5,11 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
+from spacar_drawing.curves import curves_of, evaluate, in_units, warnings
+from spacar_drawing.files import check_stills
+from spacar_drawing.history import csv_text, history_figure
+from spacar_drawing.picture_source import open_source
 
 from spacar_cli import vocabulary as words
 from spacar_cli.drawing_options import PICTURES
 from spacar_cli.environment import Environment, tell_notes
-from spacar_cli.row_output import put_text
+from spacar_cli.row_output import put_figure, put_text
 
 
 @words.command("plot")
@@ -40,11 +44,6 @@ def command(
 
     Without --output the picture is NAME_plot.png beside the result.
     """
-    from spacar_drawing.curves import curves_of, evaluate, in_units, warnings
-    from spacar_drawing.files import check_name, save
-    from spacar_drawing.history import csv_text, history_figure
-    from spacar_drawing.picture_source import open_source
-
     source = open_source(file, stale_ok, drawn=False)
     curves = [curve for text in expressions for curve in curves_of(source, text)]
     across = evaluate(source, against)
@@ -52,8 +51,7 @@ def command(
     outputs = list(output)
     if not outputs and csv_file is None and not show:
         outputs = [Path(source.name).parent / f"{source.scene.title}_plot.png"]
-    for path in outputs:
-        check_name(path, film=False)
+    check_stills(outputs)
     if csv_file is not None:
         put_text(environment, csv_file, csv_text(curves, across))
     if not outputs and not show:
@@ -63,9 +61,7 @@ def command(
     figure = history_figure(
         curves, across, source.scene.title if title is None else title, source.scene.analysis.stationary
     )
-    for path in outputs:
-        save(figure, path, dpi)
-        environment.wrote(path)
+    put_figure(environment, figure, outputs, dpi)
     if show:
         from spacar_drawing.window import still_window
 

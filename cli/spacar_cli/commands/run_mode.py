@@ -181,7 +181,10 @@ def run_mode(
             begin(results)  # an earlier result is none of this input
             raise
         if mode.takes_setpoints:
-            _set_nominal(run, source, setpoints)
+            from spacar_formats.setpoint_files import check_same_model, find_setpoints
+
+            run.nominal = find_setpoints(source, setpoints)  # the motion along which it linearizes
+            check_same_model(run.nominal, run.mechanism.numbering)
         _check_timestep(run)
         if not regardless:
             require_room(run, stem.parent)
@@ -207,9 +210,12 @@ def run_mode(
 
         done = releasing.solve(source, release)
         status = done.status
+    # mode 0 tells of over- and under-constraints even where no terminal is
+    diagnosis = None if run is None else run.header.get("diagnosis")
+    ill_defined = diagnosis is not None and bool(diagnosis.over or diagnosis.under)
     if as_json:
         environment.say(_as_json(mode, source, outcome, status, log, results, run, done))
-    elif run is not None and (environment.verbose or environment.output_is_terminal or _ill_defined(run)):
+    elif run is not None and (environment.verbose or environment.output_is_terminal or ill_defined):
         if environment.verbose or not mode.forces:
             for line in told:
                 if not line.startswith(WARNING):
@@ -223,12 +229,6 @@ def run_mode(
     if window is not None:
         window.wait()
     return status
-
-
-def _ill_defined(run: Run) -> bool:
-    """Did mode 0 find over- or under-constraints? They are told even where no terminal is."""
-    diagnosis = run.header.get("diagnosis")
-    return diagnosis is not None and bool(diagnosis.over or diagnosis.under)
 
 
 def _flags(overrides: dict[str, Any], setpoints: str | None) -> dict[str, Any]:
@@ -248,14 +248,6 @@ def _check_timestep(run: Run) -> None:
         raise UsageError("--time needs --steps, because the input file has no TIMESTEP", "usage.timestep")
     if s.duration is None and s.n_steps > 0:
         raise UsageError("--steps needs --time, because the input file has no TIMESTEP", "usage.timestep")
-
-
-def _set_nominal(run: Run, source: Path, setpoints: str | None) -> None:
-    """Give the run the motion along which it linearizes."""
-    from spacar_formats.setpoint_files import check_same_model, find_setpoints
-
-    run.nominal = find_setpoints(source, setpoints)
-    check_same_model(run.nominal, run.mechanism.numbering)
 
 
 def _status(environment: Environment, outcome: Outcome, results: list[ResultSink]) -> ExitStatus:

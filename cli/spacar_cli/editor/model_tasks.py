@@ -13,11 +13,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from spacar_drawing.curves import evaluate, in_units
+from spacar_drawing.history import axis_text
 from spacar_drawing.live_picture import free_motions, motion_model, motion_of_freedom, start_model, start_source
 from spacar_drawing.mechanism_picture import chosen_steps
 from spacar_drawing.mode_shapes import ModeShape, buckling_modes, open_matrices, vibration_modes
 from spacar_drawing.picture_source import PictureSource, open_source
 from spacar_drawing.viewer_page import view_model
+from spacar_formats.locate import open_result
 from spacar_formats.safety import part_path
 
 from spacar.calls import has_interval, run
@@ -158,9 +161,6 @@ def _shapes(source: PictureSource) -> Sequence[ModeShape]:
 
 def curve(file: str, expressions: list[str]) -> Answer:
     """Numbers of expressions at all steps of a result."""
-    from spacar_drawing.curves import evaluate, in_units
-    from spacar_drawing.history import axis_text
-
     source = _opened(file)
     metre = source.scene.metre
     found = [in_units(evaluate(source, text), metre) for text in ("t", *expressions)]
@@ -173,8 +173,6 @@ def curve(file: str, expressions: list[str]) -> Answer:
 
 def progress(file: str) -> Answer:
     """How far a run is that writes its results."""
-    from spacar_formats.locate import open_result
-
     part = part_path(result_file(Path(file), "sbd"))
     if not part.is_file():
         return {"steps": 0, "t": None}

@@ -1,8 +1,6 @@
 """Log section 5 for linearized systems: eigenvalues, load multipliers, compliances, matrices
 (reference/files.md 2, 5)."""
 
-from __future__ import annotations
-
 from math import pi
 
 import numpy as np

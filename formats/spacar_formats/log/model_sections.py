@@ -1,8 +1,6 @@
 """Log sections 2 and 3: the mechanism, its numbering and classes, its dynamic data (reference/files.md 2);
 sections and materials of beams, and what they give (sections.md section 2)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import astuple
 
@@ -112,8 +110,7 @@ def dynamics(mechanism: Mechanism) -> list[str]:
     lines = []
     for name in DYNAMICS:
         lines += statements(mechanism, name, BlockKind.DYNAMICS)
-    mass, centre = total_mass(mechanism)
-    return [*lines, f"Total mass: {real(mass)} kg", *centre, ""]
+    return [*lines, *total_mass(mechanism), ""]
 
 
 def statements(mechanism: Mechanism, name: str, block: BlockKind) -> list[str]:
@@ -135,9 +132,8 @@ def statements(mechanism: Mechanism, name: str, block: BlockKind) -> list[str]:
     return lines
 
 
-def total_mass(mechanism: Mechanism) -> tuple[float, list[str]]:
-    """Lumped mass of position nodes and distributed mass times undeformed length (with the fluid of tubes)
-    [kg]."""
+def total_mass(mechanism: Mechanism) -> list[str]:
+    """Lumped mass of position nodes and distributed mass times undeformed length (with the fluid of tubes) [kg]."""
     n = mechanism.numbering
     length = {int(i): float(l) for b in mechanism.batches if b.family.keyword in ELEMENT_TYPES
               for i, l in zip(b.family.numbers, b.family.length, strict=True)}  # fmt: skip
@@ -148,12 +144,7 @@ def total_mass(mechanism: Mechanism) -> tuple[float, list[str]]:
         per_length = s.real(1) + (s.real(2) if ELEMENT_TYPES[n.keyword[element]].carries_flow else 0.0)
         distributed += per_length * length[element]
     parts = [f"  in nodes {real(lumped)} kg, distributed over elements {real(distributed)} kg"] if distributed else []
-    return lumped + distributed, parts
-
-
-def condition(value: float) -> list[str]:
-    """The measure of how well the degrees of freedom were chosen."""
-    return [f"Condition number of the part of the difference matrix that is inverted: {real(float(value))}", ""]
+    return [f"Total mass: {real(lumped + distributed)} kg", *parts]
 
 
 def variant_of(n: Numbering, keyword: Keyword, s: Statement) -> int:

@@ -4,8 +4,6 @@ Opened before the input is read, so that it also explains wrong input; every lin
 so a process that is killed leaves all lines that were printed. It always has its final name.
 """
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Iterable, Mapping
@@ -150,7 +148,9 @@ def _kinematics(run: Run) -> list[str]:
 
 
 def _condition(run: Run) -> list[str]:
-    return model_sections.condition(run.header["condition"]) if "condition" in run.header else []
+    """The measure of how well the degrees of freedom were chosen."""
+    title = "Condition number of the part of the difference matrix that is inverted"
+    return [f"{title}: {real(float(run.header['condition']))}", ""] if "condition" in run.header else []
 
 
 def _dynamics(run: Run) -> list[str]:
@@ -174,15 +174,12 @@ def _settings(run: Run) -> list[str]:
     if mode.stationary:
         lines += step_sections.iteration(mechanism)
     if run.nominal is not None:
-        lines += [f"Nominal motion: the mode {run.nominal.mode} result {_name_of(run.nominal)}", ""]
+        # called after its file, a result in memory after its input
+        name = getattr(run.nominal, "name", None) or run.nominal.mechanism.deck.source
+        lines += [f"Nominal motion: the mode {run.nominal.mode} result {name}", ""]
     return lines
 
 
 def _statistics(frame: Frame) -> list[str]:
     rows = [[step_sections.COUNTERS.get(k, k.replace("_", " ")), float(v)] for k, v in frame.statistics.items()]
     return [*table(["of the solution", "value"], rows), ""] if rows else []
-
-
-def _name_of(nominal: Any) -> str:
-    """A nominal motion is called after its file, a result in memory after its input."""
-    return str(getattr(nominal, "name", None) or nominal.mechanism.deck.source)

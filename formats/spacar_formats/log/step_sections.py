@@ -1,12 +1,7 @@
 """Log sections 4 and 5 for motions: states, transfer functions, integration settings, list of time steps."""
 
-from __future__ import annotations
-
 from spacar.arrays import Array
-from spacar.deck import Statement
 from spacar.deck.keyword_table import KEYWORDS
-from spacar.deck.statement import Value
-from spacar.deck.table_types import BlockKind
 from spacar.frame import Frame
 from spacar.integrators import AUTOMATIC, METHODS
 from spacar.mechanism.mechanism import WITH_ADDITIONAL, Mechanism
@@ -114,14 +109,11 @@ def iteration(mechanism: Mechanism) -> list[str]:
     s = mechanism.settings
     initial = s.initial_steps or (1 if s.stationary_type in WITH_ADDITIONAL else s.load_steps)
     rows: list[list[object]] = [
-        ["maximum number of iterations", s.max_iterations],
-        ["number of load steps", s.load_steps],
-        ["error tolerance", float(s.tolerance)],
-        ["load steps between stored steps", s.store_every],
-        ["type of analysis", s.stationary_type],
-        ["load steps of the initial solution", initial],
+        ["maximum number of iterations", s.max_iterations], ["number of load steps", s.load_steps],
+        ["error tolerance", float(s.tolerance)], ["load steps between stored steps", s.store_every],
+        ["type of analysis", s.stationary_type], ["load steps of the initial solution", initial],
         ["beyond limit points", "yes" if s.follow_path else "no"],
-    ]
+    ]  # fmt: skip
     return [*table(["stationary solution (ITERSTEP)", "value"], rows), ""]
 
 
@@ -130,20 +122,16 @@ def definitions(mechanism: Mechanism) -> list[str]:
     kind = mechanism.deck.third
     if kind is None:
         return []
-    rows = [
-        [s.keyword, " ".join(map(cell, _as_given(mechanism, s, kind))), KEYWORDS[s.keyword, kind].help]
-        for s in mechanism.deck.statements
-        if s.block == 3 and s.keyword not in PORTS
-    ]
+    n, rows = mechanism.numbering, []
+    for s in mechanism.deck.statements:
+        if s.block == 3 and s.keyword not in PORTS:
+            keyword = KEYWORDS[s.keyword, kind]
+            given = shown_values(s, keyword.variants[variant_of(n, keyword, s)], n, mechanism.deck.metre)
+            rows.append([s.keyword, " ".join(map(cell, given)), keyword.help])
     lines = [*table(["trajectory", "values", "meaning"], rows), ""] if rows else []
     for name in PORTS:
         lines += statements(mechanism, name, kind)
     return lines
-
-
-def _as_given(mechanism: Mechanism, s: Statement, kind: BlockKind) -> tuple[Value, ...]:
-    keyword, n = KEYWORDS[s.keyword, kind], mechanism.numbering
-    return shown_values(s, keyword.variants[variant_of(n, keyword, s)], n, mechanism.deck.metre)
 
 
 class StepList:

@@ -6,8 +6,6 @@ length (`stride`). `build` makes everything in front of the step blocks, `parse`
 identifiers in the file and names in MATLAB; both are accepted (section 4, messages.md section 2).
 """
 
-from __future__ import annotations
-
 import re
 import struct
 import zlib

@@ -5,8 +5,6 @@ Its file grows under the name `NAME.part`; only a run that came to its end gives
 what a run knows with its first step (section 3).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Container, Mapping, Sequence
 from pathlib import Path
 from typing import Any

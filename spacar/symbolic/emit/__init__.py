@@ -1,7 +1,5 @@
 """Source text of a program in Python, C, Fortran and LaTeX."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from importlib import import_module
 

@@ -7,8 +7,6 @@ M is the full symmetric matrix, row by row. Functions that solve for acceleratio
 speed j (counted from 1) is not positive, or -1 when the constraints depend on each other at this position.
 """
 
-from __future__ import annotations
-
 from spacar.symbolic.emit import solvers
 from spacar.symbolic.emit.routines import Routine, compiled_routines
 from spacar.symbolic.emit.scalars import C, Writer

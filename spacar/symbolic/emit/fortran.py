@@ -5,8 +5,6 @@ eom_outputs; functions rhs, outputs and, on request, jac(t, c, p, y, u, J), call
 values. M is the full symmetric matrix as a vector, J is row by row.
 """
 
-from __future__ import annotations
-
 import textwrap
 
 from spacar.symbolic.emit.fortran_solvers import CONSTRAINED, JAC, LDL, RHS, SIZES

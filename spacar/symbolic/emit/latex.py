@@ -1,7 +1,5 @@
 """LaTeX: the Z list and the equations I ṡ = f of a program."""
 
-from __future__ import annotations
-
 from spacar.symbolic.ordered import OrderedProgram
 from spacar.symbolic.printing import latex, symbol_latex
 

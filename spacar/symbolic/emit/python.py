@@ -6,8 +6,6 @@ rhs(t, y) -> ẏ as a list and jac(t, y) -> ∂ẏ/∂y as an array; `rhs.accel(
 the open velocities e and gaps g, and ∂q̇/∂s.
 """
 
-from __future__ import annotations
-
 import sympy as sp
 
 from spacar.symbolic.emit import solvers

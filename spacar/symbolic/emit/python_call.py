@@ -6,8 +6,6 @@ or the number of the pivot (int) that stopped the solution. c, p and u stay at t
 needs the headers of Python and NumPy; without them everything else of the file works by ctypes.
 """
 
-from __future__ import annotations
-
 import sys
 import sysconfig
 from pathlib import Path

@@ -1,8 +1,5 @@
 """What C and Fortran have in common: the routines of a program with their arguments, reads, body and results."""
 
-from __future__ import annotations
-
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import sympy as sp
@@ -68,7 +65,8 @@ def compiled_routines(program: OrderedProgram, jacobian: bool = False) -> tuple[
         name: str, arguments: tuple[str, ...], changed: str | tuple[str, ...], body: Assignments, results: Results
     ) -> Routine:
         changed = (changed,) if isinstance(changed, str) else changed
-        needed = _free(body, results) - {s for s, _ in body}
+        used = [*(e for _, e in body), *(e for _, _, e in results)]
+        needed = set().union(*(e.free_symbols for e in used)) - {s for s, _ in body}
         reads = [(a, i, s) for s, (a, i) in places.items() if s in needed and a in arguments]
         return Routine(name, arguments, changed, tuple(reads), body, results, internal=name == "slopes")
 
@@ -106,7 +104,3 @@ def _places(program: OrderedProgram, once: Assignments) -> dict[sp.Symbol, tuple
     places |= {s: ("c", i) for i, (s, _) in enumerate(once)}
     places |= {s: ("y", i) for i, s in enumerate(program.state)}
     return places | {s: ("u", i) for i, s in enumerate(program.inputs)}
-
-
-def _free(body: Assignments, results: Iterable[tuple[str, int, sp.Expr]]) -> set[sp.Symbol]:
-    return set().union(*(e.free_symbols for _, e in body), *(e.free_symbols for _, _, e in results))
