@@ -146,7 +146,7 @@ class InLanes:
         """Nothing is kept: outputs are placed from the output before."""
 
     # -- steps in Python: other codes -----------------------------------------------------------------------------
-    def watch(self, t: float, y: Array) -> None:
+    def accepted(self, t: float, y: Array) -> None:
         """Raises AnalysisError where a case comes to a dead point or half a turn, or its velocities jump (see
         `spacar.forward.continuity`): it has to be followed alone."""
         state = self.state

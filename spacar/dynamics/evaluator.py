@@ -24,23 +24,16 @@ from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, Placement
 from spacar.frame import Frame
+from spacar.integrators.problem import BlockEvaluator, Stepper
 from spacar.kinematics.regularity import PositionMatrix
 
 
-class InBlocks(Protocol):
+class InBlocks(BlockEvaluator, Protocol):
     """Many evaluations in one call, by an evaluator that can; `within` as in `rhs`."""
 
     @property
-    def stages(self) -> Callable[..., int]:
-        """`stages(done, c, a, t, h, window, y, K, within)`, see `spacar.integrators.problem.BlockEvaluator`."""
-
-    def newton(self, method: Any, h: float, within: float) -> tuple[bool, float, float] | None:
-        """The iteration of a Radau step, see `spacar.integrators.problem.BlockEvaluator`."""
-
-    @property
-    def stepper(self) -> Callable[..., Any]:
-        """`stepper(monitor, output_block)` gives an object with `output_block`, and with `steps`: `take_steps` of
-        `spacar.integrators.problem.Stepper`, which takes the tolerance of positions too."""
+    def stepper(self) -> Callable[..., Stepper]:
+        """`stepper(monitor, output_block)`, see `spacar.integrators.problem`."""
 
     @property
     def output_block(self) -> Callable[..., Any]:

@@ -183,7 +183,9 @@ class StepHistory:
             self.watch(t, y)
 
     def rejected(self) -> None:
-        """After a rejected step: its last stages may stand on another branch."""
+        """After a rejected step: its last stages may stand on another branch, which matters where it is watched."""
+        if self.continuity is None:
+            return
         self.evaluator.sampled()
         self._fetch()
         if self.steps:

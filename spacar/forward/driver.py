@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from spacar.forward.accepted_steps import FAR, SingularityMonitor, StepHistory, 
 from spacar.forward.displaced import displaced
 from spacar.frame import Frame, FramesInRows
 from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
-from spacar.integrators.problem import BlockOfOutputs, Jacobian, Output, Problem, Step
+from spacar.integrators.problem import BlockOfOutputs, Jacobian, Problem, Stepper
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import nearly_singular
 from spacar.mechanism.mechanism import Polynomial, SolverSettings
@@ -46,17 +46,6 @@ ITERATED = 1e-12
 WORK = ("steps", "rhs", "jacobians", "rejected", "iterations")  # `Counts` of the integrators, as frames have them
 
 Times = Sequence[float] | EvenTimes | np.ndarray
-Watch = Callable[[float, Array], None]
-
-
-class BlockStepper(Protocol):
-    """Makes many steps at a time, and passes outputs where it has a `output_block`."""
-
-    @property
-    def output_block(self) -> Any: ...
-
-    def steps(self, method: Any, t: float, t_end: float, h: float, longest: float, within: float) -> Iterator[Step]:
-        """`take_steps` of `spacar.integrators.problem.Stepper`, which takes the tolerance of positions too."""
 
 
 @dataclass(frozen=True)
@@ -82,56 +71,36 @@ class Tolerances:
         return cls(each, rtol, POSITION * min(atol, rtol) if method.variable_step else CONVERGED)
 
 
+class AcceptedSteps(Protocol):
+    """Whom an integration tells of its steps; a rejected one leads the evaluator back to the last accepted one, as a
+    stage of a step that is too long may have led it far away."""
+
+    def accepted(self, t: float, y: Array) -> None: ...
+    def rejected(self) -> None: ...
+
+
 class Integrand(Problem):
     """What the integrators see: calls of an evaluator, with what the driver adds to them.
 
-    `within`: position tolerance; `report`: where it is said that the method has changed; `rejected`: brings the
-    evaluator to the last accepted step, as a stage of a step that is too long may have led it far away.
+    `within`: position tolerance; `report`: where it is said that the method has changed; `trail`: `steps` of a motion
+    that may change it.
     """
 
     def __init__(
-        self, evaluator: RightHandSide, within: float, jacobian: Jacobian | None, accepted: Watch | None,
-        report: Report, rejected: Callable[[], None] | None = None, trail: StepHistory | None = None,
-        stepper: BlockStepper | None = None, may_jump: bool = False,
+        self, evaluator: RightHandSide, steps: AcceptedSteps, within: float, stepper: Stepper | None = None, *,
+        trail: StepHistory | None = None, jacobian: Jacobian | None = None, report: Report | None = None,
+        may_jump: bool = False,
     ) -> None:  # fmt: skip
         self.n_positions, self.by_case = evaluator.n_positions, evaluator.by_case
+        self._rhs, self.blocks, self.stepper = evaluator.rhs, evaluator.blocks, stepper
         self.component_name = evaluator.component_name  # type: ignore[method-assign]
+        self.accepted, self.rejected = steps.accepted, steps.rejected  # type: ignore[method-assign, assignment]
         self.jacobian, self.may_jump = jacobian, may_jump
-        if accepted is not None:
-            self.accepted = accepted  # type: ignore[method-assign, assignment]
-        if rejected is not None:
-            self.rejected = rejected  # type: ignore[method-assign]
         self.within = self.usual = within
-        self.report = report
+        self.report = report or Report()
         self.said = False  # that a method for stiff models has been kept
-        self._rhs, self._blocks, self._stepper = evaluator.rhs, evaluator.blocks, stepper
         self.trail = self.starting = trail
         self.continuity = None if trail is None else trail.continuity
-
-    # Nothing here may hold this object: what a run leaves behind goes away with it, without a search for circles.
-    @property
-    def blocks(self) -> Integrand | None:  # type: ignore[override]
-        return None if self._blocks is None else self
-
-    def stages(self, *step: Any) -> int:
-        assert self._blocks is not None
-        return self._blocks.stages(*step, self.within)
-
-    def newton(self, method: Any, h: float) -> tuple[bool, float, float] | None:
-        assert self._blocks is not None
-        return self._blocks.newton(method, h, self.within)
-
-    @property
-    def stepper(self) -> Integrand | None:  # type: ignore[override]
-        return None if self._stepper is None else self
-
-    @property
-    def passes(self) -> bool:
-        return self._stepper is not None and self._stepper.output_block is not None
-
-    def take_steps(self, method: Any, t: float, t_end: float, h: float, longest: float) -> Iterator[Step]:
-        assert self._stepper is not None
-        return self._stepper.steps(method, t, t_end, h, longest, self.within)
 
     def rhs(self, t: float, y: Array) -> Array:
         f = self._rhs(t, y, self.within)
@@ -164,25 +133,6 @@ class Integrand(Problem):
                 f"from t = {t:.9g}: INTEGRAT {code} ({METHODS[code].name}) again, as the motion itself has become as"
                 " fast as what was passed over"
             )
-
-
-def integrated(
-    evaluator: RightHandSide, y: Array, times: Times, settings: SolverSettings, tolerances: Tolerances, *,
-    breaks: Sequence[float] = (), watch: Watch | None = None, jacobian: Jacobian | None = None,
-    report: Report | None = None, back: Callable[[], None] | None = None, trail: StepHistory | None = None,
-    stepper: BlockStepper | None = None, may_jump: bool = False,
-) -> Iterator[Output]:  # fmt: skip
-    """States at the output times, with the work done since the last one. Raises AnalysisError.
-
-    `watch` is called after accepted steps, `back` after rejected ones; `stepper`: of an evaluator that makes many
-    steps at a time; `may_jump`: forces or inputs may jump at times that nobody has told.
-    """
-    problem = Integrand(
-        evaluator, tolerances.position, jacobian, watch, report or Report(), back, trail, stepper, may_jump
-    )
-    return integrate(
-        problem, y, times, settings.integrator, tolerances.atol, tolerances.rtol, settings.step, breaks=breaks
-    )
 
 
 def frames(
@@ -223,19 +173,19 @@ def frames(
     trail = StepHistory(evaluator, watch)
     breaks = (*model.drive.breaks, *getattr(model.mechanism.user_signal, "breaks", ()))
     may_jump = not breaks and (model.mechanism.user_signal is not None or not isinstance(model.drive, Polynomial))
-    stepper: BlockStepper | None = None
+    stepper: Stepper | None = None
     output_block = None
     if evaluator.blocks is not None:
         one_by_one = may_jump and settings.integrator not in (0, AUTOMATIC)  # C looks for jumps in steps of Adams only
         if not (standing or one_by_one) and shown.blocks is not None:
             output_block = shown.blocks.output_block(times, limits.wheels.rows, nearly_singular(model.mechanism), FAR)
         stepper = evaluator.blocks.stepper(trail, output_block)
-    outputs = integrated(
-        evaluator, y, times, settings, tolerances,
-        breaks=breaks, watch=trail.accepted, jacobian=jacobian,
-        back=trail.rejected if trail.back else None, report=report, trail=trail, stepper=stepper,
-        may_jump=may_jump,
-    )  # fmt: skip
+    problem = Integrand(
+        evaluator, trail, tolerances.position, stepper, trail=trail, jacobian=jacobian, report=report, may_jump=may_jump
+    )
+    outputs = integrate(
+        problem, y, times, settings.integrator, tolerances.atol, tolerances.rtol, settings.step, breaks=breaks
+    )
     try:
         for out in outputs:
             if out.passed is not None:

@@ -110,7 +110,7 @@ def next_step_size(h: float, k: int, error: float) -> float:
 class Adams:
     """Work arrays and history for a state of n components."""
 
-    passes_start = True  # where `take_steps` passes outputs, the start is one of them
+    passes_start = True  # where a stepper passes outputs, the start is one of them
 
     def __init__(self, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
         self.evaluation = evaluation
@@ -153,10 +153,10 @@ class Adams:
 
         Raises AnalysisError `integrator.step-too-small`, or the error of F after ten reductions of the step.
         """
-        rhs, phi, d = self.evaluation.rhs, self.phi, self.d
-        if self.evaluation.stepper is not None:
+        rhs, phi, d, stepper = self.evaluation.rhs, self.phi, self.d, self.evaluation.stepper
+        if stepper is not None:
             self.y[:] = y
-            yield from self.evaluation.stepper.take_steps(self, t, t_end, h, float("inf"))
+            yield from stepper.steps(self, t, t_end, h, float("inf"), self.evaluation.problem.within)
             return
         h_min = 4.0 * np.finfo(float).eps * max(abs(t), abs(t_end), t_end - t)
         self.y[:] = y

@@ -33,19 +33,14 @@ DEFAULT_MAX_STEPS = 1_000_000
 STEPS_PER_OUTPUT = 10
 # codes of one step and one order with an error estimate of the state
 SINGLE_STEP = tuple(m.code for m in METHODS.values() if m.variable_step and m.order and m.code not in (225, AUTOMATIC))
+Segment = tuple[float, float, float, float]  # start, end, first time, last time of evaluation [s]
 
 
 def integrate(
-    problem: Problem,
-    y0: np.ndarray,
-    times: Sequence[float] | np.ndarray,
-    code: int = 0,
-    atol: float | np.ndarray = 1e-5,
-    rtol: float = 1e-4,
-    step: float | None = None,
-    max_steps: int = DEFAULT_MAX_STEPS,
-    breaks: Sequence[float] = (),
-) -> Iterator[Output]:
+    problem: Problem, y0: np.ndarray, times: Sequence[float] | np.ndarray, code: int = 0,
+    atol: float | np.ndarray = 1e-5, rtol: float = 1e-4, step: float | None = None,
+    max_steps: int = DEFAULT_MAX_STEPS, breaks: Sequence[float] = (),
+) -> Iterator[Output]:  # fmt: skip
     """Integrates from times[0] and yields the state at every time of `times`, the first included.
 
     y0        initial state (positions, velocities), shape (n,)
@@ -78,7 +73,7 @@ def integrate(
     segments = _segments(first, last, breaks) if breaks else [(first, last, first, last)]
     loop = _variable if row.variable_step else _fixed
     steps = loop(integrator, evaluation, state, output_times, segments, step)
-    passed = problem.stepper is not None and problem.stepper.passes and getattr(integrator, "passes_start", False)
+    passed = getattr(problem.stepper, "output_block", None) and getattr(integrator, "passes_start", False)
     return _outputs(steps, None if passed else state, output_times, evaluation, max_steps)
 
 
@@ -125,7 +120,7 @@ def _check(
         raise UsageError(f"INTEGRAT: the step size must be positive, not {step}", "integrator.step")
 
 
-def _segments(first: float, last: float, breaks: Sequence[float]) -> list[tuple[float, float, float, float]]:
+def _segments(first: float, last: float, breaks: Sequence[float]) -> list[Segment]:
     """(start, end, first time, last time of evaluation) of the smooth pieces of the interval."""
     shift = 4.0 * EPS * max(abs(first), abs(last), last - first)
     inner: list[float] = []
@@ -177,13 +172,9 @@ def _outputs(
 
 
 def _variable(
-    integrator: Any,
-    evaluation: Evaluation,
-    y0: np.ndarray,
-    times: np.ndarray | EvenTimes,
-    segments: list[tuple[float, float, float, float]],
+    integrator: Any, evaluation: Evaluation, y0: np.ndarray, times: np.ndarray | EvenTimes, segments: list[Segment],
     step: float | None,
-) -> Iterator[Step]:
+) -> Iterator[Step]:  # fmt: skip
     """Steps of a variable-step code through all segments."""
     run: Callable[[float, np.ndarray, float, float], Iterator[Step]]
     if isinstance(integrator, Adams):
@@ -232,7 +223,7 @@ def _one_step(
             h = min(h, _first_step(evaluation, integrator, t, y, f.copy()))
         h = max(min(h, longest), h_min)
         if evaluation.stepper is not None and isinstance(integrator, ExplicitRungeKutta):
-            yield from evaluation.stepper.take_steps(integrator, t, t_end, h, longest)
+            yield from evaluation.stepper.steps(integrator, t, t_end, h, longest, evaluation.problem.within)
             return
         final = False
         while not final:
@@ -296,13 +287,9 @@ def _first_step(evaluation: Evaluation, integrator: Any, t: float, y: np.ndarray
 
 
 def _fixed(
-    integrator: Any,
-    evaluation: Evaluation,
-    y0: np.ndarray,
-    times: np.ndarray | EvenTimes,
-    segments: list[tuple[float, float, float, float]],
+    integrator: Any, evaluation: Evaluation, y0: np.ndarray, times: np.ndarray | EvenTimes, segments: list[Segment],
     step: float | None,
-) -> Iterator[Step]:
+) -> Iterator[Step]:  # fmt: skip
     """Equal steps from output to output and from break to break."""
     y = y0.copy()
     i = 1

@@ -21,12 +21,9 @@ def step_too_small(evaluation: Evaluation, t: float, h: float, error: float, com
     return AnalysisError(
         f"the integration stopped at t = {t:.9g} s: with step size {h:.3g} s the error estimate is "
         f"still {error:.3g} times the tolerance, largest in {evaluation.name(component)}. {STIFF_ADVICE}",
-        "integrator.step-too-small",
-        t=t,
-        step=h,
-        error=error,
+        "integrator.step-too-small", t=t, step=h, error=error,
         component=component,
-    )
+    )  # fmt: skip
 
 
 def too_many_steps(t: float, h: float, limit: int) -> AnalysisError:
@@ -34,10 +31,8 @@ def too_many_steps(t: float, h: float, limit: int) -> AnalysisError:
     return AnalysisError(
         f"more than {limit} integration steps between two output times at t = {t:.9g} s "
         f"(step size {h:.3g} s). {STIFF_ADVICE}",
-        "integrator.too-many-steps",
-        t=t,
-        step=h,
-    )
+        "integrator.too-many-steps", t=t, step=h,
+    )  # fmt: skip
 
 
 def not_evaluated(cause: AnalysisError, t: float, h: float, reductions: int = 0) -> AnalysisError:
@@ -70,12 +65,9 @@ def newton_failed(
         f"{h:.3g} s from t = {t:.9g} s: last change {change:.3g} in {evaluation.name(component)}, "
         f"required {limit:.3g}. Try a smaller step size (INTEGRAT position 2) or, when the change is at "
         "rounding level, a larger absolute error (ERROR position 1)",
-        "integrator.newton",
-        t=t,
-        step=h,
-        error=change,
+        "integrator.newton", t=t, step=h, error=change,
         component=component,
-    )
+    )  # fmt: skip
 
 
 def singular_iteration(t: float, h: float) -> AnalysisError:
@@ -92,12 +84,9 @@ def slow_newton(
         f"the implicit integrator's Newton iteration does not converge in the step of {h:.3g} s from t = {t:.9g} s: "
         f"last change {change:.3g} times the tolerance in {evaluation.name(component)}, {contraction:.2g} times the "
         f"change before; its estimated error must fall below {limit:g} times the tolerance",
-        "integrator.newton",
-        t=t,
-        step=h,
-        error=change,
+        "integrator.newton", t=t, step=h, error=change,
         component=component,
-    )
+    )  # fmt: skip
 
 
 def second_order_needed(code: int, n_positions: int, n_velocities: int) -> AnalysisError:
@@ -106,6 +95,5 @@ def second_order_needed(code: int, n_positions: int, n_velocities: int) -> Analy
         f"INTEGRAT {code} needs as many velocities as positions, the model has {n_velocities} and "
         f"{n_positions} (kinematic coordinates of non-holonomic constraints): use INTEGRAT 0, 155 or 140",
         "integrator.second-order",
-        n_positions=n_positions,
-        n_velocities=n_velocities,
-    )
+        n_positions=n_positions, n_velocities=n_velocities,
+    )  # fmt: skip

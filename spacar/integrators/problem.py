@@ -22,28 +22,28 @@ def counts(numbers: Iterable[int]) -> Counts:
 
 
 class BlockEvaluator(Protocol):
-    """Evaluates F at all stages of a step in one call."""
+    """Evaluates F at all stages of a step in one call; `within` as `Problem.within`."""
 
     def stages(
         self, done: int, c: np.ndarray, a: np.ndarray, t: float, h: float, window: tuple[float, float], y: np.ndarray,
-        K: np.ndarray,
+        K: np.ndarray, within: float,
     ) -> int:  # fmt: skip
         """F(t + c_i h, y + h a_i K) into the rows i of K from `done` on, at times clipped to the window. Returns the
         first row that it could not do; that one is then asked from `rhs`, which says why."""
 
-    def newton(self, method: Any, h: float) -> tuple[bool, float, float] | None:
+    def newton(self, method: Any, h: float, within: float) -> tuple[bool, float, float] | None:
         """Makes the Newton iteration of a step of codes 553 and 595 from the guess in `method.Z`. Returns whether it
         converged, size and contraction of the last change; None when it cannot."""
 
 
 class Stepper(Protocol):
-    """Takes the steps of codes 0, 135, 155 and 853 itself, with what `accepted` and `rejected` do. `passes`: also
-    outputs, many in a call, with code 0 also the start."""
+    """Takes the steps of codes 0, 135, 155 and 853 itself, with what `accepted` and `rejected` do. `output_block`:
+    passes outputs too, many in a call, with code 0 also the start; None: a call ends at each."""
 
     @property
-    def passes(self) -> bool: ...
+    def output_block(self) -> Any: ...
 
-    def take_steps(self, method: Any, t: float, t_end: float, h: float, longest: float) -> Iterator[Step]:
+    def steps(self, method: Any, t: float, t_end: float, h: float, longest: float, within: float) -> Iterator[Step]:
         """Yields the steps with an output, or the last of many with the outputs in all of them."""
 
 
@@ -58,6 +58,7 @@ class Problem:
     by_case    the shape (blocks, components, lanes) of a state of many cases, each of which keeps the tolerance
                (Runge-Kutta codes)
     may_jump   whether F may jump at times that are not told as `breaks` (`spacar.integrators.jumps`)
+    within     tolerance of iterations inside F, which `blocks` and `stepper` are given
     """
 
     n_positions: int
@@ -66,6 +67,7 @@ class Problem:
     stepper: Stepper | None = None
     by_case: tuple[int, int, int] | None = None
     may_jump = False
+    within = 0.0
 
     def rhs(self, t: float, y: np.ndarray) -> np.ndarray:
         """F(t, y), shape (n,)."""
@@ -174,10 +176,10 @@ class Evaluation:
         self.last = last
         self.rhs_of, self.jacobian_of = problem.rhs, problem.jacobian
         self.blocks, self.stepper = problem.blocks, problem.stepper
-        # `spacar.integrators.jumps`: difference above which `take_steps` does not pass an output, whether one was left
+        # `spacar.integrators.jumps`: difference above which a stepper does not pass an output, whether one was left
         self.suspect, self.suspected = 0.0, False
         self.times: Sequence[float] | np.ndarray = (first, last)
-        # Accepted steps after which `take_steps` gives way at the next output, to whoever looks at the steps.
+        # Accepted steps after which a stepper gives way at the next output, to whoever looks at the steps.
         self.halt = float("inf")
         self.next = 0
 

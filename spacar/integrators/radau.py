@@ -159,7 +159,7 @@ class Radau:
         self._guess(h)
         self.weight[:] = self._weights(h, self.y + self.Z[-1])
         blocks = self.evaluation.blocks
-        found = None if blocks is None else blocks.newton(self, h)
+        found = None if blocks is None else blocks.newton(self, h, self.evaluation.problem.within)
         if found is None:
             if blocks is not None:
                 self._guess(h)

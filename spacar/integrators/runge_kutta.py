@@ -77,9 +77,9 @@ class ExplicitRungeKutta:
         """Stages from `done` on by one call of the problem; the first that it could not do."""
         evaluation, tableau = self.evaluation, self.tableau
         assert evaluation.blocks is not None
-        window = evaluation.first, evaluation.last
+        window, within = (evaluation.first, evaluation.last), evaluation.problem.within
         c, a = (tableau.nodes, tableau.matrix) if end else (tableau.c, tableau.a)
-        reached = evaluation.blocks.stages(done, c, a, t, h, window, self.y, self.stages)
+        reached = evaluation.blocks.stages(done, c, a, t, h, window, self.y, self.stages, within)
         evaluation.statistics.n_rhs += reached - done
         return reached
 

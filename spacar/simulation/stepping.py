@@ -74,11 +74,11 @@ class _Problem(Problem):
 
     def stages(self, done: int, *step: Any) -> int:
         assert self.loop is not None
-        reached = self.loop(done, *step)
+        reached = self.loop(done, *step[:-1])  # positions keep the tolerance of the loop
         self.n_rhs += reached - done
         return reached
 
-    def newton(self, method: Any, h: float) -> None:
+    def newton(self, method: Any, h: float, within: float) -> None:
         """In Python."""
 
     def jacobian(self, t: float, y: Array) -> tuple[Array, Array]:

@@ -60,13 +60,9 @@ STABLE = Stability(0, 0, True)
 
 
 def stability(
-    q: StationaryEquations,
-    tangent: Tangent,
-    p: Iterate,
-    noise: float,
-    regular: bool = False,
+    q: StationaryEquations, tangent: Tangent, p: Iterate, noise: float, regular: bool = False,
     before: Stability | None = None,
-) -> Stability | None:
+) -> Stability | None:  # fmt: skip
     """At the point where the sweep is, which is known up to `noise`; `regular`: the matrix is known to be so there;
     `before`: the stability of the state before.
 

@@ -23,8 +23,9 @@ from spacar.dynamics.mass_check import largest_mass
 from spacar.errors import AnalysisError
 from spacar.forward.accepted_steps import FAR
 from spacar.forward.displaced import displaced
-from spacar.forward.driver import WORK, Times, Tolerances, integrated
+from spacar.forward.driver import WORK, Integrand, Times, Tolerances
 from spacar.frame import E_FIELDS, X_FIELDS, StoredFrames
+from spacar.integrators import integrate
 from spacar.mechanism import Mechanism, build
 from spacar.mechanism.mechanism import Drive, Polynomial, UserSignal
 from spacar.result import Result
@@ -216,10 +217,10 @@ class Follower:
         if stepper is None or stepper.evaluator is not block:
             self.stepper = stepper = block.stepper()
         stepper.anew()
-        outputs = integrated(
-            block, block.y0, of.asked, settings, Tolerances.of(settings, each),
-            breaks=block.breaks, watch=block.watch, back=block.rejected,
-            stepper=stepper,
+        within = Tolerances.of(settings, each)
+        outputs = integrate(
+            Integrand(block, block, within.position, stepper), block.y0, of.asked, settings.integrator, within.atol,
+            within.rtol, settings.step, breaks=block.breaks,
         )  # fmt: skip
         counted, step = np.empty((len(of.times), len(WORK))), 0
         for out in outputs:

@@ -10,7 +10,7 @@ import spacar
 from spacar.compiled.compiled_evaluator import CompiledDynamics
 from spacar.compiled.library import unavailable
 from spacar.deck import parse_deck
-from spacar.errors import AnalysisError, Report
+from spacar.errors import AnalysisError
 from spacar.forward import accepted_steps, driver
 from spacar.integrators import drive
 
@@ -122,9 +122,8 @@ def problem_of(text, trailed):
     """What the integrators see of a model, and its start state; `trailed`: steps are made in C."""
     evaluator = CompiledDynamics(spacar.frames(1, parse_deck(text, mode=1)).mechanism)
     y = evaluator.start()
-    trail = accepted_steps.StepHistory(evaluator, None) if trailed else None
-    stepper = evaluator.stepper(trail) if trailed else None
-    return driver.Integrand(evaluator, 1e-11, None, None, Report(), trail=trail, stepper=stepper), y
+    trail = accepted_steps.StepHistory(evaluator, None)
+    return driver.Integrand(evaluator, trail, 1e-11, evaluator.stepper(trail) if trailed else None, trail=trail), y
 
 
 def signal(tmp_path, body):
