@@ -53,14 +53,14 @@ class Outcome:
 
 @dataclass
 class Run:
-    """One analysis, ready to be iterated over. Everything but `report` and `header` is fixed from the start.
+    """One analysis, ready to be iterated over. It writes `report`, `header` and `n_frames`, nothing else; a run with an
+    accuracy gives `mechanism` the settings that it has chosen.
 
     report    warnings and information for the log, complete when the iteration has ended
     header    scalars and arrays that the analysis states before its first frame (NNOM, NU, NY, condition ...)
     n_frames  number of frames to come, None if unknown
     nominal   mode 3 only: the result of mode 2, or of modes 7 to 10, along which it linearizes
-    accuracy  None, or the error of the result that is estimated and kept by several runs, which then choose the
-              settings of `mechanism`
+    accuracy  None, or the error of the result that is estimated and kept by several runs
 
     >>> import spacar
     >>> run = spacar.frames(1, "data/crank.dat")

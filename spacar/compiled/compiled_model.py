@@ -122,7 +122,7 @@ class CompiledModel:
         self._e_end = e_end = x_end + 3 * cases * len(numbers.e_motion)
         motions = self._values[:x_end].reshape(-1, 3, cases), self._values[x_end:e_end].reshape(-1, 3, cases)
         self.slots = slots = UserCallbacks(numbers.elements, drives, motions, users, (n.nx, n.ne, cases))
-        self._called = slots.called()
+        self._called = slots.asking.calls(slots.answer) if slots.asking else ()  # C calls it
         self._whole = self._whole_numbers()
         handle: int | None = self.engine.begin(
             address_of(self._whole), address_of(self._values), _at(slots.foreign_c), _at(slots.user_c),

@@ -76,8 +76,8 @@ class PythonCallbacks:
             self.c = structure("PythonCallbacks")(ctypes.addressof(table), *known)
 
     def calls(self, answer: Callable[[int, int, float], bool]) -> tuple[Any, ...]:
-        """What C calls, for the model to keep (kept here it would be a circle of references). `answer` is given what is
-        asked, a batch and the time, and says whether C has to stop there all the same."""
+        """What C calls, for the model to keep. `answer` is given what is asked, a batch and the time, and says whether
+        C has to stop there all the same."""
         c, called = self.c, (answer, self.caught.append, self.read)
         c.answer, c.keep, c.read = map(id, called)
         if c.python:

@@ -3,7 +3,7 @@ batches of a new element that has no functions in C yet (its NumPy family, all e
 
 Everything else stays in C, so one such element or one user function costs its own share only. Arrays are shared: C
 writes the state into them, Python the answer. An exception is kept, ends the evaluation in C and is raised after it:
-`asking`, where C takes the usual answers of the user function of a single case itself.
+`python_callbacks`, where C takes the usual answers of the user function of a single case itself.
 
 Several cases have a function each, loaded for it as for a run of its own: functions are called once a lane, with what
 they get alone. Lanes that only fill a vector up have the answer of the last case.
@@ -130,11 +130,7 @@ class UserCallbacks:
             alone = self.laws[0] if lanes == 1 and users and hasattr(users[0], "answering") else None
             self.asking = PythonCallbacks(alone, self.user_c, self.lost)
 
-    def called(self) -> tuple[Any, ...]:
-        """What C calls, for the model to keep (kept here it would be a circle of references)."""
-        return self.asking.calls(self._answer) if self.asking else ()
-
-    def _answer(self, what: int, batch: int, t: float) -> bool:
+    def answer(self, what: int, batch: int, t: float) -> bool:
         """Answer C; whether it has to stop there all the same."""
         if what == STRESS:
             if self.lanes == 1:

@@ -17,9 +17,8 @@ factors grow with n^3; with those of NumPy 3.3 to 4.9, whatever n. A Jacobian ta
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from math import sqrt
-from typing import Any
 
 import numpy as np
 
@@ -27,6 +26,7 @@ from spacar.errors import AnalysisError
 
 from .adams import Adams
 from .method_choice import Costs, MethodChoice
+from .one_step import one_step
 from .problem import Evaluation, Step, Tolerance
 from .radau import Radau
 
@@ -39,7 +39,6 @@ JACOBIAN = {True: 8.0, False: 0.4}  # steps of Radau that one costs, with Adams 
 LOOK, OF_PYTHON = 1200.0, 10.0  # a look costs at most LOOK / n steps of Adams in C (0.7 ms), or OF_PYTHON without
 ITERATIONS, SETTLED = 10, 0.1  # of the power method, or its last relative change: what counts is the size of omega
 DIFFERENCE = 1e-7  # of positions and rates: far above what is left of a position, small against its curvature
-Loop = Callable[[Any, bool], Callable[[float, np.ndarray, float, float], Iterator[Step]]]
 
 
 class Automatic:
@@ -57,24 +56,20 @@ class Automatic:
         self.done = 0  # accepted steps of Adams
         self.seen, self.seen_at = np.zeros(n), 0.0  # state and time of the last look
 
-    def loop(self, one_step: Loop) -> Callable[[float, np.ndarray, float, float], Iterator[Step]]:
-        """The step loop; `one_step` makes that of Radau, and says whether it estimates its first step."""
-
-        def run(t: float, y: np.ndarray, t_end: float, h: float) -> Iterator[Step]:
-            while True:
-                trying = self.choice.trying
-                part = self._implicit(one_step, t, y, t_end, h) if trying else self._explicit(t, y, t_end, h)
-                end = Step(t, y, _nowhere)
-                for step in part:
-                    end = step
-                    yield step
-                t, y, h = end.t, end.y.copy(), t_end - end.t
-                if t >= t_end:
-                    return
-                if not self.choice.trying:
-                    h = min(self.choice.size, h)
-
-        return run
+    def steps(self, t: float, y: np.ndarray, t_end: float, h: float) -> Iterator[Step]:
+        """As `Adams.steps`."""
+        while True:
+            trying = self.choice.trying
+            part = self._implicit(t, y, t_end, h) if trying else self._explicit(t, y, t_end, h)
+            end = Step(t, y, _nowhere)
+            for step in part:
+                end = step
+                yield step
+            t, y, h = end.t, end.y.copy(), t_end - end.t
+            if t >= t_end:
+                return
+            if not self.choice.trying:
+                h = min(self.choice.size, h)
 
     def _explicit(self, t: float, y: np.ndarray, t_end: float, h: float) -> Iterator[Step]:
         """Steps of Adams up to the end or to a change."""
@@ -112,7 +107,7 @@ class Automatic:
         self.choice.attempt(t, self._work)
         self.evaluation.problem.switched(t, 595, None)
 
-    def _implicit(self, one_step: Loop, t: float, y: np.ndarray, t_end: float, h: float) -> Iterator[Step]:
+    def _implicit(self, t: float, y: np.ndarray, t_end: float, h: float) -> Iterator[Step]:
         """Steps of 595 up to the end, or back to Adams."""
         choice = self.choice
         for step in one_step(Radau(5, self.evaluation, self.n, self.tolerance), True)(t, y, t_end, h):

@@ -1,14 +1,12 @@
-"""From an initial state to a stream of outputs: segments between discontinuities, step loops, dense output.
+"""From an initial state to a stream of outputs: segments between discontinuities, fixed steps, dense output.
 
-Step control of the variable one-step codes: theory-system.md section 9. Their first step follows Hairer,
-Norsett, Wanner, "Solving Ordinary Differential Equations I", section II.4. Fixed steps are shortened until an
-integer number of them fits between two outputs (or breaks), so fixed-step codes need no interpolation.
+Fixed steps are shortened until an integer number of them fits between two outputs (or breaks), so fixed-step codes need
+no interpolation. Variable steps are made by `steps` of a method, or by the loop of one-step codes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from functools import partial
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from math import ceil, isfinite
 from operator import sub
@@ -18,16 +16,13 @@ import numpy as np
 
 from spacar.errors import AnalysisError, UsageError
 
-from .adams import Adams
-from .automatic import Automatic
-from .failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small, too_many_steps
+from .failures import not_evaluated, too_many_steps
 from .jumps import Jumps
 from .methods import AUTOMATIC, METHODS, method
+from .one_step import EPS, one_step
 from .problem import Evaluation, Output, Problem, Step, Tolerance, counts
-from .runge_kutta import ExplicitRungeKutta
 from .times import EvenTimes
 
-EPS = float(np.finfo(float).eps)
 DEFAULT_MAX_STEPS = 1_000_000
 # A fixed step not given: this part of the output step.
 STEPS_PER_OUTPUT = 10
@@ -95,7 +90,7 @@ def steps(
         raise UsageError(f"method {code} cannot be used here; choose {known}", "integrator.code")
     integrator = row.build(Evaluation(problem, *window), len(y), tolerance)
     size = end - start if first is None else min(first, end - start)
-    return _one_step(integrator, first is None, longest)(start, y, end, size)
+    return one_step(integrator, first is None, longest)(start, y, end, size)
 
 
 def _check(
@@ -176,13 +171,7 @@ def _variable(
     step: float | None,
 ) -> Iterator[Step]:  # fmt: skip
     """Steps of a variable-step code through all segments."""
-    run: Callable[[float, np.ndarray, float, float], Iterator[Step]]
-    if isinstance(integrator, Adams):
-        run = integrator.steps
-    elif isinstance(integrator, Automatic):
-        run = integrator.loop(_one_step)
-    else:
-        run = _one_step(integrator, step is None)
+    run = integrator.steps if hasattr(integrator, "steps") else one_step(integrator, step is None)
     y = y0.copy()
     # Nothing is known beyond the first output: a longer first step could jump over a short pulse of an input.
     h = step if step is not None else float(times[1]) - evaluation.first
@@ -204,86 +193,6 @@ def _variable(
             if jump is None:
                 break
             start = evaluation.first = jump[1]
-
-
-def _one_step(
-    integrator: Any, estimate: bool, longest: float = float("inf")
-) -> Callable[[float, np.ndarray, float, float], Iterator[Step]]:
-    """The variable-step loop of a Runge-Kutta code, in the form of Adams.steps; `estimate` the first step
-    of a run; `longest` step [s]."""
-    exponent, smallest, largest = integrator.controller
-    evaluation: Evaluation = integrator.evaluation
-    # Next step over the last one; a code that looks at more than its last error has its own rule.
-    factor: Callable[[float], float] = getattr(integrator, "factor", partial(_factor, integrator.controller))
-
-    def run(t: float, y: np.ndarray, t_end: float, h: float) -> Iterator[Step]:
-        h_min = 4.0 * EPS * max(abs(t), abs(t_end), t_end - t)
-        f = integrator.start(t, y)
-        if estimate:
-            h = min(h, _first_step(evaluation, integrator, t, y, f.copy()))
-        h = max(min(h, longest), h_min)
-        if evaluation.stepper is not None and isinstance(integrator, ExplicitRungeKutta):
-            yield from evaluation.stepper.steps(integrator, t, t_end, h, longest, evaluation.problem.within)
-            return
-        final = False
-        while not final:
-            integrator.begin(t)
-            growth, reductions = largest, 0
-            while True:
-                final = t + min(1.01 * h, max(h, longest)) >= t_end
-                if final:
-                    h = t_end - t
-                try:
-                    error = integrator.attempt(h)
-                    if error <= 1.0:
-                        integrator.finish()
-                        break
-                except AnalysisError as cause:
-                    reductions += 1
-                    evaluation.step_rejected()
-                    if reductions > MAX_REDUCTIONS or h * REDUCTION < h_min:
-                        raise not_evaluated(cause, t, h, reductions) from cause
-                    h *= REDUCTION
-                    growth = 1.0
-                    continue
-                evaluation.step_rejected()
-                growth = 1.0
-                reduced = h * max(smallest, 0.9 * error ** (-1.0 / exponent))
-                if reduced < h_min:
-                    worst = int(np.argmax(np.abs(integrator.scaled)))
-                    raise step_too_small(evaluation, t, h, error, worst)
-                h = reduced
-            t = t_end if final else t + h
-            evaluation.step_accepted(t, integrator.y_new)
-            yield Step(t, integrator.y_new, integrator.interpolate)
-            h = max(min(h * min(growth, factor(error)), longest), h_min)
-
-    return run
-
-
-def _factor(controller: tuple[float, float, float], error: float) -> float:
-    """Next step over the last one, from the error of the last one."""
-    exponent, smallest, largest = controller
-    return min(largest, max(smallest, 0.9 * error ** (-1.0 / exponent))) if error > 0.0 else largest
-
-
-def _first_step(evaluation: Evaluation, integrator: Any, t: float, y: np.ndarray, f: np.ndarray) -> float:
-    """Step with a local error of about a hundredth of the tolerance, from |y|, |F| and one Euler step."""
-    weight = integrator.tolerance.absolute + integrator.tolerance.relative * np.abs(y)
-
-    def norm(v: np.ndarray) -> float:
-        return float(np.sqrt(np.mean((v / weight) ** 2)))
-
-    size, slope = norm(y), norm(f)
-    h0 = 1e-6 if min(size, slope) < 1e-5 else 0.01 * size / slope
-    h0 = min(h0, evaluation.last - t)
-    try:
-        bend = norm(evaluation.rhs(t + h0, y + h0 * f) - f) / h0
-    except AnalysisError:
-        return h0  # the step loop deals with a state that cannot be evaluated
-    largest = max(slope, bend)
-    h1 = max(1e-6, 1e-3 * h0) if largest <= 1e-15 else (0.01 / largest) ** (1.0 / integrator.controller[0])
-    return min(100.0 * h0, h1)
 
 
 def _fixed(

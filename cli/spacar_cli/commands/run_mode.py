@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -181,10 +182,7 @@ def run_mode(
             begin(results)  # an earlier result is none of this input
             raise
         if mode.takes_setpoints:
-            from spacar_formats.setpoint_files import check_same_model, find_setpoints
-
-            run.nominal = find_setpoints(source, setpoints)  # the motion along which it linearizes
-            check_same_model(run.nominal, run.mechanism.numbering)
+            run = _along(run, source, setpoints)
         _check_timestep(run)
         if not regardless:
             require_room(run, stem.parent)
@@ -248,6 +246,15 @@ def _check_timestep(run: Run) -> None:
         raise UsageError("--time needs --steps, because the input file has no TIMESTEP", "usage.timestep")
     if s.duration is None and s.n_steps > 0:
         raise UsageError("--steps needs --time, because the input file has no TIMESTEP", "usage.timestep")
+
+
+def _along(run: Run, source: Path, setpoints: str | None) -> Run:
+    """The run with the motion along which it linearizes."""
+    from spacar_formats.setpoint_files import check_same_model, find_setpoints
+
+    nominal = find_setpoints(source, setpoints)
+    check_same_model(nominal, run.mechanism.numbering)
+    return replace(run, nominal=nominal)
 
 
 def _status(environment: Environment, outcome: Outcome, results: list[ResultSink]) -> ExitStatus:

@@ -1,0 +1,100 @@
+"""The loop of one-step codes with variable steps.
+
+Step control: theory-system.md section 9. The first step follows Hairer, Norsett, Wanner, "Solving Ordinary Differential
+Equations I", section II.4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from spacar.errors import AnalysisError
+
+from .failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
+from .problem import Evaluation, Step
+from .runge_kutta import ExplicitRungeKutta
+
+EPS = float(np.finfo(float).eps)
+
+
+def one_step(
+    integrator: Any, estimate: bool, longest: float = float("inf")
+) -> Callable[[float, np.ndarray, float, float], Iterator[Step]]:
+    """The loop of a one-step code, in the form of Adams.steps; `estimate` the first step; `longest` [s]."""
+    exponent, smallest, largest = integrator.controller
+    evaluation: Evaluation = integrator.evaluation
+    # Next step over the last one; a code that looks at more than its last error has its own rule.
+    factor: Callable[[float], float] = getattr(integrator, "factor", partial(_factor, integrator.controller))
+
+    def run(t: float, y: np.ndarray, t_end: float, h: float) -> Iterator[Step]:
+        h_min = 4.0 * EPS * max(abs(t), abs(t_end), t_end - t)
+        f = integrator.start(t, y)
+        if estimate:
+            h = min(h, _first_step(evaluation, integrator, t, y, f.copy()))
+        h = max(min(h, longest), h_min)
+        if evaluation.stepper is not None and isinstance(integrator, ExplicitRungeKutta):
+            yield from evaluation.stepper.steps(integrator, t, t_end, h, longest, evaluation.problem.within)
+            return
+        final = False
+        while not final:
+            integrator.begin(t)
+            growth, reductions = largest, 0
+            while True:
+                final = t + min(1.01 * h, max(h, longest)) >= t_end
+                if final:
+                    h = t_end - t
+                try:
+                    error = integrator.attempt(h)
+                    if error <= 1.0:
+                        integrator.finish()
+                        break
+                except AnalysisError as cause:
+                    reductions += 1
+                    evaluation.step_rejected()
+                    if reductions > MAX_REDUCTIONS or h * REDUCTION < h_min:
+                        raise not_evaluated(cause, t, h, reductions) from cause
+                    h *= REDUCTION
+                    growth = 1.0
+                    continue
+                evaluation.step_rejected()
+                growth = 1.0
+                reduced = h * max(smallest, 0.9 * error ** (-1.0 / exponent))
+                if reduced < h_min:
+                    worst = int(np.argmax(np.abs(integrator.scaled)))
+                    raise step_too_small(evaluation, t, h, error, worst)
+                h = reduced
+            t = t_end if final else t + h
+            evaluation.step_accepted(t, integrator.y_new)
+            yield Step(t, integrator.y_new, integrator.interpolate)
+            h = max(min(h * min(growth, factor(error)), longest), h_min)
+
+    return run
+
+
+def _factor(controller: tuple[float, float, float], error: float) -> float:
+    """Next step over the last one, from the error of the last one."""
+    exponent, smallest, largest = controller
+    return min(largest, max(smallest, 0.9 * error ** (-1.0 / exponent))) if error > 0.0 else largest
+
+
+def _first_step(evaluation: Evaluation, integrator: Any, t: float, y: np.ndarray, f: np.ndarray) -> float:
+    """Step with a local error of about a hundredth of the tolerance, from |y|, |F| and one Euler step."""
+    weight = integrator.tolerance.absolute + integrator.tolerance.relative * np.abs(y)
+
+    def norm(v: np.ndarray) -> float:
+        return float(np.sqrt(np.mean((v / weight) ** 2)))
+
+    size, slope = norm(y), norm(f)
+    h0 = 1e-6 if min(size, slope) < 1e-5 else 0.01 * size / slope
+    h0 = min(h0, evaluation.last - t)
+    try:
+        bend = norm(evaluation.rhs(t + h0, y + h0 * f) - f) / h0
+    except AnalysisError:
+        return h0  # the step loop deals with a state that cannot be evaluated
+    largest = max(slope, bend)
+    h1 = max(1e-6, 1e-3 * h0) if largest <= 1e-15 else (0.01 / largest) ** (1.0 / integrator.controller[0])
+    return min(100.0 * h0, h1)
