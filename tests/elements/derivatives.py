@@ -30,16 +30,8 @@ TOLERANCE = 1e-12
 
 
 def group(
-    keyword: str,
-    x0: Any,
-    *,
-    geometry: Any = None,
-    nonlinear: Any = None,
-    directions: Any = None,
-    projections: Any = None,
-    em: Any = None,
-    estiff: Any = None,
-    edamp: Any = None,
+    keyword: str, x0: Any, *, geometry: Any = None, nonlinear: Any = None, directions: Any = None,
+    projections: Any = None, em: Any = None, estiff: Any = None, edamp: Any = None,
 ) -> ElementGroup:
     """An ElementGroup; what is left out gets its default, em, estiff, edamp are padded with zeros."""
     x0 = np.asarray(x0, float)
@@ -53,16 +45,12 @@ def group(
         return out
 
     return ElementGroup(
-        keyword=keyword,
-        numbers=np.arange(1, n + 1),
-        x0=x0,
+        keyword=keyword, numbers=np.arange(1, n + 1), x0=x0,
         geometry=((),) * n if geometry is None else tuple(tuple(g) for g in geometry),
         nonlinear=np.ones(n, bool) if nonlinear is None else np.asarray(nonlinear, bool),
         directions=(None,) * n if directions is None else tuple(directions),
-        projections=(None,) * n if projections is None else tuple(projections),
-        em=table(em, 9),
-        estiff=table(estiff, 7),
-        edamp=table(edamp, 7),
+        projections=(None,) * n if projections is None else tuple(projections), em=table(em, 9),
+        estiff=table(estiff, 7), edamp=table(edamp, 7),
     )
 
 
@@ -157,13 +145,7 @@ def mass_of(family: Family, x: Any, branch: Any = None) -> Any:
 
 
 def check_inertia(
-    family: Family,
-    x: Any,
-    v: Any,
-    a: Any,
-    branch: Any = None,
-    *,
-    lagrange: bool = True,
+    family: Family, x: Any, v: Any, a: Any, branch: Any = None, *, lagrange: bool = True,
     tolerance: float = TOLERANCE,
 ) -> None:
     """M, M a + h and its derivatives; with `lagrange` h is the force of the kinetic energy v.M.v/2."""

@@ -147,8 +147,7 @@ def test_repeated_breaks_count_once():
 
 ALL_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
 DECAYING = {
-    "pendulum": (Pendulum(), Pendulum.y0),
-    "free oscillator": (Linear(OSCILLATOR), np.array([1.0, 0.0])),
+    "pendulum": (Pendulum(), Pendulum.y0), "free oscillator": (Linear(OSCILLATOR), np.array([1.0, 0.0])),
     "driven oscillator": (Linear(OSCILLATOR, lambda t: np.sin(3.0 * t)), np.zeros(2)),
     "decay": (Linear([[-1.0]], n_positions=0), np.ones(1)),
 }
@@ -158,12 +157,8 @@ DECAYING = {
 @pytest.mark.parametrize(
     ("code", "tolerances"),
     [
-        (0, (1e-4, 1e-6, 1e-8, 1e-10)),
-        (155, (1e-4, 1e-6, 1e-8, 1e-10)),
-        (853, (1e-4, 1e-6, 1e-8, 1e-10)),
-        (225, (1e-4,)),
-        pytest.param(225, (1e-6,), marks=pytest.mark.slow),
-        (553, (1e-4, 1e-6, 1e-8)),
+        (0, (1e-4, 1e-6, 1e-8, 1e-10)), (155, (1e-4, 1e-6, 1e-8, 1e-10)), (853, (1e-4, 1e-6, 1e-8, 1e-10)),
+        (225, (1e-4,)), pytest.param(225, (1e-6,), marks=pytest.mark.slow), (553, (1e-4, 1e-6, 1e-8)),
         (595, (1e-4, 1e-6, 1e-8, 1e-10)),
     ],
 )
@@ -201,12 +196,8 @@ def test_oscillator_against_the_matrix_exponential(code):
 @pytest.mark.parametrize(
     ("times", "word"),
     [
-        ([], "at least one later"),
-        ([0.0], "at least one later"),
-        ([0.0, np.nan], "at least one later"),
-        ([0.0, 0.0], "must increase"),
-        ([1.0, 0.5], "must increase"),
-        ([0.0, 1.0, 0.9], "0.9 s follows 1 s"),
+        ([], "at least one later"), ([0.0], "at least one later"), ([0.0, np.nan], "at least one later"),
+        ([0.0, 0.0], "must increase"), ([1.0, 0.5], "must increase"), ([0.0, 1.0, 0.9], "0.9 s follows 1 s"),
     ],
 )
 def test_reversed_and_empty_intervals_are_refused_at_the_call(times, word):
@@ -218,12 +209,9 @@ def test_reversed_and_empty_intervals_are_refused_at_the_call(times, word):
 @pytest.mark.parametrize(
     ("arguments", "code"),
     [
-        ({"code": 999}, "integrator.code"),
-        ({"atol": 0.0}, "integrator.tolerance"),
-        ({"atol": np.nan}, "integrator.tolerance"),
-        ({"rtol": -1.0}, "integrator.tolerance"),
-        ({"step": 0.0}, "integrator.step"),
-        ({"step": -1.0}, "integrator.step"),
+        ({"code": 999}, "integrator.code"), ({"atol": 0.0}, "integrator.tolerance"),
+        ({"atol": np.nan}, "integrator.tolerance"), ({"rtol": -1.0}, "integrator.tolerance"),
+        ({"step": 0.0}, "integrator.step"), ({"step": -1.0}, "integrator.step"),
     ],
 )
 def test_wrong_arguments_are_refused_at_the_call(arguments, code):

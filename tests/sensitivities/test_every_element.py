@@ -127,15 +127,7 @@ def test_belt_and_pinbody() -> None:
                 ("INPUTX", 2, 1, 0.3)]  # fmt: skip
     deck = Deck.build(rows, dynamics, mode=10)
     names = [
-        "PLBELT.1[6]",
-        "ESTIFF.1",
-        "ESTIFF.3",
-        "ESTIFF.5",
-        "X.3[2]",
-        "X.7[3]",
-        "X.5[2]",
-        "INPUTX.2.1",
-        "XF.7[2]",
+        "PLBELT.1[6]", "ESTIFF.1", "ESTIFF.3", "ESTIFF.5", "X.3[2]", "X.7[3]", "X.5[2]", "INPUTX.2.1", "XF.7[2]",
         "EM.1",
     ]
     agree(deck, names, ["x[3,1]", "x[4,1]", "x[7,2]", "sig[1,1]", "sig[4,1]", "fxtot[2,1]", "frequency[1]",
@@ -143,9 +135,7 @@ def test_belt_and_pinbody() -> None:
 
 
 SPATIAL_CHAINS = {
-    "beam": ("BEAM", (), []),
-    "angle measure": ("BEAM", ("ADEFORM",), []),
-    "tube with flow": ("TUBE", (), []),
+    "beam": ("BEAM", (), []), "angle measure": ("BEAM", ("ADEFORM",), []), "tube with flow": ("TUBE", (), []),
     "tube in angles": ("TUBE", ("ADEFORM",), []),
 }
 
@@ -220,17 +210,8 @@ def test_spatial_joints() -> None:
                 ("XF", 10, 0.05, 0.02, -0.1)]  # fmt: skip
     deck = Deck.build(rows, dynamics, mode=10)
     names = [
-        "SCREW.4[9]",
-        "SCREW.4[6]",
-        "RBEAM.2[6]",
-        "X.5[3]",
-        "X.7[2]",
-        "X.6[4]",
-        "ESTIFF.4",
-        "ESTIFF.8",
-        "EM.2",
-        "XM.10[2]",
-        "XF.10[3]",
+        "SCREW.4[9]", "SCREW.4[6]", "RBEAM.2[6]", "X.5[3]", "X.7[2]", "X.6[4]", "ESTIFF.4", "ESTIFF.8", "EM.2",
+        "XM.10[2]", "XF.10[3]",
     ]
     agree(deck, names, ["x[5,2]", "x[7,1]", "x[10,3]", "e[4,1]", "sig[4,2]", "sig[2,1]", "sig[6,1]", "fxtot[9,1]",
                         "frequency[1]", "lmult[1]"], rel=1e-6)  # fmt: skip
@@ -246,13 +227,7 @@ def test_sections_materials_units_and_warping(beams: str) -> None:
              "X.4[3] & X.10[3]", "X.1[2]",
              "DELXF.7[2]", "SECTION.bar[t]"]  # fmt: skip
     quantities = [
-        "x[7,1]@end",
-        "sig[1,1]@2",
-        "fxtot[1,1]@end",
-        "mises[1]@end",
-        "shear[4]@3",
-        "B[1,1]@end",
-        "frequency[1]@end",
+        "x[7,1]@end", "sig[1,1]@2", "fxtot[1,1]@end", "mises[1]@end", "shear[4]@3", "B[1,1]@end", "frequency[1]@end",
     ]
     if beams == "angle":
         quantities.remove("B[1,1]@end")  # zero but for rounding

@@ -220,8 +220,7 @@ def test_sampled_systems_against_dlsim():
         (sampled_transfer_function("b", T, [1.0, 0.2], [1.0, -0.5, 0.06]), ([1.0, 0.2], [1.0, -0.5, 0.06], T)),
         (sampled_transfer_function("b", T, [2.0, 1.0, 0.2], [1.0, -0.5, 0.06]), ([2.0, 1.0, 0.2], [1, -0.5, 0.06], T)),
         (sampled_linear("b", T, [[0.5]], [[1.0]], [[2.0]], [[0.3]]), ([[0.5]], [[1.0]], [[2.0]], [[0.3]], T)),
-        (unit_delay("b", T), ([1.0], [1.0, 0.0], T)),
-        (zero_order_hold("b", T), ([1.0], [1.0], T)),
+        (unit_delay("b", T), ([1.0], [1.0, 0.0], T)), (zero_order_hold("b", T), ([1.0], [1.0], T)),
     ]
     for block, system in cases:
         r = through(block, Sine(*SINE, bias=0.3), np.concatenate((t, [2.05])))
