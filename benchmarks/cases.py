@@ -229,11 +229,11 @@ def bent(n: int, load_steps: int) -> str:
 def statics_tip(n: int, load_steps: int = 4) -> Array:
     """Only the stationary solution of mode 7, without its eigenvalue problem."""
     from spacar.errors import Report
-    from spacar.stationary import StationarySolver, load_program
+    from spacar.stationary import LoadProgram, StationarySolver
 
     mechanism = build(parsed(bent(n, load_steps), 7), 7)
     solver = StationarySolver(mechanism, Report())
-    for level in load_program(mechanism.settings):
+    for level in LoadProgram(mechanism.settings):
         solver.solve(level)
     return np.asarray(solver.dynamics.kinematics.x[positions(mechanism)][-2:])
 

@@ -64,7 +64,7 @@ def overhead(code: int, n: int, n_outputs: int) -> tuple[float, float]:
         begin = perf_counter()
         outputs = list(integrate(problem, y0, times, code, atol=tolerance, rtol=tolerance, step=step))
         elapsed = perf_counter() - begin
-        steps, calls = sum(o.n_steps for o in outputs), sum(o.n_rhs for o in outputs)
+        steps, calls = sum(o.work.n_steps for o in outputs), sum(o.work.n_rhs for o in outputs)
         units = steps if n_outputs == 1 else n_outputs
         samples.append(((elapsed - calls * cost) / units * 1e6, calls / steps))
     return median(s[0] for s in samples), median(s[1] for s in samples)

@@ -22,7 +22,7 @@ import spacar
 from spacar.deck import parse_deck
 from spacar.errors import Report
 from spacar.mechanism import build
-from spacar.stationary import StationarySolver, load_program
+from spacar.stationary import LoadProgram, StationarySolver
 
 FORCE = 10.0
 SIZES = (5, 10, 20, 50, 100, 200, 500, 1000)
@@ -63,7 +63,7 @@ def solve(n: int, force: float = FORCE) -> tuple[float, int, np.ndarray]:
     begun = time.perf_counter()
     solver = StationarySolver(m, Report())
     evaluations = 0
-    for level in load_program(m.settings):
+    for level in LoadProgram(m.settings):
         solver.solve(level)
         evaluations += solver.iterations
     seconds = time.perf_counter() - begun
@@ -92,7 +92,7 @@ def small(mode: int, path: Path) -> tuple[float, float, int, int]:
         m = build(parse_deck(path.read_text(), mode=mode), mode)
         begun = time.process_time()
         solver, iterations = StationarySolver(m, Report()), 0
-        for level in load_program(m.settings):
+        for level in LoadProgram(m.settings):
             solver.solve(level)
             iterations += solver.iterations
         alone.append(time.process_time() - begun)

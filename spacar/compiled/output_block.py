@@ -27,7 +27,7 @@ from spacar.compiled.library import WIDTH, address_of
 from spacar.elements.family import GUARD
 from spacar.errors import AnalysisError
 from spacar.frame import Frame, FramesInRows
-from spacar.integrators.problem import BlockOfOutputs, Counts, counts
+from spacar.integrators.problem import BlockOfOutputs, Counts
 from spacar.integrators.times import EvenTimes
 from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.mechanism.numbering import Numbering
@@ -36,7 +36,7 @@ HARMLESS, LOOKED_AT, NOT_SHOWN, SUSPECT = range(4)  # as in output_block.c
 LONGEST = 0.05  # s of one call, unless a single step takes longer
 ROOM = 50_000  # numbers in the rows of one array, so that a frame that is kept does not keep many others: 0.4 MB
 UNLIMITED = 2**31 - 1
-NONE: Counts = (0, 0, 0, 0, 0)
+NONE = Counts()
 COUNTS = 5 * ctypes.sizeof(ctypes.c_int)  # of an output
 
 VALUE = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER)
@@ -45,7 +45,7 @@ SHOWN = "shown"  # of outputs that stand in their rows
 
 def counted(c: Any, begun: Counts = NONE) -> Counts:
     """What had been counted at the last output of a call, with what was before it."""
-    return counts(map(add, begun, c.counted))
+    return Counts(*map(add, begun, c.counted))
 
 
 class OutputEvaluator(Protocol):
@@ -153,7 +153,7 @@ class OutputBlock(OutputRows):
         self.used, self.held = first + n, 0
         if self.c.last in (HARMLESS, SUSPECT):
             return [self._passed(first, slice(0, n), begun, now)] if n else []
-        before = counts(map(sub, now, self.work[first + n - 1].tolist()))
+        before = Counts(*map(sub, now, self.work[first + n - 1].tolist()))
         last = self._passed(first, slice(n - 1, n), before, now)
         last = last._replace(shown=partial(self._last, last.shown, last.y))
         return [last] if n == 1 else [self._passed(first, slice(0, n - 1), begun, before), last]

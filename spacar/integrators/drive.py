@@ -20,7 +20,7 @@ from .failures import not_evaluated, too_many_steps
 from .jumps import Jumps
 from .methods import AUTOMATIC, METHODS, method
 from .one_step import EPS, one_step
-from .problem import Evaluation, Output, Problem, Step, Tolerance, counts
+from .problem import Counts, Evaluation, Output, Problem, Step, Tolerance
 from .times import EvenTimes
 
 DEFAULT_MAX_STEPS = 1_000_000
@@ -141,7 +141,7 @@ def _outputs(
     statistics = evaluation.statistics
     i, n = 0, len(times)
     if y0 is not None:
-        yield Output(float(times[0]), y0.copy(), 0, 0, 0, 0, 0, None)
+        yield Output(float(times[0]), y0.copy(), Counts())
         i = 1
     before = statistics.counts()
     step_start, limit = evaluation.first, max_steps
@@ -150,13 +150,13 @@ def _outputs(
             if outputs.begun != before:
                 outputs.work[0] += np.subtract(outputs.begun, before)
             now = outputs.now
-            yield Output(outputs.t, outputs.y, *counts(map(sub, now, before)), outputs)
+            yield Output(outputs.t, outputs.y, Counts(*map(sub, now, before)), outputs)
             before, limit = now, now[0] + max_steps
             i += len(outputs.work)
         while passed is None and i < n and (at := float(times[i])) <= t:
             result = y.copy() if at == t else interpolate(at)
             now = statistics.counts()
-            yield Output(at, result, *counts(map(sub, now, before)), None)
+            yield Output(at, result, Counts(*map(sub, now, before)))
             before, limit = now, now[0] + max_steps
             i += 1
         if i == n:

@@ -50,8 +50,7 @@ def not_evaluated(cause: AnalysisError, t: float, h: float, reductions: int = 0)
     if cause.code.startswith("user-function"):
         advice = "correct the function"
     return AnalysisError(
-        f"{cause}; the integration stopped at t = {t:.9g} s {what}: {advice}",
-        cause.code,
+        f"{cause}; the integration stopped at t = {t:.9g} s {what}: {advice}", cause.code,
         **{**cause.data, "t": t, "step": h},
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any, NamedTuple, Protocol
@@ -12,13 +12,17 @@ import numpy as np
 from spacar.errors import AnalysisError
 
 Jacobian = Callable[[float, np.ndarray], tuple[np.ndarray, np.ndarray]]
-Counts = tuple[int, int, int, int, int]  # what has been counted, as `IntegrationStatistics.counts`
 Rate = Callable[[float, np.ndarray], np.ndarray]
 
 
-def counts(numbers: Iterable[int]) -> Counts:
-    steps, rhs, jacobians, rejected, iterations = numbers
-    return steps, rhs, jacobians, rejected, iterations
+class Counts(NamedTuple):
+    """Work done: accepted and rejected steps, evaluations of F and of its Jacobian, Newton iterations."""
+
+    n_steps: int = 0
+    n_rhs: int = 0
+    n_jacobian: int = 0
+    n_rejected: int = 0
+    newton_iterations: int = 0
 
 
 class BlockEvaluator(Protocol):
@@ -93,7 +97,7 @@ class Problem:
 
 @dataclass(slots=True)
 class IntegrationStatistics:
-    """Work done: accepted and rejected steps, evaluations of F and of its Jacobian, Newton iterations."""
+    """The `Counts` so far."""
 
     n_steps: int = 0
     n_rhs: int = 0
@@ -102,7 +106,7 @@ class IntegrationStatistics:
     newton_iterations: int = 0
 
     def counts(self) -> Counts:
-        return self.n_steps, self.n_rhs, self.n_jacobian, self.n_rejected, self.newton_iterations
+        return Counts(self.n_steps, self.n_rhs, self.n_jacobian, self.n_rejected, self.newton_iterations)
 
 
 class BlockOfOutputs(NamedTuple):
@@ -124,16 +128,8 @@ class Output(NamedTuple):
 
     t: float
     y: np.ndarray
-    n_steps: int
-    n_rhs: int
-    n_jacobian: int
-    n_rejected: int
-    newton_iterations: int
-    passed: BlockOfOutputs | None
-
-    @property
-    def work(self) -> Counts:
-        return self[2:7]
+    work: Counts
+    passed: BlockOfOutputs | None = None
 
 
 class Step(NamedTuple):

@@ -37,7 +37,7 @@ from spacar.linear.state_space import Signal, state_space
 from spacar.linearization.coefficients import Coefficients, coefficients, geometric_stiffness
 from spacar.linearization.matrices import Linearization, linearize
 from spacar.mechanism.mechanism import Loads, Mechanism
-from spacar.stationary.loading import load_program, loads_at, with_flow
+from spacar.stationary.loading import LoadProgram, loads_at, with_flow
 
 T = TypeVar("T")
 MATRICES = ("m0", "c0", "d0", "k0", "n0", "g0")
@@ -247,7 +247,7 @@ class Along:
 
 def _at_levels(mechanism: Mechanism, nominal: Nominal) -> list[Mechanism]:
     """The mechanism with the loads of every stored load step. Raises UsageError when their number differs."""
-    levels = [level for level in load_program(mechanism.settings) if level.store]
+    levels = [level for level in LoadProgram(mechanism.settings) if level.store]
     if len(levels) != len(nominal.t):
         raise UsageError(
             f"{nominal.name} holds {len(nominal.t)} load steps, but ITERSTEP of this file asks for {len(levels)};"

@@ -32,7 +32,7 @@ from spacar.linear.stored_system import StoredSystem, buckling_motions, sparse_m
 from spacar.linear_systems import SingularMatrixError
 from spacar.linearization.coefficients import Coefficients, coefficients
 from spacar.linearization.matrices import Linearization, linearize, selected
-from spacar.stationary import LoadLevel, StationarySolver, load_program
+from spacar.stationary import LoadLevel, LoadProgram, StationarySolver
 from spacar.stationary.tangent import SparseTangent
 from spacar.stream import Run
 
@@ -164,7 +164,7 @@ def stationary(
         run.report.add(f"the {few} lowest of {n.nddof} modes are computed with the sparse tangent: less work")
     output = TransferOutput(run)
     limits: Limits | None = None
-    for stored, (level, iterations) in enumerate(solver.stored(load_program(settings))):
+    for stored, (level, iterations) in enumerate(solver.stored(LoadProgram(settings))):
         dynamics, state = solver.dynamics, solver.solution
         if "condition" not in run.header:
             run.header["condition"] = condition_number(dynamics.kinematics)

@@ -48,7 +48,7 @@ from spacar.sensitivities.step_quantities import (
     check_variable,
     stress_derivatives,
 )
-from spacar.stationary import StationarySolver, load_program
+from spacar.stationary import LoadProgram, StationarySolver
 from spacar.stream import Run
 from spacar.studies.assignments import Setting, change, parameters_of, setting
 from spacar.studies.runs.quantities import Quantity, quantity
@@ -276,7 +276,7 @@ class _Analysis:
         stresses = stress_derivatives(mechanism, self.directions, MODE) if names & STRESSES.keys() else None
         solver = StationarySolver(mechanism_of(self.prepared), report)
         stored, limits = 0, None
-        for level in load_program(mechanism.settings):
+        for level in LoadProgram(mechanism.settings):
             if stored > last:
                 return
             with np.errstate(all="ignore"):

@@ -1,6 +1,6 @@
 """STATIO: static equilibrium and steady motion under stepwise loading (theory-system.md section 6)."""
 
-from spacar.stationary.loading import LoadLevel, load_program
+from spacar.stationary.loading import LoadLevel, LoadProgram
 from spacar.stationary.solution import StationarySolver
 
-__all__ = ["LoadLevel", "StationarySolver", "load_program"]
+__all__ = ["LoadLevel", "LoadProgram", "StationarySolver"]

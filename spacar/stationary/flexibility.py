@@ -33,7 +33,7 @@ class Flexibility:
         self.constrained[list(released)] = False
         self.elastic = [b for b in sweep.strained if any(S.any() for S in b.family.stiffness())]
         self.active = {b.index: (b.e >= dynamics.law.first).astype(float) for b in self.elastic}
-        self.rows, self.columns = _squares(self.elastic)
+        self.rows, self.columns = squares([b.e for b in self.elastic])
         rigid = np.ones(n.ne, bool)
         rigid[self.rows] = False
         self.rigid = np.flatnonzero(rigid)
@@ -107,11 +107,11 @@ def _inverted(S: Array, batch: Batch) -> Array:
         raise AnalysisError(text, "stationary.singular-stiffness") from None
 
 
-def _squares(batches: list[Batch]) -> tuple[Index, Index]:
-    """Rows and columns of square blocks over the deformations of elements."""
+def squares(places: Sequence[Index]) -> tuple[Index, Index]:
+    """Rows and columns of square blocks over these places (rows, elements) of each batch."""
     empty = np.zeros(0, np.int64)
-    rows = [b.e.repeat(len(b.e), axis=0).ravel() for b in batches]
-    columns = [np.concatenate([b.e] * len(b.e)).ravel() for b in batches]
+    rows = [at.repeat(len(at), axis=0).ravel() for at in places]
+    columns = [np.concatenate([at] * len(at)).ravel() for at in places]
     return np.concatenate([empty, *rows]), np.concatenate([empty, *columns])
 
 

@@ -49,31 +49,23 @@ class LoadLevel(NamedTuple):
 
 @dataclass(frozen=True)
 class LoadProgram:
-    """All levels in order, made one after the other; it may be run through more than once."""
+    """All levels in order; those with `store` become frames. It may be run through more than once."""
 
     settings: SolverSettings
 
     def __iter__(self) -> Iterator[LoadLevel]:
-        return _levels(self.settings)
-
-
-def load_program(settings: SolverSettings) -> LoadProgram:
-    """All levels in order; those with `store` become frames."""
-    return LoadProgram(settings)
-
-
-def _levels(settings: SolverSettings) -> Iterator[LoadLevel]:
-    if settings.stationary_type not in WITH_ADDITIONAL:
-        n = settings.initial_steps if settings.initial_steps > 0 else max(settings.load_steps, 1)
-        for k in range(1, n + 1):
-            yield LoadLevel(k / n, 0.0, k == n, k, n)
-        return
-    n0, n1 = max(settings.initial_steps, 1), max(settings.load_steps, 1)
-    for k in range(1, n0 + 1):
-        yield LoadLevel(k / n0, 0.0, k == n0, k, n0 + n1)
-    every = max(settings.store_every, 1)
-    for k in range(1, n1 + 1):
-        yield LoadLevel(1.0, k / n1, k % every == 0 or k == n1, n0 + k, n0 + n1)
+        settings = self.settings
+        if settings.stationary_type not in WITH_ADDITIONAL:
+            n = settings.initial_steps if settings.initial_steps > 0 else max(settings.load_steps, 1)
+            for k in range(1, n + 1):
+                yield LoadLevel(k / n, 0.0, k == n, k, n)
+            return
+        n0, n1 = max(settings.initial_steps, 1), max(settings.load_steps, 1)
+        for k in range(1, n0 + 1):
+            yield LoadLevel(k / n0, 0.0, k == n0, k, n0 + n1)
+        every = max(settings.store_every, 1)
+        for k in range(1, n1 + 1):
+            yield LoadLevel(1.0, k / n1, k % every == 0 or k == n1, n0 + k, n0 + n1)
 
 
 def loads_at(mechanism: Mechanism, level: LoadLevel) -> Loads:

@@ -15,7 +15,7 @@ Only for systems at rest, holonomic, without user functions and MEE.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
@@ -28,7 +28,7 @@ from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
 from spacar.linear_systems.reciprocal_condition import entry_rounding, lost
 from spacar.linearization.coefficients import configuration_of, geometric_blocks
 from spacar.mechanism.mechanism import Batch
-from spacar.stationary.flexibility import Flexibility
+from spacar.stationary.flexibility import Flexibility, squares
 from spacar.stationary.loading import is_tube
 from spacar.stationary.stationary_equations import NO_DIGITS, SINGULAR
 
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from spacar.linear_systems.banded import BandedSystem
     from spacar.linear_systems.condensed import CondensedSystem
     from spacar.linear_systems.sparse import SparseSystem
+NONE = np.zeros(0)
 
 
 class TangentTerm:
@@ -94,15 +95,16 @@ class SparseTangent:
         # Gravity may come with the additional loading only.
         heavy = any(loads is not None and loads.gravity.any() for loads in (m.loads, m.additional, dynamics.loads))
         loaded = [b for b in sweep.moving if heavy or is_tube(b)]
-        moment_rows = _moment_rows(dynamics)
+        # rows of lambda with moments, those of the additional loading behind the others, (4, n)
+        moment_rows = np.concatenate([p.moment_rows for p in (m.loads, m.additional) if p is not None], axis=1)
         self.parts = {
-            "geometric": TangentTerm(self.place, lambda: _square(sweep.curved), self._geometric),
-            "load": TangentTerm(self.place, lambda: _square(loaded), lambda: self._inertia(loaded, 0)),
+            "geometric": TangentTerm(self.place, lambda: squares([b.x for b in sweep.curved]), self._geometric),
+            "load": TangentTerm(self.place, lambda: squares([b.x for b in loaded]), lambda: self._inertia(loaded, 0)),
             "moment": TangentTerm(
-                self.place, lambda: _pairs(moment_rows), lambda: self._moments(moment_rows.shape[1])
+                self.place, lambda: squares([moment_rows]), lambda: self._moments(moment_rows.shape[1])
             ),
             "mass": TangentTerm(self.place, lambda: (sweep.m_rows, sweep.m_columns), lambda: sweep.m_entries),
-            "flow": TangentTerm(self.place, lambda: _square(loaded), lambda: self._inertia(loaded, 1)),
+            "flow": TangentTerm(self.place, lambda: squares([b.x for b in loaded]), lambda: self._inertia(loaded, 1)),
         }
         self.ne = n.ne
         self.last_step = False  # no Newton's iteration follows: one system has factors at a time
@@ -273,15 +275,15 @@ class SparseTangent:
 
     # -- values of the parts ------------------------------------------------------------------------------------
     def _geometric(self) -> Array:
-        return _joined([block.ravel() for _, block in geometric_blocks(self.dynamics.sweep, self.sigma)])
+        found = geometric_blocks(self.dynamics.sweep, self.sigma)
+        return np.concatenate([NONE, *(block.ravel() for _, block in found)])
 
     def _inertia(self, batches: list[Batch], which: int) -> Array:
         """d(h - gravity)/dx (0) or dh/dv (1) at rest."""
         sweep, zero = self.dynamics.sweep, np.zeros(self.dynamics.numbering.nx)
         a = -self.dynamics.forces.field
-        return _joined(
-            [b.family.inertia_gradient(configuration_of(sweep, b), zero[b.x], a[b.x])[which].ravel() for b in batches]
-        )
+        found = [b.family.inertia_gradient(configuration_of(sweep, b), zero[b.x], a[b.x])[which] for b in batches]
+        return np.concatenate([NONE, *(block.ravel() for block in found)])
 
     def _moments(self, n: int) -> Array:
         loads = self.dynamics.forces.loads
@@ -291,31 +293,3 @@ class SparseTangent:
 
 
 STATIC = {"geometric": 1.0, "load": 1.0, "moment": 1.0}
-
-
-def _moment_rows(d: Dynamics) -> Index:
-    """Rows of lambda with moments, those of the additional loading behind the others, (4, n)."""
-    m = d.mechanism
-    additional = [m.additional.moment_rows] if m.additional is not None else []
-    return np.concatenate([m.loads.moment_rows, *additional], axis=1)
-
-
-def _square(batches: Sequence[Batch]) -> tuple[Index, Index]:
-    """Rows and columns of square element blocks."""
-    shapes = [(len(b.x), len(b.x), b.family.n) for b in batches]
-    rows = [np.broadcast_to(b.x[:, None, :], s).ravel() for b, s in zip(batches, shapes, strict=True)]
-    columns = [np.broadcast_to(b.x[None, :, :], s).ravel() for b, s in zip(batches, shapes, strict=True)]
-    return _joined_index(rows), _joined_index(columns)
-
-
-def _pairs(rows: Index) -> tuple[Index, Index]:
-    shape = (len(rows), len(rows), rows.shape[1])
-    return np.broadcast_to(rows[:, None, :], shape).ravel(), np.broadcast_to(rows[None, :, :], shape).ravel()
-
-
-def _joined(parts: list[Array]) -> Array:
-    return np.concatenate(parts) if parts else np.zeros(0)
-
-
-def _joined_index(parts: list[Index]) -> Index:
-    return np.concatenate(parts) if parts else np.zeros(0, np.int64)

@@ -115,7 +115,7 @@ def test_breaks(code):
         found.append(list(drive.integrate(problem, y, [0.0, 0.3, 1.0], code, 1e-7, 1e-7, breaks=(0.2, 0.7))))
     for a, b in zip(*found, strict=True):
         np.testing.assert_allclose(a.y, b.y, rtol=1e-9)
-        assert (a.n_steps, a.n_rhs, a.n_rejected) == (b.n_steps, b.n_rhs, b.n_rejected)
+        assert (a.work.n_steps, a.work.n_rhs, a.work.n_rejected) == (b.work.n_steps, b.work.n_rhs, b.work.n_rejected)
 
 
 def problem_of(text, trailed):

@@ -16,7 +16,7 @@ from spacar.deck import parse_deck
 from spacar.dynamics import Dynamics
 from spacar.errors import Report
 from spacar.mechanism import build
-from spacar.stationary import StationarySolver, load_program
+from spacar.stationary import LoadProgram, StationarySolver
 
 CRANK = (Path(__file__).resolve().parents[2] / "data" / "crank.dat").read_text()
 
@@ -42,7 +42,7 @@ def test_statics_of_a_thousand_beams(spatial):
     load = "0. 0. 1e-4" if spatial else "0. 1e-4"
     mechanism = build(parse_deck(cantilever(1000, spatial, ("ITERSTEP 20 1 1e-9",), load), mode=7), 7)
     solver = StationarySolver(mechanism, Report())
-    for level in load_program(mechanism.settings):
+    for level in LoadProgram(mechanism.settings):
         solver.solve(level)
     tip = solver.dynamics.kinematics.x[mechanism.numbering.x_index(2001, 3 if spatial else 2)]
     assert tip == pytest.approx(1e-4 / 3.0, rel=1e-6)

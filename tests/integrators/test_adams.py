@@ -33,7 +33,7 @@ def test_kepler_table(tolerance, code, evaluations, error):
     problem = Kepler()
     times = np.linspace(0.0, 20.0, 201)
     outputs, y = run(problem, times, tolerance, code)
-    used = sum(o.n_rhs for o in outputs)
+    used = sum(o.work.n_rhs for o in outputs)
     # The table's errors are rounded to a digit (up to 25 percent at 2e-4); step decisions differ by rounding.
     # Code 853 takes 4^(1/8) = 1.19 times more steps than the table's program, for the sake of its outputs.
     assert 0.9 * evaluations <= used <= (1.3 if code == 853 else 1.1) * evaluations
@@ -65,7 +65,7 @@ def test_polynomial_motion_is_exact():
     times = np.linspace(0.0, 3.0, 301)
     outputs, y = run(Power(), times, 1e-10)
     assert np.abs(y[:, 0] - times**6).max() < 1e-8  # tolerance 1e-10 relative to 729
-    assert sum(o.n_steps for o in outputs) < 80
+    assert sum(o.work.n_steps for o in outputs) < 80
 
 
 def test_constant_step_coefficients_are_the_adams_ones():

@@ -102,7 +102,7 @@ def test_errors_of_the_problem_reduce_the_step(code):
     outputs = list(integrate(problem, Pendulum.y0, times, code))
     plain = list(integrate(Pendulum(), Pendulum.y0, times, code))
     assert problem.refusals > 0 or code == 225
-    assert sum(o.n_rejected for o in outputs) >= problem.refusals
+    assert sum(o.work.n_rejected for o in outputs) >= problem.refusals
     # Both runs are within ten times the tolerance 1e-4 of the truth.
     np.testing.assert_allclose(outputs[-1].y, plain[-1].y, atol=2e-3)
 
@@ -221,8 +221,8 @@ def test_newton_renews_the_jacobian_once():
             return np.array([[0.0, 1.0], [-stiffness, 0.0]]), np.zeros(2)
 
     *_, out = integrate(Late(), np.array([0.0, 1.0]), [0.0, 0.1], 410, step=0.1)
-    assert out.n_jacobian == 2
-    assert out.newton_iterations > 10
+    assert out.work.n_jacobian == 2
+    assert out.work.newton_iterations > 10
 
 
 @pytest.mark.parametrize("code", [310, 330, 430])

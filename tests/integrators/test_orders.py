@@ -57,7 +57,7 @@ def test_order_of_fixed_step_codes(code, order):
     errors = []
     for n in (160, 320):
         *_, out = integrate(Pendulum(), Pendulum.y0, [0.0, end], code, atol=TIGHT, step=end / n)
-        assert out.n_steps == n
+        assert out.work.n_steps == n
         errors.append(np.linalg.norm(out.y - reference))
     # The next term of the error expansion is h/T small, so halving the step shows the order to about a tenth.
     assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.15)
@@ -106,7 +106,7 @@ def test_infinitely_stiff_component_is_damped_in_one_step(code):
     """|R(-1e8)| <= 5e-8; an A-stable but not L-stable method would give |R| near 1."""
     problem = Linear([[-1e8]], n_positions=0)
     *_, out = integrate(problem, np.array([1.0]), [0.0, 1.0], code, atol=1e-12, step=1.0)
-    assert out.n_steps == 1
+    assert out.work.n_steps == 1
     assert abs(out.y[0]) <= 5e-8
 
 

@@ -26,7 +26,7 @@ def test_outputs_at_exactly_the_requested_times(code):
     outputs = list(integrate(forced(), np.array([1.0, 0.0]), times, code))
     assert [o.t for o in outputs] == times.tolist()
     np.testing.assert_array_equal(outputs[0].y, [1.0, 0.0])
-    assert outputs[0].n_rhs == outputs[0].n_steps == 0
+    assert outputs[0].work.n_rhs == outputs[0].work.n_steps == 0
     # Each output owns its state.
     assert len({id(o.y) for o in outputs}) == len(outputs)
     assert not np.shares_memory(outputs[1].y, outputs[2].y)
@@ -44,30 +44,30 @@ def test_nothing_is_evaluated_outside_the_interval(code):
 def test_statistics_count_every_evaluation(code):
     problem = forced()
     outputs = list(integrate(problem, np.array([1.0, 0.0]), np.linspace(0.0, 2.0, 21), code))
-    assert sum(o.n_rhs for o in outputs) == problem.n_rhs
-    assert sum(o.n_jacobian for o in outputs) == problem.n_jacobian
+    assert sum(o.work.n_rhs for o in outputs) == problem.n_rhs
+    assert sum(o.work.n_jacobian for o in outputs) == problem.n_jacobian
     assert (problem.n_jacobian > 0) == METHODS[code].needs_jacobian
-    assert (sum(o.newton_iterations for o in outputs) > 0) == (code in (410, 420, 430, 553, 595))
+    assert (sum(o.work.newton_iterations for o in outputs) > 0) == (code in (410, 420, 430, 553, 595))
 
 
 @pytest.mark.parametrize(("code", "per_step"), [(130, 3), (140, 4), (220, 2), (310, 1), (320, 2), (330, 2)])
 def test_evaluations_per_fixed_step(code, per_step):
     outputs = list(integrate(forced(), np.array([1.0, 0.0]), [0.0, 0.5, 1.0], code))
-    assert [o.n_steps for o in outputs] == [0, 10, 10]  # default: a tenth of the output step
+    assert [o.work.n_steps for o in outputs] == [0, 10, 10]  # default: a tenth of the output step
     extra = 1 if code in (130, 140, 220) else 0  # F at the start of a segment
-    assert [o.n_rhs for o in outputs] == [0, 10 * per_step + extra, 10 * per_step]
+    assert [o.work.n_rhs for o in outputs] == [0, 10 * per_step + extra, 10 * per_step]
 
 
 @pytest.mark.parametrize("code", FIXED)
 def test_fixed_steps_are_shortened_to_fit(code):
     outputs = list(integrate(forced(), np.array([1.0, 0.0]), [0.0, 1.0, 1.5], code, step=0.3))
-    assert [o.n_steps for o in outputs] == [0, 4, 2]
+    assert [o.work.n_steps for o in outputs] == [0, 4, 2]
 
 
 def test_two_evaluations_per_adams_step_and_none_for_outputs():
     problem = forced()
     outputs = list(integrate(problem, np.array([1.0, 0.0]), np.linspace(0.0, 5.0, 1001), 0))
-    steps, rejected = (sum(getattr(o, name) for o in outputs) for name in ("n_steps", "n_rejected"))
+    steps, rejected = (sum(getattr(o.work, name) for o in outputs) for name in ("n_steps", "n_rejected"))
     assert problem.n_rhs == 1 + 2 * steps + rejected
 
 
@@ -89,7 +89,7 @@ def test_accepted_is_told_every_step_in_order(code):
     outputs = list(integrate(problem, np.array([1.0, 0.0]), [0.0, 1.0, 2.0], code))
     times = [t for t, _ in accepted]
     assert times == sorted(set(times))
-    assert len(times) == sum(o.n_steps for o in outputs)
+    assert len(times) == sum(o.work.n_steps for o in outputs)
     assert times[-1] == 2.0
     np.testing.assert_array_equal(accepted[-1][1], outputs[-1].y)
 

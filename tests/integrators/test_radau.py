@@ -68,8 +68,8 @@ def test_prothero_robinson(code, rate):
     outputs = list(integrate(Stiff(), np.array([1.0]), np.linspace(0.0, 10.0, 11), code, atol=1e-7, rtol=1e-7))
     error = max(abs(o.y[0] - np.cos(o.t)) for o in outputs)
     assert error < 2e-6  # ten times atol + rtol |y|
-    assert sum(o.n_steps for o in outputs) < 500
-    assert sum(o.n_jacobian for o in outputs) == 1
+    assert sum(o.work.n_steps for o in outputs) < 500
+    assert sum(o.work.n_jacobian for o in outputs) == 1
 
 
 class VanDerPol(Problem):
@@ -98,7 +98,7 @@ def test_van_der_pol_against_another_program():
         outputs = list(integrate(p, p.y0, times, code, atol=1e-6, rtol=1e-6))
         # Each jump amplifies errors about tenfold; the reference is good to 1e-8.
         np.testing.assert_allclose([o.y for o in outputs], reference, rtol=2e-5, atol=2e-5)
-        assert sum(o.n_steps for o in outputs) < 1000
+        assert sum(o.work.n_steps for o in outputs) < 1000
 
 
 @pytest.mark.parametrize("code", CODES)
@@ -117,7 +117,7 @@ def test_unexcited_undamped_vibration_does_not_limit_the_step(code, frequency):
     # The rounded stiffness of the slow oscillator is wrong by 1e-16 frequency^2, 1e-8 at most.
     error = max(np.abs(o.y[:2] - np.cos(o.t) * mode).max() for o in outputs)
     assert error < 1e-5
-    assert sum(o.n_steps for o in outputs) < {553: 300, 595: 150}[code]
+    assert sum(o.work.n_steps for o in outputs) < {553: 300, 595: 150}[code]
 
 
 # -- steps and dense output -----------------------------------------------------------------------------------
@@ -185,7 +185,8 @@ def test_linear_problem_needs_one_jacobian_and_keeps_its_factors(code):
     outputs = list(integrate(problem, np.array([1.0, 0.0]), [0.0, 20.0], code, atol=1e-6, rtol=1e-6))
     assert problem.n_jacobian == 1
     # Two iterations a step: the second shows that the first was enough.
-    assert sum(o.newton_iterations for o in outputs) <= 2 * sum(o.n_steps + o.n_rejected for o in outputs)
+    iterations = sum(o.work.newton_iterations for o in outputs)
+    assert iterations <= 2 * sum(o.work.n_steps + o.work.n_rejected for o in outputs)
 
 
 @pytest.mark.parametrize("code", CODES)

@@ -44,7 +44,7 @@ def test_the_estimate_is_the_error_of_the_step(before):
 
 def steps(tolerance, code=225):
     *_, out = integrate(Pendulum(), Pendulum.y0, [0.0, 4.0], code, atol=tolerance, rtol=tolerance)
-    return out.n_steps, float(np.linalg.norm(out.y - pendulum_reference(4.0)))
+    return out.work.n_steps, float(np.linalg.norm(out.y - pendulum_reference(4.0)))
 
 
 @pytest.mark.slow
@@ -65,14 +65,14 @@ def test_no_more_steps_than_equal_ones_of_the_same_error(tolerance):
     """220 is the same method with equal steps; on a smooth motion these are nearly the best."""
     count, error = steps(tolerance)
     *_, out = integrate(Pendulum(), Pendulum.y0, [0.0, 4.0], 220, step=4.0 / count)
-    assert out.n_steps == count
+    assert out.work.n_steps == count
     assert error < 1.5 * np.linalg.norm(out.y - pendulum_reference(4.0))
 
 
 def test_an_accepted_step_costs_two_evaluations():
     """Its stage and its end; the first step one more, in its middle; a few to choose the first step."""
     *_, out = integrate(Pendulum(), Pendulum.y0, [0.0, 4.0], 225, atol=1e-5, rtol=1e-5)
-    assert out.n_rhs <= 2 * (out.n_steps + out.n_rejected) + 5
+    assert out.work.n_rhs <= 2 * (out.work.n_steps + out.work.n_rejected) + 5
 
 
 def test_a_jump_of_the_load_between_steps_is_noticed():

@@ -11,7 +11,7 @@ from spacar.linear import backward_error, eigen, lowest, subspace
 from spacar.linear.buckling import buckling_modes, order_of
 from spacar.linear.lowest import lost_pairs
 from spacar.mechanism import build
-from spacar.stationary import StationarySolver, load_program
+from spacar.stationary import LoadProgram, StationarySolver
 
 
 def test_a_doubtful_pair_is_kept_with_a_warning(monkeypatch):
@@ -76,7 +76,7 @@ def test_a_mode_of_which_no_digit_is_known_is_nan(monkeypatch):
     exact = np.sort(2 * np.sin((2 * np.arange(1, n + 1) - 1) * np.pi / (2 * (2 * n + 1))))
     m = build(Deck.build(rows, dynamics), 7)
     solver = StationarySolver(m, Report())
-    for level in load_program(m.settings):
+    for level in LoadProgram(m.settings):
         solver.solve(level)
     tangent = solver.sparse_tangent()
     tangent.sigma = solver.solution.sigma

@@ -111,10 +111,10 @@ def test_such_a_sweep_begins_at_once_and_can_be_interrupted(tmp_path, jobs):
 @pytest.mark.parametrize(("initial", "additional", "every"), [(0, 1, 1), (3, 7, 2), (1, 10, 20), (4, 0, 0), (2, 6, 3)])
 def test_stored_load_levels_are_counted_without_being_made(kind, initial, additional, every):
     from spacar.mechanism import SolverSettings
-    from spacar.stationary.loading import load_program
+    from spacar.stationary.loading import LoadProgram
 
     settings = SolverSettings(stationary_type=kind, initial_steps=initial, load_steps=additional, store_every=every)
-    assert settings.stored_levels == sum(level.store for level in load_program(settings))
+    assert settings.stored_levels == sum(level.store for level in LoadProgram(settings))
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ import pytest
 from spacar.deck import parse_deck
 from spacar.errors import Report
 from spacar.mechanism import build
-from spacar.stationary import StationarySolver, load_program
+from spacar.stationary import LoadProgram, StationarySolver
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 from statics import cantilever
@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[2]
 def evaluations(text: str) -> int:
     m = build(parse_deck(text, mode=7), 7)
     solver = StationarySolver(m, Report())
-    for level in load_program(m.settings):
+    for level in LoadProgram(m.settings):
         solver.solve(level)
     return solver.dynamics.sweep.count
 

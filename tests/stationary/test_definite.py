@@ -12,7 +12,7 @@ from spacar.deck import parse_deck
 from spacar.errors import Report
 from spacar.linear_systems import matrix_inertia
 from spacar.mechanism import build
-from spacar.stationary import StationarySolver, load_program
+from spacar.stationary import LoadProgram, StationarySolver
 from spacar.stationary.resting_tangent import RestingTangent
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
@@ -41,7 +41,7 @@ def asked(text: str) -> list[tuple[bool, tuple[int, int], int]]:
 
         patch.setattr(RestingTangent, "is_definite", both)
         solver = StationarySolver(m, Report())
-        for level in load_program(m.settings):
+        for level in LoadProgram(m.settings):
             solver.solve(level)
     return found
 
@@ -75,7 +75,7 @@ def test_large_models_are_counted_only_where_nothing_is_proved(monkeypatch):
     monkeypatch.setattr(matrix_inertia.Inertia, "__call__", lambda *_: pytest.fail("eigenvalues were counted"))
     m = build(parse_deck(cantilever(30), mode=7), 7)
     solver = StationarySolver(m, Report())
-    for level in load_program(m.settings):
+    for level in LoadProgram(m.settings):
         solver.solve(level)
     assert solver._walk is not None
     assert str(solver._walk.stable) == "0 negative eigenvalues"

@@ -13,7 +13,7 @@ from spacar.compiled.library import why_off
 from spacar.deck import parse_deck, read_deck
 from spacar.errors import AnalysisError, Report
 from spacar.mechanism import build
-from spacar.stationary import LoadLevel, StationarySolver, equilibrium, load_program
+from spacar.stationary import LoadLevel, LoadProgram, StationarySolver, equilibrium
 from spacar.stationary.equilibrium import CompiledEquilibrium, level_equilibrium
 from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.newton import Demand, newton
@@ -219,7 +219,7 @@ def test_models_end_where_the_general_path_does(name):
     for compiled in (False, True):
         m = build(read_deck(MODELS / f"{name}.dat", 8), 8)
         solver = StationarySolver(with_compiled_elements(m) if compiled else m, Report())
-        for level in load_program(m.settings):
+        for level in LoadProgram(m.settings):
             solver.solve(level)
             if not level.store:
                 continue

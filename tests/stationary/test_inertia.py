@@ -13,7 +13,7 @@ from spacar.errors import Report
 from spacar.linear_systems import matrix_inertia
 from spacar.linear_systems.matrix_inertia import Inertia
 from spacar.mechanism import build
-from spacar.stationary import StationarySolver, load_program
+from spacar.stationary import LoadProgram, StationarySolver
 from spacar.stationary.resting_tangent import RestingTangent
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
@@ -77,7 +77,7 @@ def test_few_directions_wait(monkeypatch):
 
     monkeypatch.setattr(RestingTangent, "is_definite", counted)
     solver = StationarySolver(m, Report())
-    for level in load_program(m.settings):
+    for level in LoadProgram(m.settings):
         solver.solve(level)
     assert seen
     assert max(orders) <= 2 * matrix_inertia.SMALLEST_BLOCK

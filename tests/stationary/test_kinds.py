@@ -14,7 +14,7 @@ from spacar.errors import Report
 from spacar.linear import form
 from spacar.linear_systems.matrix_inertia import Inertia
 from spacar.mechanism import build
-from spacar.stationary import StationarySolver, load_program
+from spacar.stationary import LoadProgram, StationarySolver
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 from statics import cantilever
@@ -135,7 +135,7 @@ def statics_report(text: str) -> list[str]:
     """What the stationary solution alone says."""
     m, report = build(parse_deck(text, mode=7), 7), Report()
     solver = StationarySolver(m, report)
-    for level in load_program(m.settings):
+    for level in LoadProgram(m.settings):
         solver.solve(level)
     return report.lines
 

@@ -7,7 +7,7 @@ import pytest
 from spacar import Deck
 from spacar.errors import Report
 from spacar.mechanism import build
-from spacar.stationary import StationarySolver, continuation, load_program
+from spacar.stationary import LoadProgram, StationarySolver, continuation
 from spacar.stationary.level_evaluator import ArrayEquilibrium
 
 
@@ -19,7 +19,7 @@ def report_of_column(n: int, load: float, steps: int) -> list[str]:
     dynamics: list[tuple] = [("ESTIFF", k + 1, 1e4, 1.0) for k in range(n)]
     m = build(Deck.build(rows, [*dynamics, ("XF", 2 * n + 1, -load), ("ITERSTEP", 20, steps, 1e-8)]), 7)
     solver = StationarySolver(m, Report())
-    for level in load_program(m.settings):
+    for level in LoadProgram(m.settings):
         solver.solve(level)
     return solver.report.lines
 

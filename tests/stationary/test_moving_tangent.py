@@ -12,7 +12,7 @@ from spacar.deck import parse_deck
 from spacar.errors import Report
 from spacar.linear import form
 from spacar.mechanism import build
-from spacar.stationary import StationarySolver, load_program, moving_tangent
+from spacar.stationary import LoadProgram, StationarySolver, moving_tangent
 from spacar.stationary.moving_tangent import MovingTangent
 
 DATA = Path(__file__).parents[2] / "data"
@@ -36,7 +36,7 @@ MODELS["blade"] = blade(6)
 def test_both_forms_are_the_derivative_of_the_residual(name, monkeypatch):
     mechanism = build(parse_deck(MODELS[name], mode=7), 7)
     solver = StationarySolver(mechanism, Report())
-    list(solver.stored(load_program(mechanism.settings)))
+    list(solver.stored(LoadProgram(mechanism.settings)))
     e, p = solver._evaluator, solver._walk.point
     q = e.equations
     p = q.point(p.x, p.sigma, e.given)

@@ -11,7 +11,7 @@ import spacar
 from spacar.deck import parse_deck
 from spacar.errors import AnalysisError, Report
 from spacar.mechanism import build
-from spacar.stationary import StationarySolver, load_program
+from spacar.stationary import LoadProgram, StationarySolver
 
 CROSS_BODY, GUIDE_BODY = (0.1, 0.1), (0.0, 0.1)
 
@@ -24,7 +24,7 @@ def walked(text: str, mode: int = 8) -> tuple[list[np.ndarray], StationarySolver
     """External forces (nx,) of all stored levels, and the solver at the end; no eigenvalue problem."""
     m = build(parse_deck(text, mode=mode), mode)
     solver, forces = StationarySolver(m, Report()), []
-    for level in load_program(m.settings):
+    for level in LoadProgram(m.settings):
         solver.solve(level)
         if level.store:
             forces.append(solver.dynamics.sweep.rate_transposed(solver.solution.sigma))

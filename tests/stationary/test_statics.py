@@ -12,7 +12,7 @@ import spacar
 from spacar.deck import parse_deck
 from spacar.errors import AnalysisError, Report
 from spacar.mechanism import build
-from spacar.stationary import StationarySolver, continuation, load_program
+from spacar.stationary import LoadProgram, StationarySolver, continuation
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 from statics import cantilever, elastica, solve
@@ -22,7 +22,7 @@ def solver_of(text: str, mode: int = 7) -> tuple[StationarySolver, list[int]]:
     """The solver after the whole program, and the number of iterations of every level."""
     m = build(parse_deck(text, mode=mode), mode)
     solver, counts = StationarySolver(m, Report()), []
-    for level in load_program(m.settings):
+    for level in LoadProgram(m.settings):
         solver.solve(level)
         counts.append(solver.iterations)
     return solver, counts
