@@ -200,8 +200,8 @@ def deformations(p: AngleConstants, y: Any, G: Any) -> Any:
     return stacked([e1, o.Mx * p.l0, (My - o.Ay) * half, (My + o.Ay) * half, (Mz - o.Az) * half, (Mz + o.Az) * half])
 
 
-def gradient(p: AngleConstants, y: Any, G: Any, G1: Any) -> Any:
-    """de/dy transposed, (8, 6, n), of y (8, n), G and its derivative (n,)."""
+def outer_gradient(p: AngleConstants, y: Any, G: Any) -> Any:
+    """de by psi, theta_y, theta_z, (6, 5, n), of y (8, n) and G (n,)."""
     o = outer(p, y, G)
     x, yy, z = o.psi[0], o.psi[1], o.psi[2]
     value = (y.c[0] if isinstance(y, Taylor) else y)[7]
@@ -223,8 +223,13 @@ def gradient(p: AngleConstants, y: Any, G: Any, G1: Any) -> Any:
     de1 = (dy * yy + dz * z) * (by_l0 / 12.0) + (day * o.ay + daz * o.az) * (by_l0 / 20.0)
     de1 = de1 + dMx * (o.Mx * (p.f * p.second / p.l0))
     l = 0.5 * p.l0
-    E = stacked([de1, dMx * p.l0, (dMy - dAy) * l, (dMy + dAy) * l, (dMz - dAz) * l, (dMz + dAz) * l])
-    return stacked(by_local(E, y, G, G1, np.zeros((6, *value.shape))))
+    return stacked([de1, dMx * p.l0, (dMy - dAy) * l, (dMy + dAy) * l, (dMz - dAz) * l, (dMz + dAz) * l])
+
+
+def gradient(p: AngleConstants, y: Any, G: Any, G1: Any) -> Any:
+    """de/dy transposed, (8, 6, n), of y (8, n), G and its derivative (n,)."""
+    value = (y.c[0] if isinstance(y, Taylor) else y)[7]
+    return stacked(by_local(outer_gradient(p, y, G), y, G, G1, np.zeros((6, *value.shape))))
 
 
 def by_local(E: Any, y: Any, G: Any, G1: Any, stretch: Array) -> list[Any]:
@@ -245,45 +250,3 @@ def by_local(E: Any, y: Any, G: Any, G1: Any, stretch: Array) -> list[Any]:
         turned_y * w[0],
         0.0 * turned_y + stretch,
     ]
-
-
-def gradient_of_sum(p: AngleConstants, sigma: Array, y: Any, G: Any, G1: Any) -> Any:
-    """d(sum_k sigma_k e_k)/dy, (8, n): (2b), (2a) read from the end, so that six rows are never carried apart.
-
-    m_a is the derivative of the sum by the quantity a, as far as it has been collected.
-    """
-    o = outer(p, y, G)
-    x, yy, z = o.psi[0], o.psi[1], o.psi[2]
-    by_l0, half, twelfth, l = p.l0 * p.second, 0.5 * p.second, p.second / 12.0, 0.5 * p.l0
-    a, b = 0.5 * p.ratio
-    m_Mx = o.Mx * (sigma[0] * (p.f * p.second / p.l0)) + sigma[1] * p.l0
-    m_My, m_Mz = l * (sigma[2] + sigma[3]), l * (sigma[4] + sigma[5])
-    # My = By - k z/2, Mz = Bz + k y/2, k = P/(D + sqrt(3 D))
-    r = root(3.0 / o.D)
-    h = 1.0 / (o.D * (1.0 + r))
-    k = o.P * h
-    m_k = yy * (0.5 * m_Mz) - z * (0.5 * m_My)
-    m_P = m_k * h
-    m_D = m_k * (k * h * (-1.0 - 0.5 * r))
-    m_By, m_Bz = m_P * z * a + m_My, m_Mz - m_P * yy * b
-    m_y = yy * (sigma[0] * by_l0 / 12.0) + k * (0.5 * m_Mz) + m_D * yy * b - m_P * (o.Bz - p.start[1]) * b + m_By
-    m_z = z * (sigma[0] * by_l0 / 12.0) - k * (0.5 * m_My) + m_D * z * a + m_P * (o.By - p.start[0]) * a + m_Bz
-    # Mx, By, Bz of psi and a; a of A
-    m_ay = o.ay * (sigma[0] * by_l0 / 20.0) + (m_Mx * z - m_Bz * x) * half
-    m_az = o.az * (sigma[0] * by_l0 / 20.0) + (m_By * x - m_Mx * yy) * half
-    m_Ay, m_Az = m_ay * p.shear[0] + l * (sigma[3] - sigma[2]), m_az * p.shear[1] + l * (sigma[5] - sigma[4])
-    m_x = m_Mx + (m_By * o.az - m_Bz * o.ay) * half + (m_Az * yy - m_Ay * z) * twelfth
-    m_y = m_y - m_Mx * o.az * half + m_Az * x * twelfth
-    m_z = m_z + m_Mx * o.ay * half - m_Ay * x * twelfth
-    mu, w = y[1:4], y[4:7]
-    turned_y, turned_z = m_Ay * (2.0 / (w[0] * w[0] + w[2] * w[2])), m_Az * (2.0 / (w[0] * w[0] + w[1] * w[1]))
-    return stacked(
-        [
-            (m_x * mu[0] + m_y * mu[1] + m_z * mu[2]) * G1,
-            *(m * G for m in (m_x, m_y, m_z)),
-            turned_z * w[1] - turned_y * w[2],
-            -turned_z * w[0],
-            turned_y * w[0],
-            0.0 * turned_y + sigma[0],
-        ]
-    )

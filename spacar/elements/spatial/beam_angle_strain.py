@@ -18,15 +18,16 @@ from spacar.elements.spatial.angle_measure import (
     RELATIVE,
     AngleConstants,
     Inner,
+    by_local,
     deformations,
     gradient,
-    gradient_of_sum,
     inner,
     inner_rows,
     outer,
+    outer_gradient,
     rotation_factor,
 )  # fmt: skip
-from spacar.elements.spatial.taylor import Taylor, composed, contracted
+from spacar.elements.spatial.taylor import Taylor, composed, contracted, stacked
 
 
 class AngleState(NamedTuple):
@@ -112,7 +113,9 @@ def hessian(c: AngleState, sigma: Array, out: Array) -> None:
     line = Taylor([y[:, None], directions])
     mu0 = line[0]
     G = c.G[:, None]
-    curvature = gradient_of_sum(c.p, sigma, line, composed(mu0, *G[:2]), composed(mu0, *G[1:3])).c[1]
+    along, along1 = composed(mu0, *G[:2]), composed(mu0, *G[1:3])
+    E = contracted("e...,ei...->i...", sigma, outer_gradient(c.p, line, along))  # of the sum
+    curvature = stacked(by_local(E[None], line, along, along1, np.zeros((1, 1, *tail)))).c[1][:, 0]
     write_hessian(c, curvature, np.einsum("ye...,e...->y...", c.E, sigma), out)
 
 
