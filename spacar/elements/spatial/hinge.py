@@ -35,84 +35,78 @@ class HingeState(NamedTuple):
     """Relative parameters of the group at x."""
 
     F: Array  # (4, 2, 4, 4, n)
-    lam: Array  # (2, 4, n)
     mu: Array  # (4, n)
     dmu: Array  # (4, 2, 4, n)
     f_i: Array  # (3, 4, n)
 
 
-def hinge_state(F: Array, lam: Array) -> HingeState:
-    """State for lam (2, 4, n)."""
-    dmu = _einsum("asij...,sj...->asi...", F, lam[::-1])
-    mu = _einsum("ai...,i...->a...", dmu[:, 0], lam[0])
-    m0, m1 = mu[0], mu[1]
-    half_r = 0.5 * (m0 * m0 + m1 * m1)
-    f = np.zeros((3, *mu.shape), mu.dtype)
-    np.divide(-m1, half_r, out=f[0, 0])
-    np.divide(m0, half_r, out=f[0, 1])
-    f[1:] = _einsum("eab,b...->ea...", _MISALIGNMENT, mu)
-    return HingeState(F, lam, mu, dmu, f)
+class Turning:
+    """e1, e2, e3 of frames (3, 3, n) at q relative to those at p and their derivatives, as `Family` has them."""
+
+    def __init__(self, frame: Array) -> None:
+        self._frame = frame
+
+    @cached_property
+    def _relative(self) -> Array:
+        """Tensors of `relative_parameters`; a compiled run does not make them."""
+        return relative_parameters(self._frame, self._frame)
+
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> HingeState:
+        """e1 on the branch closest to branch[0]."""
+        F, lam = self._relative, x.reshape(2, 4, *x.shape[1:])
+        dmu = _einsum("asij...,sj...->asi...", F, lam[::-1])
+        mu = _einsum("ai...,i...->a...", dmu[:, 0], lam[0])
+        m0, m1 = mu[0], mu[1]
+        half_r = 0.5 * (m0 * m0 + m1 * m1)
+        f = np.zeros((3, *mu.shape), mu.dtype)
+        np.divide(-m1, half_r, out=f[0, 0])
+        np.divide(m0, half_r, out=f[0, 1])
+        f[1:] = _einsum("eab,b...->ea...", _MISALIGNMENT, mu)
+        e1 = 2.0 * arc_tangent(m1, m0)
+        np.add(e1, _TURN * np.round((branch[0] - e1.real) / _TURN), out=e[0])
+        e[1:] = _einsum("ea...,a...->e...", f[1:], 0.5 * mu)  # homogeneous quadratic in mu
+        _rows(f, dmu, V)
+        return HingeState(F, mu, dmu, f)
+
+    def convective_strain(self, c: HingeState, v: Array, out: Array) -> None:
+        mu1, _, mu2 = _rates(c, v)
+        out[...] = _einsum("ea...,a...->e...", _second(c, mu1), mu1) + _einsum("ea...,a...->e...", c.f_i, mu2)
+
+    def gradient_rate(self, c: HingeState, v: Array, out: Array) -> None:
+        mu1, dmu1, _ = _rates(c, v)
+        _rows(_second(c, mu1), c.dmu, out)
+        out += _einsum("ea...,asi...->esi...", c.f_i, dmu1).reshape(out.shape)
+
+    def rate_gradient(self, c: HingeState, v: Array, out: Array) -> None:
+        mu1, dmu1, mu2 = _rates(c, v)
+        along = _second(c, mu2)
+        along[0, :2] += _third(c, mu1)
+        _rows(along, c.dmu, out)
+        out += 2.0 * _einsum("ea...,asi...->esi...", _second(c, mu1), dmu1).reshape(out.shape)
+
+    def geometric_stiffness(self, c: HingeState, sigma: Array, out: Array) -> None:
+        f_i = _einsum("e...,ea...->a...", sigma, c.f_i)
+        f_ij = np.zeros((4, 4, *c.mu.shape[1:]), np.result_type(c.mu, sigma))
+        taa, tab = _curvature(c)
+        f_ij[0, 0] = sigma[0] * taa
+        f_ij[1, 1] = -f_ij[0, 0]
+        f_ij[0, 1] = f_ij[1, 0] = sigma[0] * tab
+        f_ij += _einsum("e...,eab->ab...", sigma[1:], _MISALIGNMENT)
+        H = _einsum("asi...,atj...->sitj...", c.dmu, _einsum("ab...,btj...->atj...", f_ij, c.dmu))
+        cross = _einsum("a...,aij...->ij...", f_i, c.F[:, 0])
+        H[0, :, 1] += cross
+        H[1, :, 0] += cross.swapaxes(0, 1)
+        out[...] = H.reshape(out.shape)
 
 
-def hinge_deformations(c: HingeState, branch: Array) -> Array:
-    """e1..e3 (3, n); e1 on the branch closest to branch (n,)."""
-    e = np.empty((3, *c.mu.shape[1:]), c.mu.dtype)
-    e1 = 2.0 * arc_tangent(c.mu[1], c.mu[0])
-    np.add(e1, _TURN * np.round((branch - e1.real) / _TURN), out=e[0])
-    e[1:] = _einsum("ea...,a...->e...", c.f_i[1:], 0.5 * c.mu)  # homogeneous quadratic in mu
-    return e
+def _rows(f: Array, dmu: Array, out: Array) -> None:
+    """Write f_a dmu_a for f (3, 4, n)."""
+    out[...] = _einsum("ea...,asi...->esi...", f, dmu).reshape(out.shape)
 
 
-def hinge_gradient(c: HingeState) -> Array:
-    """de/dlam (3, 2, 4, n)."""
-    return np.asarray(_einsum("ea...,asi...->esi...", c.f_i, c.dmu))
-
-
-def hinge_convective(c: HingeState, lam1: Array) -> Array:
-    """Second rate of e at zero accelerations, (3, n), for rates lam1 (2, 4, n) of lambda."""
-    mu1, _, mu2 = _rates(c, lam1)
-    return np.asarray(
-        _einsum("ea...,a...->e...", _second(c, mu1), mu1) + _einsum("ea...,a...->e...", c.f_i, mu2)
-    )
-
-
-def hinge_rate_rows(c: HingeState, lam1: Array) -> Array:
-    """[v, .] (3, 2, 4, n)."""
-    mu1, dmu1, _ = _rates(c, lam1)
-    return np.asarray(
-        _einsum("ea...,asi...->esi...", _second(c, mu1), c.dmu) + _einsum("ea...,asi...->esi...", c.f_i, dmu1)
-    )
-
-
-def hinge_second_rate_rows(c: HingeState, lam1: Array) -> Array:
-    """Third derivative [v, v, .] (3, 2, 4, n)."""
-    mu1, dmu1, mu2 = _rates(c, lam1)
-    along = _second(c, mu2)
-    along[0, :2] += _third(c, mu1)
-    return np.asarray(
-        _einsum("ea...,asi...->esi...", along, c.dmu)
-        + 2.0 * _einsum("ea...,asi...->esi...", _second(c, mu1), dmu1)
-    )
-
-
-def hinge_hessian(c: HingeState, sigma: Array) -> Array:
-    """sum sigma_e d2(e) (2, 4, 2, 4, n)."""
-    f_i = _einsum("e...,ea...->a...", sigma, c.f_i)
-    f_ij = np.zeros((4, 4, *c.mu.shape[1:]), np.result_type(c.mu, sigma))
-    taa, tab = _curvature(c)
-    f_ij[0, 0] = sigma[0] * taa
-    f_ij[1, 1] = -f_ij[0, 0]
-    f_ij[0, 1] = f_ij[1, 0] = sigma[0] * tab
-    f_ij += _einsum("e...,eab->ab...", sigma[1:], _MISALIGNMENT)
-    H = _einsum("asi...,atj...->sitj...", c.dmu, _einsum("ab...,btj...->atj...", f_ij, c.dmu))
-    cross = _einsum("a...,aij...->ij...", f_i, c.F[:, 0])
-    H[0, :, 1] += cross
-    H[1, :, 0] += cross.swapaxes(0, 1)
-    return np.asarray(H)
-
-
-def _rates(c: HingeState, lam1: Array) -> tuple[Array, Array, Array]:
+def _rates(c: HingeState, v: Array) -> tuple[Array, Array, Array]:
     """Rates of mu and of its gradient, and second rate of mu at zero accelerations."""
+    lam1 = v.reshape(2, 4, *v.shape[1:])
     dmu1 = _einsum("asij...,sj...->asi...", c.F, lam1[::-1])
     return (
         _einsum("asi...,si...->a...", c.dmu, lam1),
@@ -148,7 +142,7 @@ def _third(c: HingeState, m: Array) -> Array:
     return np.stack((taaa * square + taab * product, taab * square - taaa * product))
 
 
-class SpatialHinge(Family):
+class SpatialHinge(Turning, Family):
     """All HINGE elements of a model. Raises GeometryError for a missing or zero axis."""
 
     definition = "hinge"
@@ -164,34 +158,11 @@ class SpatialHinge(Family):
             raise GeometryError(k, f"the axis of rotation needs 3 components, {count} are given")
         frame = axis_frame(columns(group.geometry), 0, "axis of rotation")
         self.frame_p = self.frame_q = rows(frame)
-        self._frame = frame
+        Turning.__init__(self, frame)
         self._coefficients = group.estiff[:, :3], group.edamp[:, :3]
 
     def parameters(self) -> Array:
         return self.frame_p.T
-
-    @cached_property
-    def _relative(self) -> Array:
-        """Tensors of `relative_parameters`; a compiled run does not make them."""
-        return relative_parameters(self._frame, self._frame)
-
-    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> HingeState:
-        c = hinge_state(self._relative, x.reshape(2, 4, -1))
-        e[...] = hinge_deformations(c, branch[0])
-        V[...] = hinge_gradient(c).reshape(V.shape)
-        return c
-
-    def convective_strain(self, c: HingeState, v: Array, out: Array) -> None:
-        out[...] = hinge_convective(c, v.reshape(c.lam.shape))
-
-    def gradient_rate(self, c: HingeState, v: Array, out: Array) -> None:
-        out[...] = hinge_rate_rows(c, v.reshape(c.lam.shape)).reshape(out.shape)
-
-    def rate_gradient(self, c: HingeState, v: Array, out: Array) -> None:
-        out[...] = hinge_second_rate_rows(c, v.reshape(c.lam.shape)).reshape(out.shape)
-
-    def geometric_stiffness(self, c: HingeState, sigma: Array, out: Array) -> None:
-        out[...] = hinge_hessian(c, sigma).reshape(out.shape)
 
     def stiffness(self) -> tuple[Array, Array]:
         """S1..S3 [N m/rad] and Sd1..Sd3 [N m s/rad]."""

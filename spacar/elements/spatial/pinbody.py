@@ -28,68 +28,64 @@ class PinState(NamedTuple):
     """Projections of d = x_q - x_p on body-fixed directions."""
 
     K: Array  # (3, 3, 4, 4, n) director tensors of the c_i
-    lam: Array  # (4, n)
     d: Array  # (3, n)
-    B: Array  # (3, 3, 4, n) dU/dlam
-    U: Array  # (3, 3, n) R c_i
+    B: Array  # (3, 3, 4, n) d(R c_i)/dlam
 
 
-class Projections(NamedTuple):
-    """Rows of the derivatives of the projections: with respect to x_q (minus: x_p) and lambda."""
+class Sliding:
+    """e_i of the directions of frames (3, 3, n) with projections r (3, n), and derivatives, as `Family` has them."""
 
-    d: Array  # (m, 3, n)
-    lam: Array  # (m, 4, n)
+    def __init__(self, frame: Array, r: Array) -> None:
+        self.r, self.directors = r, np.stack([director_tensor(frame[:, i]) for i in range(3)])
 
+    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> PinState:
+        lam, d = _parts(x)
+        B = _einsum("aijk...,k...->aij...", self.directors, lam)
+        U = _einsum("aij...,j...->ai...", B, 0.5 * lam)
+        np.subtract(_einsum("ai...,i...->a...", U, d), self.r, out=e)
+        _put(V, U, _einsum("aij...,i...->aj...", B, d))
+        return PinState(self.directors, d, B)
 
-def pin_state(K: Array, lam: Array, d: Array) -> PinState:
-    """State for lam (4, n), d (3, n)."""
-    B = _einsum("aijk...,k...->aij...", K, lam)
-    return PinState(K, lam, d, B, _einsum("aij...,j...->ai...", B, 0.5 * lam))
+    def convective_strain(self, c: PinState, v: Array, out: Array) -> None:
+        lam1, d1 = _parts(v)
+        B1 = _einsum("aijk...,k...->aij...", c.K, lam1)
+        U1, U2 = (_einsum("aij...,j...->ai...", of, lam1) for of in (c.B, B1))
+        out[...] = _einsum("ai...,i...->a...", U1, 2.0 * d1) + _einsum("ai...,i...->a...", U2, c.d)
 
+    def gradient_rate(self, c: PinState, v: Array, out: Array) -> None:
+        lam1, d1 = _parts(v)
+        B1 = _einsum("aijk...,k...->aij...", c.K, lam1)
+        by_lam = _einsum("aij...,i...->aj...", c.B, d1) + _einsum("aij...,i...->aj...", B1, c.d)
+        _put(out, _einsum("aij...,j...->ai...", c.B, lam1), by_lam)
 
-def pin_values(c: PinState) -> Array:
-    """(R c_i).d (m, n)."""
-    return np.asarray(_einsum("ai...,i...->a...", c.U, c.d))
+    def rate_gradient(self, c: PinState, v: Array, out: Array) -> None:
+        lam1, d1 = _parts(v)
+        B1 = _einsum("aijk...,k...->aij...", c.K, lam1)
+        _put(out, _einsum("aij...,j...->ai...", B1, lam1), _einsum("aij...,i...->aj...", B1, 2.0 * d1))
 
-
-def pin_gradient(c: PinState) -> Projections:
-    return Projections(c.U, _einsum("aij...,i...->aj...", c.B, c.d))
-
-
-def pin_convective(c: PinState, lam1: Array, d1: Array) -> Array:
-    """Second rate at zero accelerations (m, n) for rates lam1 (4, n), d1 (3, n)."""
-    B1 = _einsum("aijk...,k...->aij...", c.K, lam1)
-    U1 = _einsum("aij...,j...->ai...", c.B, lam1)
-    U2 = _einsum("aij...,j...->ai...", B1, lam1)
-    return np.asarray(_einsum("ai...,i...->a...", U1, 2.0 * d1) + _einsum("ai...,i...->a...", U2, c.d))
-
-
-def pin_rate_rows(c: PinState, lam1: Array, d1: Array) -> Projections:
-    """[v, .]."""
-    B1 = _einsum("aijk...,k...->aij...", c.K, lam1)
-    U1 = _einsum("aij...,j...->ai...", c.B, lam1)
-    return Projections(U1, _einsum("aij...,i...->aj...", c.B, d1) + _einsum("aij...,i...->aj...", B1, c.d))
-
-
-def pin_second_rate_rows(c: PinState, lam1: Array, d1: Array) -> Projections:
-    """Third derivative [v, v, .]."""
-    B1 = _einsum("aijk...,k...->aij...", c.K, lam1)
-    return Projections(_einsum("aij...,j...->ai...", B1, lam1), _einsum("aij...,i...->aj...", B1, 2.0 * d1))
+    def geometric_stiffness(self, c: PinState, sigma: Array, out: Array) -> None:
+        mixed = _einsum("a...,aij...->ij...", sigma, c.B)
+        K = _einsum("a...,aijk...->ijk...", sigma, c.K)
+        out[3:7, 3:7] = _einsum("i...,ijk...->jk...", c.d, K)
+        out[7:, 3:7] = mixed
+        out[:3, 3:7] = -mixed
+        out[3:7, 7:] = mixed.swapaxes(0, 1)
+        out[3:7, :3] = -mixed.swapaxes(0, 1)
 
 
-def pin_hessian(c: PinState, sigma: Array) -> tuple[Array, Array]:
-    """Blocks of sum sigma_a d2(e_a): d-lambda (3, 4, n) and lambda-lambda (4, 4, n)."""
-    mixed = _einsum("a...,aij...->ij...", sigma, c.B)
-    K = _einsum("a...,aijk...->ijk...", sigma, c.K)
-    return mixed, _einsum("i...,ijk...->jk...", c.d, K)
+def _parts(x: Array) -> tuple[Array, Array]:
+    """lambda_p (4, n) and x_q - x_p (3, n)."""
+    return x[3:7], x[7:] - x[:3]
 
 
-def directors(frame: Array) -> Array:
-    """Director tensors (3, 3, 4, 4, n) of the columns of frames (3, 3, n)."""
-    return np.stack([director_tensor(frame[:, i]) for i in range(3)])
+def _put(out: Array, by_d: Array, by_lam: Array) -> None:
+    """Write rows from their parts by x_q (minus: x_p) and by lambda."""
+    out[:, 7:] = by_d
+    np.negative(by_d, out=out[:, :3])
+    out[:, 3:7] = by_lam
 
 
-class SpatialPinbody(Family):
+class SpatialPinbody(Sliding, Family):
     """All PINBODY or all RBEAM elements of a model.
 
     Raises GeometryError for dependent directions, a direction along the line pq, and an RBEAM of zero length.
@@ -111,7 +107,7 @@ class SpatialPinbody(Family):
         self.length = np.sqrt((d * d).sum(0))
         frame = _frames(group, d)
         self.frame_p = self.frame_q = rows(frame)
-        self.r = np.einsum("ian,in->an", frame, d)
+        Sliding.__init__(self, frame, np.einsum("ian,in->an", frame, d))
         for k, given in enumerate(group.projections):
             if given is not None:
                 if len(given) != 3:
@@ -120,7 +116,6 @@ class SpatialPinbody(Family):
                     )
                 self.r[:, k] = given
         self.data = self.r.T.copy()
-        self.directors = directors(frame)
         self._coefficients = group.estiff[:, :3], group.edamp[:, :3]
         self.has_mass = bool(np.any(group.em[:, 0] != 0.0))
         self._mass = rod_mass(group.em[:, 0] * self.length, 3)
@@ -128,28 +123,6 @@ class SpatialPinbody(Family):
 
     def parameters(self) -> Array:
         return np.vstack((self.frame_p.T, self.r))
-
-    def strain(self, x: Array, branch: Array, e: Array, V: Array) -> PinState:
-        c = pin_state(self.directors, x[3:7], x[7:] - x[:3])
-        np.subtract(pin_values(c), self.r, out=e)
-        _put(pin_gradient(c), V)
-        return c
-
-    def convective_strain(self, c: PinState, v: Array, out: Array) -> None:
-        out[...] = pin_convective(c, v[3:7], v[7:] - v[:3])
-
-    def gradient_rate(self, c: PinState, v: Array, out: Array) -> None:
-        _put(pin_rate_rows(c, v[3:7], v[7:] - v[:3]), out)
-
-    def rate_gradient(self, c: PinState, v: Array, out: Array) -> None:
-        _put(pin_second_rate_rows(c, v[3:7], v[7:] - v[:3]), out)
-
-    def geometric_stiffness(self, c: PinState, sigma: Array, out: Array) -> None:
-        mixed, out[3:7, 3:7] = pin_hessian(c, sigma)
-        out[7:, 3:7] = mixed
-        out[:3, 3:7] = -mixed
-        out[3:7, 7:] = mixed.swapaxes(0, 1)
-        out[3:7, :3] = -mixed.swapaxes(0, 1)
 
     def stiffness(self) -> tuple[Array, Array]:
         """S1..S3 [N/m] and Sd1..Sd3 [N s/m]."""
@@ -167,12 +140,6 @@ class SpatialPinbody(Family):
 
     def orientation_inertia(self) -> tuple[tuple[int, Array], ...]:
         return () if self._inertia is None else ((3, self._inertia),)
-
-
-def _put(row: Projections, out: Array) -> None:
-    out[:, 7:] = row.d
-    np.negative(row.d, out=out[:, :3])
-    out[:, 3:7] = row.lam
 
 
 def _frames(group: ElementGroup, d: Array) -> Array:

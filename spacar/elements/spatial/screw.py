@@ -17,17 +17,18 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, Family, GeometryError
 from spacar.elements.rotations.local_frames import axis_frame, rows
-from spacar.elements.rotations.rotation import relative_parameters
-from spacar.elements.spatial import hinge as turning
-from spacar.elements.spatial import pinbody as sliding
+from spacar.elements.spatial.hinge import HingeState, Turning, diagonal
+from spacar.elements.spatial.pinbody import PinState, Sliding
+
+LAMBDAS = np.array([3, 4, 5, 6, 10, 11, 12, 13])  # coordinates of the rotation; the translation has the first ten
+TURNED = np.array([0, 4, 5])  # rows of its deformations
 
 
 class ScrewState(NamedTuple):
-    """Rotation, translation and pitch (n,)."""
+    """Rotation and translation."""
 
-    hinge: turning.HingeState
-    pin: sliding.PinState
-    h: Array
+    turn: HingeState
+    slide: PinState
 
 
 class Screw(Family):
@@ -53,67 +54,60 @@ class Screw(Family):
         self.frame_p = self.frame_q = rows(frame)
         self.r = np.einsum("ian,in->an", frame, group.x0[7:10] - group.x0[:3])
         self.data = np.column_stack((self.pitch, self.r.T))
-        self.constants = relative_parameters(frame, frame), sliding.directors(frame), self.r, self.pitch
+        self.turn, self.slide = Turning(frame), Sliding(frame, self.r)
         self._coefficients = group.estiff[:, :6], group.edamp[:, :6]
 
     def parameters(self) -> Array:
         return np.vstack((self.frame_p.T, self.r, self.pitch))
 
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> ScrewState:
-        F, K, r, h = self.constants
-        x7 = x.reshape(2, 7, *x.shape[1:])
-        hinge = turning.hinge_state(F, x7[:, 3:])
-        pin = sliding.pin_state(K, x7[0, 3:], x7[1, :3] - x7[0, :3])
-        c = ScrewState(hinge, pin, h)
-        e[[0, 4, 5]] = turning.hinge_deformations(hinge, branch[0])
-        e[1:4] = sliding.pin_values(pin) - r
-        e[1] -= h * e[0]
-        _put(c, turning.hinge_gradient(hinge), sliding.pin_gradient(pin), V)
-        return c
+        V_turn, V_slide = _rows(V)
+        e_turn = np.empty((3, *e.shape[1:]), e.dtype)
+        turn = self.turn.strain(x[LAMBDAS], branch, e_turn, V_turn)
+        slide = self.slide.strain(x[:10], branch, e[1:4], V_slide)
+        e[TURNED] = e_turn
+        e[1] -= self.pitch * e[0]
+        self._put(V_turn, V_slide, V)
+        return ScrewState(turn, slide)
 
     def convective_strain(self, c: ScrewState, v: Array, out: Array) -> None:
-        lam, d = _rates(v)
-        out[[0, 4, 5]] = turning.hinge_convective(c.hinge, lam)
-        out[1:4] = sliding.pin_convective(c.pin, lam[0], d)
-        out[1] -= c.h * out[0]
+        turn = np.empty((3, *out.shape[1:]), out.dtype)
+        self.turn.convective_strain(c.turn, v[LAMBDAS], turn)
+        self.slide.convective_strain(c.slide, v[:10], out[1:4])
+        out[TURNED] = turn
+        out[1] -= self.pitch * out[0]
 
     def gradient_rate(self, c: ScrewState, v: Array, out: Array) -> None:
-        lam, d = _rates(v)
-        _put(c, turning.hinge_rate_rows(c.hinge, lam), sliding.pin_rate_rows(c.pin, lam[0], d), out)
+        turn, slide = _rows(out)
+        self.turn.gradient_rate(c.turn, v[LAMBDAS], turn)
+        self.slide.gradient_rate(c.slide, v[:10], slide)
+        self._put(turn, slide, out)
 
     def rate_gradient(self, c: ScrewState, v: Array, out: Array) -> None:
-        lam, d = _rates(v)
-        turn = turning.hinge_second_rate_rows(c.hinge, lam)
-        _put(c, turn, sliding.pin_second_rate_rows(c.pin, lam[0], d), out)
+        turn, slide = _rows(out)
+        self.turn.rate_gradient(c.turn, v[LAMBDAS], turn)
+        self.slide.rate_gradient(c.slide, v[:10], slide)
+        self._put(turn, slide, out)
 
     def geometric_stiffness(self, c: ScrewState, sigma: Array, out: Array) -> None:
-        H = out.reshape(2, 7, 2, 7, *sigma.shape[1:])
-        moments = np.stack((sigma[0] - c.h * sigma[1], sigma[4], sigma[5]))
-        H[:, 3:, :, 3:] = turning.hinge_hessian(c.hinge, moments)
-        mixed, turned = sliding.pin_hessian(c.pin, sigma[1:4])
-        H[0, 3:, 0, 3:] += turned
-        H[1, :3, 0, 3:] = mixed
-        H[0, :3, 0, 3:] = -mixed
-        H[0, 3:, 1, :3] = mixed.swapaxes(0, 1)
-        H[0, 3:, 0, :3] = -mixed.swapaxes(0, 1)
+        H = np.empty((8, 8, *out.shape[2:]), out.dtype)
+        moments = np.stack((sigma[0] - self.pitch * sigma[1], sigma[4], sigma[5]))
+        self.turn.geometric_stiffness(c.turn, moments, H)
+        self.slide.geometric_stiffness(c.slide, sigma[1:4], out[:10, :10])
+        out[np.ix_(LAMBDAS, LAMBDAS)] += H
+
+    def _put(self, turn: Array, slide: Array, out: Array) -> None:
+        """Write rows of the rotation (3, 8, n) and of the translation (3, 10, n)."""
+        out[1:4, :10] = slide
+        out[np.ix_(TURNED, LAMBDAS)] = turn
+        out[1, LAMBDAS] -= self.pitch * turn[0]
 
     def stiffness(self) -> tuple[Array, Array]:
         """Coefficients S1..S6 and Sd1..Sd6 as given: N m/rad for modes 1, 5, 6, N/m for 2, 3, 4."""
-        S, S_d = (turning.diagonal(k) for k in self._coefficients)
+        S, S_d = (diagonal(k) for k in self._coefficients)
         return S, S_d
 
 
-def _rates(v: Array) -> tuple[Array, Array]:
-    """Rates of lambda (2, 4, n) and of x_q - x_p (3, n)."""
-    v7 = v.reshape(2, 7, *v.shape[1:])
-    return v7[:, 3:], v7[1, :3] - v7[0, :3]
-
-
-def _put(c: ScrewState, turn: Array, slide: sliding.Projections, out: Array) -> None:
-    view = out.reshape(6, 2, 7, *out.shape[2:])
-    view[[0, 4, 5], :, 3:] = turn
-    view[1:4, 1, :3] = slide.d
-    np.negative(slide.d, out=view[1:4, 0, :3])
-    view[1:4, 0, 3:] = slide.lam
-    view[1, 0, 3:] -= c.h * turn[0, 0]
-    view[1, 1, 3:] = -c.h * turn[0, 1]
+def _rows(out: Array) -> tuple[Array, Array]:
+    """Room for the rows of the rotation (3, 8, n) and of the translation (3, 10, n) in rows (6, 14, n)."""
+    return np.empty((3, 8, *out.shape[2:]), out.dtype), np.empty((3, 10, *out.shape[2:]), out.dtype)
