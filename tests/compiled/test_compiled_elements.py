@@ -1,8 +1,4 @@
-"""Families whose functions are in C against the NumPy families: derivatives by complex steps, formulas by formulas.
-
-`check_strain` and `check_inertia` take complex steps; complex numbers are answered by the NumPy family, so what is in C
-is compared with derivatives of NumPy. Tolerances are those of tests/elements, relative to the largest entry.
-"""
+"""Families whose functions are in C against the NumPy families, relative to the largest entry."""
 
 from __future__ import annotations
 
@@ -15,7 +11,7 @@ from spacar.compiled.compiled_elements import CompiledElements, compiled_family
 from spacar.compiled.library import unavailable
 from spacar.elements.family import Family
 from tests.compiled.test_definitions import MODELS, family_of
-from tests.elements.derivatives import check_inertia, check_strain, close, written
+from tests.elements.derivatives import close, written
 
 pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
 TOLERANCE = 1e-11  # as test_definitions.py
@@ -50,42 +46,32 @@ def state(x0: np.ndarray, n: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarra
     return (x0[:, :1] if n else x0) + 0.1 * moved, v, a
 
 
-@pytest.mark.parametrize("form", MODELS)
-def test_derivatives_in_c_are_those_of_numpy_by_complex_steps(form: str) -> None:
-    family, x0 = in_c(form)
-    x, v, a = state(x0)
-    rng = np.random.default_rng(3)
-    if family.n_deformations:
-        check_strain(family, x, v, rng.standard_normal((family.n_deformations, family.n)), tolerance=TOLERANCE)
-    if family.has_mass and not family.constant_mass:
-        check_inertia(family, x, v, a, lagrange=False, tolerance=TOLERANCE)
+def answers(one: Family, x: np.ndarray, v: np.ndarray, a: np.ndarray, sigma: np.ndarray) -> dict[str, np.ndarray]:
+    """Every function of the contract that C has."""
+    m, nx, n = one.n_deformations, *x.shape
+    e, V = np.zeros((m, n)), np.zeros((m, nx, n))
+    c = one.strain(x, np.zeros((m, n)), e, V)
+    found = {"e": e, "V": V}
+    if m and not one.constant_gradient:
+        found["convective"] = written(one.convective_strain, (m, n), float, c, v)
+        for name in ("gradient_rate", "gradient_transport", "rate_gradient"):
+            found[name] = written(getattr(one, name), (m, nx, n), float, c, v)
+        found["Hs"] = written(one.geometric_stiffness, (nx, nx, n), float, c, sigma)
+    if one.has_mass and not one.constant_mass:
+        found["mass"] = written(one.mass, (nx, nx, n), float, c)
+        found["force"], found["h"] = one.inertia_force(c, v, a), one.inertia_force(c, v, None)
+        found["dx"], found["dv"] = one.inertia_gradient(c, v, a)
+    return found
 
 
 @pytest.mark.parametrize("form", MODELS)
 def test_both_families_give_the_same(form: str) -> None:
-    """Every function of the contract, also at large stresses."""
+    """Those of NumPy are derivatives by complex steps (tests/elements); also at large stresses."""
     family, x0 = in_c(form)
-    general = family.general
-    x, v, a = state(x0)
-    m, nx, n = family.n_deformations, family.n_coordinates, family.n
-    sigma = 1e6 * np.random.default_rng(3).standard_normal((m, n))
-    both = []
-    for one in (general, family):
-        e, V = np.zeros((m, n)), np.zeros((m, nx, n))
-        c = one.strain(x, np.zeros((m, n)), e, V)
-        found = {"e": e, "V": V}
-        if m and not family.constant_gradient:
-            found["convective"] = written(one.convective_strain, (m, n), float, c, v)
-            for name in ("gradient_rate", "gradient_transport", "rate_gradient"):
-                found[name] = written(getattr(one, name), (m, nx, n), float, c, v)
-            found["Hs"] = written(one.geometric_stiffness, (nx, nx, n), float, c, sigma)
-        if family.has_mass and not family.constant_mass:
-            found["mass"] = written(one.mass, (nx, nx, n), float, c)
-            found["force"], found["h"] = one.inertia_force(c, v, a), one.inertia_force(c, v, None)
-            found["dx"], found["dv"] = one.inertia_gradient(c, v, a)
-        both.append(found)
-    for name, want in both[0].items():
-        close(both[1][name], want, name, TOLERANCE)
+    sigma = 1e6 * np.random.default_rng(3).standard_normal((family.n_deformations, family.n))
+    want, got = (answers(one, *state(x0), sigma) for one in (family.general, family))
+    for name, value in want.items():
+        close(got[name], value, name, TOLERANCE)
 
 
 @pytest.mark.parametrize("form", MODELS)
@@ -93,30 +79,10 @@ def test_both_families_give_the_same(form: str) -> None:
 def test_elements_side_by_side_do_not_mix(form: str, n: int) -> None:
     """Lanes of a vector, the last one partly filled: each element as if it were alone."""
     one, x0 = in_c(form)
-    together = several(one, n)
-    x, v, a = state(x0, n)
-    m, nx = one.n_deformations, one.n_coordinates
-    sigma = np.random.default_rng(3).standard_normal((m, n))
-
-    def found(family: CompiledElements, x, v, a, sigma) -> list[np.ndarray]:
-        k = x.shape[1]
-        e, V = np.zeros((m, k)), np.zeros((m, nx, k))
-        c = family.strain(x, np.zeros((m, k)), e, V)
-        out = [e, V]
-        if m:
-            out.append(written(family.convective_strain, (m, k), float, c, v))
-            for method in (family.gradient_rate, family.gradient_transport, family.rate_gradient):
-                out.append(written(method, (m, nx, k), float, c, v))
-            out.append(written(family.geometric_stiffness, (nx, nx, k), float, c, sigma))
-        if one.has_mass and not one.constant_mass:
-            out += [written(family.mass, (nx, nx, k), float, c), family.inertia_force(c, v, a)]
-            out += family.inertia_gradient(c, v, a)
-        return out
-
-    parts = [[u[:, [k]] for u in (x, v, a, sigma)] for k in range(n)]
-    alone = [found(several(one, 1), *part) for part in parts]
-    for k, got in enumerate(found(together, x, v, a, sigma)):
-        np.testing.assert_allclose(got, np.concatenate([a[k] for a in alone], axis=-1), rtol=1e-12, atol=1e-12)
+    given = *state(x0, n), np.random.default_rng(3).standard_normal((one.n_deformations, n))
+    alone = [answers(several(one, 1), *(u[:, [k]] for u in given)) for k in range(n)]
+    for name, got in answers(several(one, n), *given).items():
+        np.testing.assert_allclose(got, np.concatenate([a[name] for a in alone], axis=-1), rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize("form", MODELS)

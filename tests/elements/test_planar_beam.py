@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
-import scipy.linalg
 import sympy
 
+import spacar
 from spacar.elements.family import GeometryError
 from spacar.elements.planar.plbeam import PlanarBeam
 from tests.elements.derivatives import (
@@ -21,8 +22,8 @@ from tests.elements.derivatives import (
     group,
     mass_of,
 )
-from tests.elements.planar_chain import Chain
 
+DATA = Path(__file__).parents[2] / "data"
 N = 6
 GAUSS, WEIGHTS = (np.polynomial.legendre.leggauss(5)[0] + 1) / 2, np.polynomial.legendre.leggauss(5)[1] / 2
 
@@ -148,40 +149,18 @@ def test_what_is_massless_does_no_mass_work():
 
 
 # -- printed digits -----------------------------------------------------------------------------------------
-PLBEAM5 = (0.0, 1.666, 3.333, 5.0, 6.666, 10.0)
-FREE5 = np.arange(3, 18)
-
-
-def plbeam5() -> Chain:
-    return Chain(PlanarBeam, "PLBEAM", PLBEAM5, em=[1.0], estiff=[0.0, 102.0])
-
-
-def test_printed_frequencies_and_buckling_loads():
-    """plbeam5: printed 0.355131, 2.2266, 6.25198 and 2.516776, 22.715, 64.798 (theory: 8 digits)."""
-    beam = plbeam5()
-    _, M, K, Kg = beam.reduce(
-        beam.x0,
-        FREE5,
-        beam.mass(beam.x0),
-        beam.stiffness(beam.x0, np.zeros(5)),
-        beam.stiffness(beam.x0, -np.ones(5)) - beam.stiffness(beam.x0, np.zeros(5)),
-    )
-    omega = np.sqrt(scipy.linalg.eigh(K, M, eigvals_only=True))[:3]
-    np.testing.assert_allclose(omega, [0.3551305, 2.2265953, 6.2519760], atol=1e-7)
-    load = np.sort(1.0 / scipy.linalg.eigh(-Kg, K, eigvals_only=True)[::-1][:3])
+def test_printed_buckling_loads():
+    """plbeam5: printed 2.516776, 22.715, 64.798 (theory: 8 digits); frequencies: tests/drawing/test_modes.py."""
+    load = np.sort(np.abs(spacar.run(8, DATA / "plbeam5buck.dat").frames[-1].matrices["lmult"]))[:3]
     np.testing.assert_allclose(load, [2.5167765, 22.714503, 64.797525], rtol=3e-8)
 
 
 def test_printed_large_deflection():
     """plbeam5 with 14 N at the tip: at 3.6808, -8.4897, compliances 0.4859, 0.0633; fixes (3), (4)."""
-    beam = plbeam5()
-    load = np.zeros(18)
-    load[16] = -14.0
-    x, normal = beam.equilibrium(load, FREE5)
-    np.testing.assert_allclose(x[15:17], [3.680791, -8.489703], atol=1e-6)
-    basis, K = beam.reduce(x, FREE5, beam.stiffness(x, normal))
-    compliance = basis @ np.linalg.solve(K, basis.T)
-    np.testing.assert_allclose([compliance[15, 15], compliance[16, 16]], [0.485931, 0.063311], atol=1e-6)
+    result = spacar.run(8, DATA / "plbeam5.dat")
+    np.testing.assert_allclose([result.node(11, k)[-1] for k in (1, 2)], [3.680791, -8.489703], atol=1e-6)
+    compliance = [result.frames[-1].xcompl[result.mechanism.numbering.x_index(11, k)] for k in (1, 2)]
+    np.testing.assert_allclose(compliance, [0.485931, 0.063311], atol=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -190,11 +169,13 @@ def test_printed_large_deflection():
 )
 def test_printed_short_beam(shear, J, compliance, omega):
     """shear2: guided column l = 1, EI = 1/12, m = 1; printed 3.9940, 0.795645, 2.54107 and 1.0, 1.6168."""
-    beam = Chain(PlanarBeam, "PLBEAM", [0.0, 0.5, 1.0], em=[1.0, J], estiff=[0.0, 1 / 12, shear])
-    free = np.array([3, 4, 5, 6, 7])  # rotation of the last node fixed
-    basis, M, K = beam.reduce(beam.x0, free, beam.mass(beam.x0), beam.stiffness(beam.x0, np.zeros(2)))
-    np.testing.assert_allclose((basis @ np.linalg.solve(K, basis.T))[7, 7], compliance, rtol=1e-10)
-    found = np.sqrt(scipy.linalg.eigh(K, M, eigvals_only=True))[: len(omega)]
+    rows = [("PLBEAM", 1, 1, 2, 3, 4), ("PLBEAM", 2, 3, 4, 5, 6), ("X", 3, 0.5), ("X", 5, 1.0)]
+    rows += [("FIX", 1), ("FIX", 2), ("FIX", 6), ("RLSE", 1, 2, 3), ("RLSE", 2, 2, 3), ("DYNX", 3, 2), ("DYNX", 4)]
+    law = [row for k in (1, 2) for row in (("EM", k, 1.0, J), ("ESTIFF", k, 0.0, 1 / 12, shear))]
+    deck = spacar.Deck.build([*rows, ("DYNX", 5, 2)], law)
+    place = spacar.run(8, deck).mechanism.numbering.x_index(5, 2)
+    assert spacar.run(8, deck).frames[-1].xcompl[place] == pytest.approx(compliance, rel=1e-10)
+    found = np.sort(2 * np.pi * spacar.run(7, deck).frequencies[-1])[: len(omega)]
     np.testing.assert_allclose(found, omega, rtol=3e-5 if shear == 0.0 else 1e-6)
 
 

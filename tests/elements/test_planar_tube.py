@@ -1,11 +1,9 @@
-"""PLTUBE: derivatives, the beam as a special case, flow forces from an energy, unstable pipes."""
+"""PLTUBE: derivatives, the beam as a special case, flow forces from an energy (unstable pipes: tests/dynamics)."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-import scipy.linalg
-import scipy.optimize
 import sympy
 
 from spacar.elements.family import GeometryError
@@ -19,9 +17,7 @@ from tests.elements.derivatives import (
     evaluate,
     group,
     mass_of,
-    written,
 )
-from tests.elements.planar_chain import Chain
 
 N = 4
 
@@ -111,63 +107,6 @@ def test_flow_forces_from_the_kinetic_energy():
         if condition in (2, 3):
             expected[3:5] += leaving
         close(h[:, k], expected, f"h of tube {k}", 1e-12)
-
-
-def pipe(n: int, mass: float, fluid: float, speed: float) -> Chain:
-    """Straight tube of n elements with l = EI = 1, discharging at the last node."""
-    em = np.tile([mass, fluid, fluid * speed, 1.0, 0.0, 0.0], (n, 1))
-    em[-1, 4] = 2  # end condition
-    return Chain(PlanarTube, "PLTUBE", np.linspace(0, 1, n + 1), em=em, estiff=[1.0, 1.0])
-
-
-def transverse(chain: Chain, free):
-    """M, D, K of the transverse motion about the straight state with a sliding end."""
-    family, zero = chain.family, np.zeros((6, chain.n))
-    c, _, V = evaluate(family, chain.x0[chain.index])
-    S = family.stiffness()[0]
-    by_x, by_v = family.inertia_gradient(c, zero, zero)
-    sigma = np.zeros((3, chain.n))
-    # axial equilibrium: V^T sigma + h = 0 at the free axial coordinates, from the last node inwards
-    h = chain.vector(family.inertia_force(c, zero, None))
-    sigma[0] = -np.cumsum(h[3::3][::-1])[::-1]
-    geometric = written(family.geometric_stiffness, (6, 6, chain.n), float, c, sigma)
-    K = chain.matrix(np.einsum("ain,abn,bjn->ijn", V, S, V) + geometric + by_x)
-    M = chain.mass(chain.x0)
-    return [A[np.ix_(free, free)] for A in (M, chain.matrix(by_v), K)]
-
-
-@pytest.mark.parametrize(("n", "ratio"), [(4, 1.00026), (8, 1.000016)])
-def test_divergence_of_a_pinned_pipe(n, ratio):
-    """Exact: U sqrt(mu/EI) l = pi. The discrete values are those of the theory reference (6 and 7 digits)."""
-    free = np.setdiff1d(np.arange(3 * n + 3), [*range(0, 3 * n + 3, 3), 1, 3 * n + 1])
-
-    def lowest(speed):
-        # the jet balances the flow at the sliding end, as a fixed end would: no normal force in the wall
-        K = transverse(pipe(n, 0.5, 1.0, speed), free)[2]
-        return np.linalg.eigvalsh(0.5 * (K + K.T))[0]
-
-    critical = scipy.optimize.brentq(lowest, 3.0, 3.3, xtol=1e-10)
-    assert critical / np.pi == pytest.approx(ratio, abs=5e-6 if n == 4 else 5e-7)
-
-
-@pytest.mark.parametrize(
-    ("share", "speed", "omega", "exact"), [(0.2, 5.59156, 13.7156, 5.59149), (0.5, 9.3245, 26.510, 9.32238)]
-)
-def test_flutter_of_a_discharging_cantilever(share, speed, omega, exact):
-    """12 elements against the Galerkin solution `exact` of the beam equation, and the theory's digits."""
-    free = np.setdiff1d(np.arange(39), [*range(0, 39, 3), 1, 2])
-
-    def growth(value):
-        M, D, K = transverse(pipe(12, 1.0 - share, share, value / np.sqrt(share)), free)
-        n = len(M)
-        A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(M, K), -np.linalg.solve(M, D)]])
-        values = scipy.linalg.eigvals(A)
-        return values[np.argmax(values.real)]
-
-    critical = scipy.optimize.brentq(lambda u: growth(u).real, 0.9 * exact, 1.1 * exact, xtol=1e-9)
-    assert critical == pytest.approx(speed, rel=1e-5)
-    assert critical == pytest.approx(exact, rel=3e-4)
-    assert abs(growth(critical).imag) == pytest.approx(omega, rel=1e-4)
 
 
 def test_wrong_input():

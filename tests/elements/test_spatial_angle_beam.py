@@ -7,6 +7,7 @@ import pytest
 
 import spacar
 from spacar import Deck
+from spacar.deck.rewrite.simpler import linear_strain
 from spacar.elements.spatial.angle_measure import rotation_factor
 from spacar.elements.spatial.beam import SpatialBeam
 from spacar.elements.spatial.beam_angle import SpatialAngleBeam, SpatialAngleTube
@@ -184,10 +185,10 @@ def test_cantilever_is_of_fourth_order():
         np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 4.0, atol=0.3)
 
 
-def lateral(n, EIy=0.0, beams="angle"):
+def lateral(n, EIy=0.0, beams="angle", change=lambda deck: deck):
     """First load multiplier of the narrow cantilever of lateral4; EIy = 0: rigid in the plane of the load."""
     modes = (2, 3, 4, 5, 6) if EIy else (2, 5, 6)
-    deck = cantilever(n, 1.0, EIy, 2.0, (0, 0, -1), modes=modes, steps=2)
+    deck = change(cantilever(n, 1.0, EIy, 2.0, (0, 0, -1), modes=modes, steps=2))
     result = spacar.run(8, deck, beams=beams)
     assert len(result.frames[-1].matrices["lmult"]) == result.mechanism.numbering.nddof
     return abs(result.frames[-1].matrices["lmult"][0])
@@ -197,7 +198,25 @@ def test_lateral_buckling():
     """Table 3.5, exact 5.6746723; the twist gradient is a row of its own in the eigenvalue problem (section 2.6)."""
     got = [lateral(n) for n in (1, 2, 4, 8, 16)]
     np.testing.assert_allclose(got, (6.41426981, 5.71603660, 5.67830355, 5.67492315, 5.67468848), rtol=0, atol=1e-8)
-    assert lateral(4, beams="sine") == pytest.approx(5.76187499, abs=1e-8)
+
+
+def test_lateral_buckling_in_the_sine_measure():
+    """theory-spatial.md section 14, six digits; the manual has 5.7619 with four elements, and 6.1694 with GIt = 2.39034
+    in the first of them. 5.93576: without the bending-torsion terms."""
+    got = [lateral(n, beams="sine") for n in (2, 4, 8, 16, 32)]
+    np.testing.assert_allclose(got, (6.06701, 5.76187, 5.69659, 5.68017, 5.67605), rtol=0, atol=6e-6)
+    stiffened = lateral(4, beams="sine", change=lambda deck: deck.set("ESTIFF", 1, 3, 2.39034))
+    assert stiffened == pytest.approx(6.1694, abs=6e-5)
+    assert lateral(4, beams="sine", change=linear_strain) == pytest.approx(5.93576, abs=6e-6)
+
+
+def test_pure_bending_obeys_the_sine_law():
+    """One element of the sine measure bent to a circle arc by theta: M l0/EI = sin theta, and the chord has half."""
+    theta = 0.6
+    deck = linear_strain(cantilever(1, 1, 1, 1, M=(0, 0, np.sin(theta))))
+    result = spacar.run(8, deck, beams="sine")
+    assert 2 * np.arctan2(result.node(4, 4)[-1], result.node(4, 1)[-1]) == pytest.approx(theta, rel=1e-12)
+    np.testing.assert_allclose(tip(result, 1), (np.cos(theta / 2), np.sin(theta / 2), 0.0), atol=1e-12)
 
 
 def test_lateral_buckling_of_a_beam_flexible_in_the_plane_of_the_load():

@@ -1,4 +1,4 @@
-"""Sweeps in lanes: every case is its single run to the error asked, one that cannot be followed takes its block along
+"""Sweeps in lanes: one that cannot be followed takes its block along
 to single runs and no other one, threads change nothing, and what is done is kept when the rest is interrupted."""
 
 from __future__ import annotations
@@ -32,18 +32,6 @@ def robot():
 def decks(robot):
     """Two blocks and one case."""
     return [change(robot, [setting("XM.8")], [m]) for m in np.linspace(20.0, 40.0, 2 * lanes_of_processor() + 1)]
-
-
-@pytest.mark.parametrize("code", [0, 155, 853])
-def test_every_case_is_its_single_run(decks, code):
-    options = OPTIONS | {"integrator": code}
-    assert not why_not(decks[0], **options)
-    results = ensemble(decks, **options)
-    for deck, result in list(zip(decks, results, strict=True))[:: len(decks) // 2]:
-        single = spacar.run(1, deck, **options)
-        for name in ("x", "xd", "sig"):
-            size = max(1.0, np.abs(single[name]).max())
-            np.testing.assert_allclose(result[name], single[name], atol=10 * OPTIONS["rtol"] * size, err_msg=name)
 
 
 def test_belts_that_start_turns_away():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from pathlib import Path
 
 import numpy as np
@@ -25,36 +26,53 @@ TOLERANCE = 1e-8
 LANES = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 
 
-@LANES
-@pytest.mark.parametrize("code", [0, 155, 853])
-def test_a_batch_is_its_single_runs(deck, code):
-    """All variables of all cases within ten tolerances of a single run; forces scale with the weights (1e3 N)."""
-    base = deck("robotsim", 1)
-    decks = [
-        change(base, [setting("XM.8"), setting("X.8[coordinate x1]")], [m, x])
-        for m, x in ((20, 0.5), (30, 0.6), (45, 0.4))
-    ]
-    options = {"integrator": code, "rtol": TOLERANCE, "atol": TOLERANCE, **ROBOT}
+def compare(decks, options, variables=(*X_FIELDS, *E_FIELDS)):
+    """Within ten tolerances of the largest value of a variable: both keep the tolerance, with other steps."""
     for one, result in zip(decks, ensemble(decks, **options), strict=True):
         alone = spacar.run(1, one, **options)
         assert np.array_equal(alone.t, result.t)
-        for name in (*X_FIELDS, *E_FIELDS):
+        for name in variables:
             a, b = alone[name], result[name]
+            assert a.shape == b.shape
             assert np.abs(a - b).max() <= 10 * TOLERANCE * max(1.0, np.abs(a).max()), name
-        assert np.array_equal(result.node(8, 3), result["x"][:, result.mechanism.numbering.x_index(8, 3)])
+
+
+@LANES
+@pytest.mark.parametrize("code", [0, *(pytest.param(c, marks=pytest.mark.slow) for c in (155, 853))])
+def test_a_batch_is_its_single_runs(deck, code):
+    """Nine cases are two blocks, the second one filled up; masses and lengths differ."""
+    settings = [setting("XM.8"), setting("X.8[coordinate x1]")]
+    decks = [change(deck("robotsim", 1), settings, [20.0 + 3.0 * k, 0.4 + 0.02 * k]) for k in range(9)]
+    compare(decks, {"integrator": code, "rtol": TOLERANCE, "atol": TOLERANCE, **ROBOT})
 
 
 @LANES
 def test_flexible_and_prescribed_members(deck):
-    """crankfl: prescribed rotation, fixed, calculable and dynamic deformations; other stiffness and speed."""
-    base = deck("crankfl", 1)
+    """crankfl: prescribed rotation, fixed, calculable and dynamic deformations; other stiffness, damping and speed."""
     settings = [setting("ESTIFF.*[EI]"), setting("INPUTX.2.1[start rate]")]
-    decks = [change(base, settings, values) for values in ((13.0, 150.0), (6.0, 100.0))]
-    options = {"integrator": 853, "rtol": 1e-6, "atol": 1e-9, "duration": 0.004, "n_steps": 2}
-    for one, result in zip(decks, ensemble(decks, **options), strict=True):
-        alone = spacar.run(1, one, **options)
-        for name in ("x", "e"):
-            assert np.abs(alone[name] - result[name]).max() < 1e-6
+    decks = [change(deck("crankfl", 1), settings, v) for v in ((13.0, 150.0), (6.0, 100.0), (9.0, 50.0))]
+    # the rates of the vibrations are far larger than the deformations: a hundredth of the tolerance for a step
+    step = 0.01 * TOLERANCE
+    options = {"integrator": 853, "rtol": step, "atol": step, "duration": 0.004, "n_steps": 2}
+    compare(decks, options, ("x", "e", "xd", "ed"))
+
+
+@LANES
+def test_frames_are_made_when_they_are_asked_for(deck):
+    result = ensemble(2 * [deck("robotsim", 1)], integrator=853, duration=0.1, n_steps=2)[1]
+    assert [f.t for f in result.frames] == [0.0, 0.05, 0.1]
+    assert np.array_equal(result.frames[1].sig, result["sig"][1])
+    assert np.array_equal(result.node(8, 3), result["x"][:, result.mechanism.numbering.x_index(8, 3)])
+    assert sum(frame.statistics["rhs"] for frame in result.frames) > 0
+
+
+@LANES
+def test_a_case_near_a_dead_point_is_left_to_a_single_run():
+    """A falling slider-crank with the slider as degree of freedom: it has to be followed alone, which explains."""
+    kinematics = ["PLBEAM 1 1 2 3 4", "PLBEAM 2 3 5 6 7", "X 3 0.15 0.1", "X 6 0.45 0.", "FIX 1", "FIX 6 2", "DYNX 6 1"]
+    dynamics = ["XM 6 0.03", "EM 1 0.2", "EM 2 0.2", "GRAVITY 0. -9.81", "STARTDX 6 1 0.45 1.", "TIMESTEP 1. 10"]
+    deck = parse_deck("\n".join([*kinematics, "END", "HALT", *dynamics, "END", "END", ""]), mode=1)
+    assert ensemble([deck, deck]) == [None, None]
 
 
 @LANES
@@ -93,9 +111,9 @@ def test_what_is_alike(deck):
     ],
 )
 def test_what_has_no_batch(deck, name, options, why):
-    import re
-
     assert re.search(why, why_not(deck(name, 1), **options))
+    with pytest.raises(UsageError, match=why):
+        ensemble(2 * [deck(name, 1)], **options)
 
 
 @pytest.mark.parametrize("given", ["FIX 3", ""])  # one condition too many, one too few
