@@ -1,6 +1,6 @@
 """Frames and lattices of thousands of beams: processor time, peak memory and exponents, beside OpenSees.
 
-    python benchmarks/frames.py                                   # 84 to 3600 beams in space, 30 x 30 to 80 x 80 grids
+    python benchmarks/frames.py                                   # 84 to 9792 beams in space, 30 x 30 to 80 x 80 grids
     python benchmarks/frames.py --only space --cells 19x10x10 --modes 7 10
     python benchmarks/frames.py --peer /path/to/python            # one in which openseespy is installed
 
@@ -23,7 +23,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 AREA, SHEAR, BENDING, SPACING, LOAD = 2e5, 1.0, 1.5, 0.1, -5.0  # E A, G I_t, E I [N, N m^2], m, N
-SPACE = ("4x2x2", "8x4x4", "12x6x6", "16x8x8")
+SPACE = ("4x2x2", "8x4x4", "12x6x6", "16x8x8", "24x11x11")
 PLANE = ("30x30", "50x50", "80x80")
 SOLVERS = ("UmfPack", "ProfileSPD")
 DIRECTIONS = ("0. 1. 0.", "0. 0. 1.", "1. 0. 0.")
@@ -79,6 +79,8 @@ def run(command: list[str]) -> tuple[float, float]:
     """Processor time [s] and largest memory [MB] of a process."""
     environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)  # compiling every module again is half of a short run
+    libraries = Path(command[0]).parents[1].glob("lib/python*/site-packages/openseespylinux/lib")  # not found by itself
+    environment["LD_LIBRARY_PATH"] = os.pathsep.join(map(str, libraries))
     process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)
     if status:

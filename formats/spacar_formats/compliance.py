@@ -102,7 +102,7 @@ def _orientation(lnp: np.ndarray, ln: np.ndarray, node: int) -> int:
 def _of_system(path: Path, step: int, nxp: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """dx/df at rest of the degrees of freedom (dqd = dqdd = 0), from the sparse equations in the `.ltv` file beside:
     (K0 + N0 + G0)^-1 between its transfer functions."""
-    from spacar.linear_systems.sparse import sparse_factors
+    from spacar.linear_systems.sparse_factors import SparseFactors
 
     system = descriptor_beside(path, step)
     n, nx = system.n_states, int(nxp.sum())
@@ -110,7 +110,7 @@ def _of_system(path: Path, step: int, nxp: np.ndarray, rows: np.ndarray) -> np.n
     unit = np.zeros((system.A.shape[0], len(rows)))
     unit[n + rows, np.arange(len(rows))] = np.where(given, 0.0, -1.0)
     try:
-        found = np.asarray(sparse_factors(system.A).solve(unit)[n + nx + rows])
+        found = np.asarray(SparseFactors(system.A).solve(unit)[n + nx + rows])
     except RuntimeError:
         found = np.full((len(rows), len(rows)), np.nan)
     if not np.isfinite(found).all():
@@ -122,7 +122,7 @@ def _sparse(entries: np.ndarray, nxp: np.ndarray, rows: np.ndarray) -> np.ndarra
     """dx/df of these coordinates from the tangent in mixed form (`ktan`, reference/files.md section 5)."""
     from scipy.sparse import coo_array
 
-    from spacar.linear_systems.sparse import sparse_factors
+    from spacar.linear_systems.sparse_factors import SparseFactors
 
     first, second = nxp[0] + np.arange(nxp[1]), nxp[:3].sum() + np.arange(nxp[3])
     place = np.full(nxp.sum(), -1)
@@ -134,7 +134,7 @@ def _sparse(entries: np.ndarray, nxp: np.ndarray, rows: np.ndarray) -> np.ndarra
     unit = np.zeros((A.shape[0], len(moving)))
     unit[place[rows[moving]], np.arange(len(moving))] = 1.0
     try:
-        solution = sparse_factors(A).solve(unit)[place[rows[moving]]]
+        solution = SparseFactors(A).solve(unit)[place[rows[moving]]]
     except RuntimeError:
         raise AnalysisError(SINGULAR, "compliance.singular") from None
     if not np.isfinite(solution).all():

@@ -87,7 +87,7 @@ def _bordered(A: Any, mu: float) -> Any:
     """Factors of [-1, A^T; A, mu]: the last rows of its solution with (0, b) are (A A^T + mu)^-1 b."""
     from scipy.sparse import bmat, identity
 
-    from spacar.linear_systems.sparse import sparse_factors
+    from spacar.linear_systems.sparse_factors import SparseFactors
 
     m, n = A.shape
-    return sparse_factors(bmat([[-identity(n), A.T], [A, mu * identity(m)]], format="csc"))
+    return SparseFactors(bmat([[-identity(n), A.T], [A, mu * identity(m)]], format="csc"))

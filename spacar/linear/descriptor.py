@@ -67,10 +67,10 @@ class DescriptorSystem:
     @cached_property
     def _following(self) -> Any:
         """Factors of A22. Raises AnalysisError when it is singular."""
-        from spacar.linear_systems.sparse import sparse_factors
+        from spacar.linear_systems.sparse_factors import SparseFactors
 
         try:
-            return sparse_factors(self.A[self.n_states :, self.n_states :])
+            return SparseFactors(self.A[self.n_states :, self.n_states :])
         except RuntimeError:
             raise AnalysisError(MASSLESS, "dynamics.singular-mass") from None
 
@@ -126,13 +126,13 @@ class DescriptorSystem:
 
     def response(self, omega: Array) -> NDArray[np.complex128]:
         """C (j omega - A)^-1 B + D, (omega, outputs, inputs); infinite where j omega is an eigenvalue."""
-        from spacar.linear_systems.sparse import sparse_factors
+        from spacar.linear_systems.sparse_factors import SparseFactors
 
         right = self.B.toarray().astype(complex)
         out = np.empty((len(omega), self.C.shape[0], right.shape[1]), complex)
         for k, w in enumerate(omega):
             try:
-                out[k] = self.C @ sparse_factors(self.shifted(1j * w)).solve(-right)
+                out[k] = self.C @ SparseFactors(self.shifted(1j * w)).solve(-right)
             except RuntimeError:
                 out[k] = np.inf
         return out

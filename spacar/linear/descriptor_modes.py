@@ -54,13 +54,13 @@ class _Inverse:
     """The operator op of the module, for states with their positions multiplied by `size`."""
 
     def __init__(self, system: DescriptorSystem, n_positions: int, shift: float) -> None:
-        from spacar.linear_systems.sparse import sparse_factors
+        from spacar.linear_systems.sparse_factors import SparseFactors
 
         self.system, self.shift, self.size = system, shift, shift / SHIFT
         self.scale = np.ones(system.n_states)
         self.scale[:n_positions] = self.size
         try:
-            self.factors = sparse_factors(system.shifted(shift))
+            self.factors = SparseFactors(system.shifted(shift))
         except RuntimeError:
             raise AnalysisError(MASSLESS, "dynamics.singular-mass") from None
 

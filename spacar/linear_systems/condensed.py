@@ -32,6 +32,7 @@ from scipy.sparse.linalg import splu
 from spacar.arrays import Array, Index
 from spacar.linear_systems.linear_system import SingularMatrixError
 from spacar.linear_systems.sparse import SparseSystem
+from spacar.linear_systems.sparse_factors import SUFFICIENT, refined
 
 EPS = float(np.finfo(float).eps)
 LOCAL = 60  # unknowns of a group of constraints up to which it has a dense basis,
@@ -39,9 +40,6 @@ LOCAL_MOTIONS, LARGEST = 24, 600  # and motions and unknowns of one that is a fe
 SPRING = 1e5  # of a constraint without a basis, over the largest stiffness of its unknowns
 MOST_SPRINGS = 400  # whose block of the inverse is decomposed
 SYMMETRIC = 1e-12  # relative: rounding of the element blocks
-REFINEMENTS = 10
-ROUNDING = 4.0 * EPS  # componentwise backward error of a solution that is as good as it can be
-SUFFICIENT = 1e-10  # of one that does not get better
 CLEAR = 0.1  # change of a solution in its first refinement below which no sign is in doubt
 LOST = 3e-11  # the same, below which the inverse is given without refinement
 POWERS = 3  # steps of the power method for the smallest eigenvalue
@@ -196,21 +194,7 @@ class CondensedSystem:
     def _refined(self, b: Array, transposed: bool) -> Array | None:
         """None where the residual does not become rounding."""
         A = self.A.T if transposed else self.A
-        sizes = abs(A)
-        z, before, idle = self._direct(b, transposed), np.inf, 0
-        for _ in range(REFINEMENTS):
-            rest = b - A @ z
-            bound = sizes @ np.abs(z) + np.abs(b)
-            if not np.isfinite(bound).all():
-                return None if np.isfinite(b).all() else z
-            bound = np.maximum(bound, EPS * bound.max(axis=0))
-            error = float(np.max(np.abs(rest) / np.where(bound > 0.0, bound, 1.0), initial=0.0))
-            if error <= ROUNDING:
-                return z
-            idle = 0 if error < 0.5 * before else idle + 1
-            if idle > 1 or (idle and error <= SUFFICIENT):
-                break
-            z, before = z + self._direct(rest, transposed), error
+        z, error = refined(lambda right: self._direct(right, transposed), A, abs(A), b)
         return z if error <= SUFFICIENT else None
 
     def _direct(self, b: Array, transposed: bool = False) -> Array:

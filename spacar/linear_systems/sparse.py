@@ -57,13 +57,3 @@ def _order(keys: Index, n: int) -> Index:
     m = len(keys)
     rows = csr_matrix((np.ones(m, np.int8), keys.astype(np.int32), np.arange(m + 1, dtype=np.int32)), (m, n))
     return np.asarray(rows.tocsc().indices)
-
-
-def sparse_factors(A: Any) -> Any:
-    """Sparse LU factors of A, real or complex, in any sparse format. Raises RuntimeError when A is singular.
-
-    Old versions of SciPy (1.11) factor matrices with indices of 32 bits only, and do not make them so by themselves.
-    """
-    A = A.tocsc()
-    indices, starts = (part.astype(np.int32, copy=False) for part in (A.indices, A.indptr))
-    return splu(csc_matrix((A.data, indices, starts), A.shape))

@@ -74,6 +74,18 @@ def test_a_long_blade_is_that_of_the_dense_tangent(monkeypatch):
     np.testing.assert_allclose(sparse.sig, dense.sig, atol=1e-8 * np.abs(dense.sig).max())
 
 
+@pytest.mark.parametrize("n", [250, pytest.param(1000, marks=pytest.mark.slow)])
+def test_modes_of_a_long_blade(n):
+    """What division leaves is of order 4: 20 and 40 elements, dense, give the limit to 3e-7. In degrees of freedom that
+    are relative the mass matrix has a condition of n^4; not refined, no digit of 500 elements is left."""
+    found = {}
+    for k in (20, 40, n):
+        lines = [line for line in blade(k).splitlines() if not line.startswith(("EDAMP", "XF"))]
+        found[k] = spacar.run(7, parse_deck("\n".join(lines))).frequencies[-1][:2]
+    limit = found[40] + (found[40] - found[20]) / 15.0
+    np.testing.assert_allclose(found[n], limit + (found[40] - limit) * (40.0 / n) ** 4, rtol=3e-7)
+
+
 @pytest.mark.parametrize("name", ["blade", "crankfl"])
 def test_few_modes_of_a_large_moving_model(name, monkeypatch):
     """Those of the descriptor system are those of the reduced matrices."""
