@@ -75,13 +75,15 @@ class Order:
 
 
 class Plan:
-    """How a diagram is evaluated while no mode changes: `signals`, all of them; `for_rates`, those that the rates of
-    states depend on. Then inputs of blocks with rates of their own and the rates of affine blocks are one product.
+    """How a diagram is evaluated while no mode changes: `signals`, all of them; `for_rates` and `for_events`, those
+    that the rates of states and the ends of modes depend on. Then inputs of blocks with rates of their own and the
+    rates of affine blocks are one product.
     """
 
     def __init__(self, s: Schedule) -> None:
         self.signals = Order.of(s, s.first, s.later)
-        self.for_rates = Order.of(s, *_behind_rates(s))
+        self.for_rates = Order.of(s, *_behind(s, [b for b in s.blocks if b.n_states]))
+        self.for_events = Order.of(s, *_behind(s, [b for b in s.blocks if b.n_events]))
         n_x, n_y = sum(b.n_states for b in s.blocks), s.wiring.shape[1]
         self.alone: list[tuple[Block, slice, slice]] = []  # its states, its inputs in the product
         inputs, rates, places = [np.zeros((0, n_x + n_y + 1))], [], [np.zeros(0, np.int64)]
@@ -109,11 +111,12 @@ class Plan:
         return out
 
 
-def _behind_rates(s: Schedule) -> tuple[list[Block], list[Group]]:
-    """The blocks and groups whose outputs rates depend on; what is sampled or looks back needs no present inputs."""
+def _behind(s: Schedule, asking: Sequence[Block]) -> tuple[list[Block], list[Group]]:
+    """The blocks and groups whose outputs the inputs of these blocks depend on; what is sampled or looks back needs no
+    present inputs."""
     of_inputs = np.zeros(len(s.wiring), bool)
-    for b in s.blocks:
-        of_inputs[s.inputs[b.name]] = b.n_states > 0
+    for b in asking:
+        of_inputs[s.inputs[b.name]] = True
 
     def wanted(blocks: Sequence[Block]) -> bool:
         signals = (s.wiring[of_inputs] != 0.0).any(axis=0)

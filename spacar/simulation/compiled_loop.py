@@ -16,7 +16,7 @@ from spacar.simulation.plant import Spasim
 
 
 class CompiledLoop:
-    """`stages` of a problem (integrators/problem.py), of states in the order of stepping.py."""
+    """`stages` of a problem (integrators/problem.py), of states in the order of stepping.py; `rates`: of one alone."""
 
     def __init__(self, s: Schedule, plan: Plan, plant: Spasim, motion: CompiledPlant) -> None:
         from spacar.compiled.loop_stages import LoopStages
@@ -43,6 +43,13 @@ class CompiledLoop:
         load = np.concatenate((forces.rows, motion.n.nx + stresses.rows))
         matrix = np.vstack((forces.by @ u, stresses.by @ u, rates))
         self.in_c = LoopStages(motion.evaluator, rows, load, matrix, len(signals))
+        self.at, self.found, self.alone = np.zeros(n_x), np.zeros((1, n_x)), (np.zeros(1), np.zeros((1, 1)))
+
+    def rates(self, t: float, y: Array) -> Array | None:
+        """F (n,), in an array that is used again; None where C cannot, or finds what is not finite."""
+        self.at[:] = y
+        done = self(0, *self.alone, t, 0.0, (t, t), self.at, self.found)
+        return self.found[0] if done and np.isfinite(self.found[0].dot(self.found[0])) else None
 
     def __call__(
         self, done: int, c: Array, a: Array, t: float, h: float, window: tuple[float, float], y: Array, K: Array

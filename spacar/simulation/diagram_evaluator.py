@@ -1,7 +1,7 @@
 """A diagram at a time and state: all signals, the rates of the states, their Jacobian, and the modes that fit.
 
-While no mode changes, built-in blocks are evaluated together (affine_blocks.py), and for the rates of the states only
-the blocks that they depend on.
+While no mode changes, built-in blocks are evaluated together (affine_blocks.py), and for the rates of the states and
+the ends of modes only the blocks that they depend on.
 """
 
 from collections.abc import Sequence
@@ -20,10 +20,12 @@ CALM = "give a relay some hysteresis, or sample the controller"
 
 
 class DiagramEvaluator:
-    """`z`: the states, all signals `y`, and 1. `loops`: sweeps through algebraic loops so far."""
+    """`z`: the states, all signals `y`, and 1. `loops`: sweeps through algebraic loops so far; `whole`: events are seen
+    in all signals.
+    """
 
-    def __init__(self, s: Schedule) -> None:
-        self.s = s
+    def __init__(self, s: Schedule, whole: bool = False) -> None:
+        self.s, self.whole = s, whole
         n_x, n_y = sum(b.n_states for b in s.blocks), s.wiring.shape[1]
         self.z = np.zeros(n_x + n_y + 1)
         self.z[-1] = 1.0
@@ -50,6 +52,13 @@ class DiagramEvaluator:
             else:
                 self._output(t, x, group.blocks[0], hit, True)
         return np.asarray(s.wiring @ y)
+
+    def watch(self, t: float, x: Array) -> Array:
+        """The numbers in which events are seen: all inputs, of which those of blocks whose modes end are of this time;
+        if `whole`, they all are.
+        """
+        self._together(t, x, self.plan.signals if self.whole else self.plan.for_events)
+        return np.asarray(self.s.wiring @ self.y)
 
     def _together(self, t: float, x: Array, order: Order) -> None:
         """The outputs of an order, while no block is sampled and none chooses a mode."""
@@ -101,7 +110,7 @@ class DiagramEvaluator:
         for _ in range(MOST_RESTARTS * len(self.settling)):
             if self.stale:
                 self.plan, self.stale = Plan(self.s), False
-            u = self.evaluate(t, x)
+            u = self.watch(t, x)
             for b, group in self.settling:
                 if self._switch(b, t, x[self.s.states[b.name]], u[self.s.inputs[b.name]]):
                     if group is not None:

@@ -13,6 +13,7 @@ nearer than four of these are one.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -48,11 +49,15 @@ def simulate(
     Raises UsageError (arguments, algebraic loop), AnalysisError (a block failed, returned a wrong shape or a
     value that is not finite, or the step size became too small).
     """
-    output_times = np.asarray(times, float)
+    try:
+        output_times = np.asarray(times, float)
+    except (TypeError, ValueError):
+        raise UsageError(f"the output times are a list of numbers, not {times!r:.60}", "simulation.times") from None
     code = named(method).code
     if output_times.ndim != 1 or len(output_times) < 2 or not np.all(np.diff(output_times) > 0.0):
         raise UsageError("the output times must increase, and there must be at least two", "simulation.times")
-    if not (atol > 0.0 and rtol >= 0.0 and max_step > 0.0):
+    numbers = all(isinstance(value, Real) for value in (atol, rtol, max_step))
+    if not (numbers and atol > 0.0 and rtol >= 0.0 and max_step > 0.0):
         raise UsageError("atol and max_step must be positive, rtol must not be negative", "simulation.tolerance")
     return _Simulation(diagram, output_times, code, atol, rtol, max_step, tuple(events), x0 or {}, progress).run()
 
@@ -74,7 +79,7 @@ class _Simulation:
                 raise UsageError(f"x0: {name} is no block with {len(values)} states", "simulation.start")
             self.x[place] = values
         self.doubts = tuple(f"{b.name}: {b.doubt}" for b in self.s.blocks if b.doubt)
-        self.evaluator = DiagramEvaluator(self.s)
+        self.evaluator = DiagramEvaluator(self.s, bool(events))
         self.delayed = [b for b in self.s.blocks if isinstance(b, TransportDelay)]
         longest = min([max_step, *(b.lag for b in self.delayed)])
         self.window = float(times[0]), float(times[-1])
@@ -105,7 +110,7 @@ class _Simulation:
         if not self.evaluator.watched and not self.user_events:
             return np.zeros(0)
         t = min(max(t, self.window[0]), self.window[1])
-        u = self.evaluator.evaluate(t, x)
+        u = self.evaluator.watch(t, x)
         values = [b.events(t, x[self.s.states[b.name]], u[self.s.inputs[b.name]]) for b in self.evaluator.watched]
         view = Signals(self.diagram, self.s.outputs, self.evaluator.y)
         for event in self.user_events:
@@ -148,7 +153,7 @@ class _Simulation:
             t = a
             while t < (b := cuts[k + 1][0]) and not stopped:
                 t_new, interpolate, x_new = self.stepping.step(t, self.x, b, self.window)
-                t_event, x_new, found = self.locate(t, t_new, interpolate, x_new, before)
+                t_event, x_new, now, found = self.locate(t, t_new, interpolate, x_new, before)
                 self.remember(t, t_event, interpolate)
                 while done < n and self.times[done] <= t_event and abs(self.times[done] - b) > 4.0 * self.shift:
                     record(float(self.times[done]), interpolate(float(self.times[done])))
@@ -164,7 +169,7 @@ class _Simulation:
                     self.window = (self.window[0], self.axis.window(k)[1])
                     self.restarts += 1
                     self.stepping.restart()
-                now = self.signs(t_event, self.x)
+                    now = self.signs(t_event, self.x)
                 stopped = self._tell(t_event, found, before, now, log)
                 before, t = now, t_event
                 if self.progress is not None:
@@ -212,22 +217,19 @@ class _Simulation:
 
     def locate(
         self, t: float, t_new: float, interpolate: Callable[[float], Array], x_new: Array, before: Array
-    ) -> tuple[float, Array, list[Block]]:
-        """The first event inside a step: its time, its state and the blocks whose mode ends there."""
+    ) -> tuple[float, Array, Array, list[Block]]:
+        """The first event inside a step: its time, its state, the values there and the blocks whose mode ends."""
         if not len(before):
-            return t_new, x_new, []
+            return t_new, x_new, before, []
         first, last = np.searchsorted(self.times, (t, t_new), side="right")
         looks = (*sorted({0.5 * (t + t_new), *self.times[first:last].tolist()}), t_new)
 
         def state(time: float) -> Array:
             return x_new if time == t_new else interpolate(time)
 
-        found = first_event(self.signs, state, t, before, looks, self.user_events, self.shift)
-        if found is None:
-            return t_new, x_new, []
-        time, x_event, ended = found
-        owners = [b for b in self.evaluator.watched for _ in range(b.n_events)]
-        return time, x_event, list(dict.fromkeys(b for b, end in zip(owners, ended, strict=True) if end))
+        time, x_event, now, ended = first_event(self.signs, state, t, before, looks, self.user_events, self.shift)
+        owners = [b for b in self.evaluator.watched for _ in range(b.n_events)] if ended.any() else []
+        return time, x_event, now, list(dict.fromkeys(b for b, end in zip(owners, ended, strict=False) if end))
 
     def _tell(self, t: float, ended: Sequence[Block], before: Array, now: Array, log: list[tuple[float, str]]) -> bool:
         """Log the modes that ended and the events of the caller that happened. True when one ends the simulation."""

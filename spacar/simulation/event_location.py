@@ -34,9 +34,9 @@ def passed(before: Array, after: Array, events: Sequence[Event]) -> NDArray[np.b
 def first_event(
     signs: Callable[[float, Array], Array], state: Callable[[float], Array], t: float, before: Array,
     looks: Sequence[float], events: Sequence[Event], shift: float,
-) -> tuple[float, Array, NDArray[np.bool_]] | None:  # fmt: skip
-    """Time [s] just behind the first event, its state (n_states,) and which event functions of blocks ended there;
-    None when there is no event.
+) -> tuple[float, Array, Array, NDArray[np.bool_]]:  # fmt: skip
+    """Time [s] just behind the first event, its state (n_states,), the values there and which event functions of blocks
+    ended; without an event those of the end of the step.
 
     signs    values of the event functions at a time and its state
     state    the dense output of the step
@@ -54,7 +54,7 @@ def first_event(
             break
         low, f_low = high, f_high
     else:
-        return None
+        return low, state(low), f_low, np.zeros(len(f_low) - len(events), bool)
     for k in range(MOST_LOOKS):
         if high - low <= 3.0 * shift:
             break
@@ -73,4 +73,4 @@ def first_event(
             high, f_high, at = guess, f, at_guess
         else:
             low, f_low = guess, f
-    return high, np.array(at), passed(f_low, f_high, events)[: len(f_high) - len(events)]
+    return high, np.array(at), f_high, passed(f_low, f_high, events)[: len(f_high) - len(events)]

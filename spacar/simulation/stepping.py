@@ -20,7 +20,7 @@ from spacar.arrays import Array
 from spacar.errors import AnalysisError
 from spacar.integrators import AUTOMATIC, METHODS, Problem, Step, Tolerance, steps
 from spacar.integrators.method_choice import Costs, MethodChoice
-from spacar.simulation.compiled_loop import loop_of
+from spacar.simulation.compiled_loop import CompiledLoop, loop_of
 from spacar.simulation.diagram_evaluator import DiagramEvaluator
 from spacar.simulation.plant import Spasim
 
@@ -53,12 +53,16 @@ class _Problem(Problem):
         self.n_positions = n - len(last) if last else 0
         self.of_jacobian = 1 + sum(b.n_states + b.n_in for b in s.blocks if b.affine() is None)
         self.n_rhs = 0
+        self.loop: CompiledLoop | None = None
 
     def rhs(self, t: float, y: Array) -> Array:
         """F. The integrator would answer an AnalysisError with a smaller step, which does not cure a mistake in a
         block: that goes straight through as a _Mistake.
         """
         self.n_rhs += 1
+        found = None if self.loop is None else self.loop.rates(t, y)
+        if found is not None:
+            return found
         try:
             return self.evaluator.rates(t, y[self.back])[self.order]
         except AnalysisError as error:
