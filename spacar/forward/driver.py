@@ -94,7 +94,7 @@ class Integrand(Problem):
         self.n_positions, self.by_case = evaluator.n_positions, evaluator.by_case
         self._rhs, self.blocks, self.stepper = evaluator.rhs, evaluator.blocks, stepper
         self.component_name = evaluator.component_name  # type: ignore[method-assign]
-        self.accepted, self.rejected = steps.accepted, steps.rejected  # type: ignore[method-assign, assignment]
+        self.accepted, self.rejected = steps.accepted, steps.rejected  # type: ignore[method-assign]
         self.jacobian, self.may_jump = jacobian, may_jump
         self.within = self.usual = within
         self.report = report or Report()
