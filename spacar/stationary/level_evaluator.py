@@ -36,7 +36,6 @@ class LevelDynamics(Dynamics):
         super().__init__(mechanism, loads=loads, drive=drive)
         self.arrays = SweepArrays.of(mechanism)
         self._at: tuple[Array, bool] | None = None  # x, and is it a solution?
-        self._is_made = False
         self.y = self.start_values()
 
     def evaluate(self, x: Array) -> None:
@@ -55,12 +54,11 @@ class LevelDynamics(Dynamics):
 
     def _go(self, x: Array, solution: bool) -> None:
         self._at = x, solution
-        if self._is_made:
+        if "kinematics" in vars(self):
             self._bring(self.kinematics)
 
     def _made(self, arrays: SweepArrays | None = None) -> Kinematics:
         found = super()._made(arrays or self.arrays)
-        self._is_made = True
         if self._at is not None:
             self._bring(found)
         return found
@@ -107,7 +105,6 @@ class LevelEvaluator:
         self.fading_force: Array | None = None
         self._fades_until = 1.0
         self.whole_from_start = False
-        self._given: Prescribed | None = None
         self._forget()
 
     def _forget(self) -> None:
@@ -137,7 +134,7 @@ class LevelEvaluator:
     def load(self, level: LoadLevel) -> None:
         """Go to the loads of a level. Where the flow in tubes changes, `settle` makes `dynamics`, `equations` and
         `tangent` anew."""
-        self.level, self._given = level, None
+        self.level = level
 
     @property
     def acting(self) -> LoadLevel:
@@ -207,9 +204,7 @@ class LevelEvaluator:
     @property
     def given(self) -> Prescribed:
         """Prescribed values of the level."""
-        if self._given is None:
-            self._given = Prescribed(*self.dynamics.prescribed())
-        return self._given
+        return Prescribed(*self.dynamics.prescribed())
 
     # -- what stays the same --------------------------------------------------------------------------------------
     @property
