@@ -5,7 +5,8 @@ Every array has the cases on its last axis. Rows and columns of sparse entries a
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -57,22 +58,27 @@ class Numbers(NamedTuple):
         of_elements = [batch.parameters.swapaxes(0, 1) for batch in self.elements]
         return [a for a in (*first, *of_entries, *of_elements) if a.size]
 
+    def each(self, make: Callable[..., Array], *others: Numbers) -> Numbers:
+        """Every array is what `make` makes of it and of those of the others; rows and columns of entries stay."""
+        everyone = self, *others
+
+        def entries(name: str) -> Entries:
+            rows, columns, _ = getattr(self, name)
+            return rows, columns, make(*[getattr(one, name)[2] for one in everyone])
+
+        parameters = zip(*[[batch.parameters for batch in one.elements] for one in everyone], strict=True)
+        elements = [batch._replace(parameters=make(*p)) for batch, p in zip(self.elements, parameters, strict=True)]
+        found: dict[str, Any] = {name: make(*[getattr(one, name) for one in everyone]) for name in ARRAYS}
+        found |= {name: entries(name) for name in ENTRIES}
+        return Numbers(tuple(elements), **found)
+
     def take(self, cases: slice | Index) -> Numbers:
         """Those of some cases."""
+        return self.each(lambda array: np.ascontiguousarray(array[..., cases]))
 
-        def some(array: Array) -> Array:
-            return np.ascontiguousarray(array[..., cases])
 
-        def entries(of: Entries) -> Entries:
-            return of[0], of[1], some(of[2])
-
-        return Numbers(
-            tuple([b._replace(parameters=some(b.parameters)) for b in self.elements]),
-            entries(self.mass), entries(self.stiffness), entries(self.damping),
-            entries(self.moments), entries(self.coupling),
-            some(self.force), some(self.field), some(self.x0), some(self.preload), some(self.x_motion),
-            some(self.e_motion),
-        )  # fmt: skip
+ENTRIES = "mass", "stiffness", "damping", "moments", "coupling"
+ARRAYS = "force", "field", "x0", "preload", "x_motion", "e_motion"
 
 
 def of_one(model: LoadedMechanism) -> Numbers:

@@ -9,13 +9,13 @@ numbers.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.compiled.numbers import FOREIGN, Elements, Entries, Numbers, elements_of, form_of, of_one
+from spacar.compiled.numbers import ENTRIES, FOREIGN, Elements, Entries, Numbers, elements_of, form_of, of_one
 from spacar.dynamics.loaded_mechanism import LoadedMechanism, active_entries
 from spacar.elements import Family, GeometryError
 from spacar.mechanism.element_batches import PlacedGroup, element_groups
@@ -23,31 +23,38 @@ from spacar.mechanism.layout import Batch
 from spacar.mechanism.lumped_inertia import LumpedMass, lumped
 from spacar.mechanism.mechanism import Mechanism
 
-ENTRIES = "mass", "stiffness", "damping", "moments", "coupling"
 NONE = np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 1))
 ROUNDING = 64.0 * np.finfo(float).eps  # of the largest number of an array: constants of elements are some dozen sums
-NO_ENTRIES = np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 1))
 
 
 def combined(corners: Sequence[Numbers], weights: Array) -> Numbers | None:
     """The first corner and, in case k, `weights[i - 1, k]` times the difference to every other corner i: numbers that
     do not differ stay what they are. None where the corners have other entries.
     """
-    return _each(corners, lambda arrays: affine(arrays, weights))
+    first, *others = corners
+    if not all(_alike(first, other) for other in others):
+        return None
+    return first.each(lambda *arrays: affine(arrays, weights), *others)
+
+
+def _alike(a: Numbers, b: Numbers) -> bool:
+    """Whether the arrays have the same sizes, and entries the same places."""
+    one, other = ([array.shape for array in of.arrays()] for of in (a, b))
+    places = (zip(getattr(a, name)[:2], getattr(b, name)[:2], strict=True) for name in ENTRIES)
+    return one == other and all(np.array_equal(x, y) for pairs in places for x, y in pairs)
 
 
 def same(a: Numbers, b: Numbers) -> bool:
     """Whether the numbers of one case are those of another one to rounding; zeros need not be entries."""
-
-    def close(arrays: Sequence[Array]) -> Array | None:
-        one, other = arrays
-        return one if np.abs(one - other).max(initial=0.0) <= ROUNDING * np.abs(one).max(initial=0.0) else None
-
     kinds = [[(e.kind, e.moving) for e in of.elements] for of in (a, b)]
     if kinds[0] != kinds[1] or not all(_same_entries(getattr(a, name), getattr(b, name)) for name in ENTRIES):
         return False
-    nothing = {name: NONE for name in ENTRIES}
-    return _each((a._replace(**nothing), b._replace(**nothing)), close) is not None  # type: ignore[arg-type]
+    a, b = (of._replace(**{name: NONE for name in ENTRIES}) for of in (a, b))  # type: ignore[arg-type]
+    return _alike(a, b) and all(map(_close, a.arrays(), b.arrays()))
+
+
+def _close(one: Array, other: Array) -> bool:
+    return bool(np.abs(one - other).max(initial=0.0) <= ROUNDING * np.abs(one).max(initial=0.0))
 
 
 def _same_entries(a: Entries, b: Entries) -> bool:
@@ -56,7 +63,7 @@ def _same_entries(a: Entries, b: Entries) -> bool:
     one, other = np.zeros((2, len(keys)))
     for values, of in ((one, a), (other, b)):
         np.add.at(values, np.searchsorted(keys, of[0] * size + of[1]), of[2][:, 0])
-    return bool(np.abs(one - other).max(initial=0.0) <= ROUNDING * np.abs(one).max(initial=0.0))
+    return _close(one, other)
 
 
 def affine(arrays: Sequence[Array], weights: Array) -> Array:
@@ -66,39 +73,6 @@ def affine(arrays: Sequence[Array], weights: Array) -> Array:
     for other, weight in zip(others, weights, strict=True):
         total += (other - first) * weight
     return total
-
-
-def _each(corners: Sequence[Numbers], merged: Callable[[Sequence[Array]], Array | None]) -> Numbers | None:
-    """The first corner, every array replaced by what `merged` makes of those of all; None where it makes nothing."""
-    first = corners[0]
-    lost = False
-
-    def array(name: str, of: Sequence[object] = corners) -> Array:
-        return kept([getattr(corner, name) for corner in of])
-
-    def kept(arrays: Sequence[Array]) -> Array:
-        nonlocal lost
-        found = merged(arrays) if len({a.shape for a in arrays}) == 1 else None
-        lost = lost or found is None
-        return arrays[0] if found is None else found
-
-    def entries(name: str) -> Entries:
-        nonlocal lost
-        lists: list[Entries] = [getattr(corner, name) for corner in corners]
-        rows, columns, _ = lists[0]
-        lost = lost or not all(np.array_equal(o[0], rows) and np.array_equal(o[1], columns) for o in lists)
-        return rows, columns, kept([values for _, _, values in lists])
-
-    elements = tuple(
-        batch._replace(parameters=array("parameters", [corner.elements[k] for corner in corners]))
-        for k, batch in enumerate(first.elements)
-    )
-    found = Numbers(
-        elements,
-        entries("mass"), entries("stiffness"), entries("damping"), entries("moments"), entries("coupling"),
-        array("force"), array("field"), array("x0"), array("preload"), array("x_motion"), array("e_motion"),
-    )  # fmt: skip
-    return None if lost else found
 
 
 class ImpossibleCase(Exception):
@@ -128,13 +102,13 @@ def corner_of(mechanism: Mechanism) -> Corner:
     """What enters of a mechanism."""
     m = mechanism
     groups = tuple(element_groups(m.deck, m.numbering, m.x0, m.settings.beams))
-    mass, nodes, tensors = NO_ENTRIES, np.zeros(0, np.int64), np.zeros((3, 3, 0))
+    mass, nodes, tensors = NONE, np.zeros(0, np.int64), np.zeros((3, 3, 0))
     for family, x in lumped(m.deck, m.numbering, []):
         if isinstance(family, LumpedMass):
             mass = x[0], x[0], family.m[:, None]
         else:  # a rigid body; rotors (XGYRO) have no form in C
             nodes, tensors = family.numbers, family.J  # type: ignore[attr-defined]
-    loaded = of_one(LoadedMechanism.of(m))._replace(elements=(), mass=mass, stiffness=NO_ENTRIES, damping=NO_ENTRIES)
+    loaded = of_one(LoadedMechanism.of(m))._replace(elements=(), mass=mass, stiffness=NONE, damping=NONE)
     return Corner(m, groups, loaded, nodes, tensors)
 
 

@@ -14,17 +14,19 @@ import sys
 from array import array
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from spacar.compiled.interface import POINTER, functions, structure
 from spacar.errors import BY_USERS
 
+if TYPE_CHECKING:
+    from spacar.mechanism.user_functions import Answering
+
 FUNCTIONS = tuple(functions("PYTHON_FUNCTIONS"))
 TYPES = float, np.float64, int, list, tuple, Exception
 BACK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_int, ctypes.c_double)
-Form = list[Any]  # of rows: two numbers and a place each
 
 
 @lru_cache
@@ -39,20 +41,6 @@ def python() -> ctypes.Array[ctypes.c_void_p] | None:
     return (POINTER * (len(FUNCTIONS) + len(TYPES)))(*found, *map(id, TYPES))
 
 
-class AnsweringLaw(Protocol):
-    """`spacar.mechanism.user_functions.Answering`."""
-
-    function: Callable[..., Any]
-    told: tuple[Any, ...]
-    forms: tuple[Form, Form] | None
-
-    def __call__(self, t: float) -> dict[int, str]: ...
-
-    def read(self, t: float, given: Any) -> dict[int, str]: ...
-
-    def failed(self, t: float, error: Exception) -> Exception: ...
-
-
 class PythonCallbacks:
     """What C asks of one model.
 
@@ -61,10 +49,10 @@ class PythonCallbacks:
     """
 
     def __init__(self, law: Any, user: Any | None, lost: list[dict[int, str]]) -> None:
-        self.law: AnsweringLaw | None = None
+        self.law: Answering | None = None
         self.user, self.lost = user, lost
         self.caught: list[BaseException] = []
-        self.known: tuple[Form, Form] | None = None  # the forms that C knows
+        self.known: tuple[list[Any], list[Any]] | None = None  # the forms that C knows
         table = python()
         if table is None:
             self.c = structure("PythonCallbacks")()
@@ -94,8 +82,9 @@ class PythonCallbacks:
         self.lost[0] = lost = self.law.read(t, given)
         forms = self.law.forms
         if lost:
-            self.user.lost = 1
-            forms = None  # rows of which nothing is lost would not take the sentences away
+            self.user.lost = 1  # and no forms: rows of which nothing is lost would not take the sentences away
+        if forms is not None and any(len({*form[2::3]}) < len(form) // 3 for form in forms):
+            forms = None  # C writes one row to a place
         if self.known is not forms:
             self.known = forms
             if forms is None:

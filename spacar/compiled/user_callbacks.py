@@ -22,7 +22,7 @@ from spacar.arrays import Array
 from spacar.compiled.interface import structure
 from spacar.compiled.library import WIDTH, address_of
 from spacar.compiled.numbers import Elements
-from spacar.compiled.python_callbacks import AnsweringLaw, PythonCallbacks
+from spacar.compiled.python_callbacks import PythonCallbacks
 from spacar.elements.family import Configuration, Family
 from spacar.mechanism.mechanism import Drive, Polynomial, UserSignal
 from spacar.mechanism.placed_vectors import PlacedVector, placed
@@ -67,7 +67,7 @@ def law(
     """
     answering = getattr(user, "answering", None)  # USERSIG: numbers, no arrays
     if answering is not None:
-        written: AnsweringLaw = answering(told, sigma, force)
+        written: Callable[[float], dict[int, str]] = answering(told, sigma, force)
         return written
 
     def answer(t: float) -> dict[int, str]:

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from math import isfinite, nan
+from math import isfinite
 from typing import Any, TypeVar
 
 import numpy as np
@@ -108,12 +108,10 @@ def whole(row: Sequence[float]) -> tuple[int, int]:
     return int(a), int(b)
 
 
-def _form(
-    rows: Any, places: dict[tuple[Any, Any], int], find: Callable[[int, int], int], first: int, values: Any
-) -> Form | None:
-    """Write the values of a list of a few rows of three numbers, each with a place of its own from `first` on, and give
-    the numbers and the place of every row, one after the other; the places are remembered. Else None, when some may
-    have been written."""
+def _taken(rows: Any, places: dict[tuple[Any, Any], int], values: Any) -> Form | None:
+    """Add rows to values, when they are a short list of three numbers each whose places were looked up before, and give
+    the numbers and the place of every row, one after the other. Else None: then `UserLaw._rows` reads them, and what
+    was added is of no use."""
     if type(rows) is not list or len(rows) > FEW:
         return None
     form: Form = []
@@ -121,36 +119,15 @@ def _form(
     try:
         for row in rows:
             a, b, value = row
-            if type(row) not in ROWS or not {type(a), type(b), type(value)} <= NUMBERS:
+            if type(value) not in NUMBERS or type(row) not in ROWS:
                 return None
-            i = find(*whole(row))
-            if i < first or i in form[2::3]:
-                return None
-            values[i] = value
+            i = places[a, b]
+            values[i] += value
             total += value
-            places[a, b] = i
             form += a, b, i
     except (KeyError, TypeError, ValueError, OverflowError):
         return None
     return form if isfinite(total) else None
-
-
-def _added(rows: Any, places: dict[tuple[Any, Any], int], values: Any) -> float:
-    """Add rows to values, when they are a short list of three numbers each whose places were looked up before, and give
-    the sum of the numbers. Else nan: then `UserLaw._rows` reads them, and what was added is of no use."""
-    if type(rows) is not list or len(rows) > FEW:
-        return nan
-    total = 0.0
-    try:
-        for row in rows:
-            a, b, value = row
-            if type(value) not in NUMBERS or type(row) not in ROWS:
-                return nan
-            values[places[a, b]] += value
-            total += value
-    except (KeyError, TypeError, ValueError, OverflowError):
-        return nan
-    return total
 
 
 def load_user_signal(deck: Deck, statement: Statement, numbering: Numbering) -> UserSignal:
@@ -181,7 +158,7 @@ class UserLaw:
         given = self._given(placed(e, "e"), placed(ed, "ep"), placed(x, "x"), placed(xd, "xp"))
         sig, f = call(self._function, self.name, t, *given)
         (sigma, k_e, d_e), (force, k_x, d_x) = np.zeros((3, n.ne)), np.zeros((3, n.nx))
-        if isfinite(_added(sig, self.stresses, sigma) + _added(f, self.forces, force)):
+        if self._take(sig, f, sigma, force) is not None:
             return UserForces(sigma, force, k_e, d_e, k_x, d_x)
         *found, lost = self._rows(t, sig, f)
         for rows, (value, k, d) in zip(found, ((sigma, k_e, d_e), (force, k_x, d_x)), strict=True):
@@ -208,6 +185,12 @@ class UserLaw:
     def _given(self, e: PlacedVector, ed: PlacedVector, x: PlacedVector, xd: PlacedVector) -> tuple[Any, ...]:
         """What the function is called with, behind the time."""
         return self.numbering.ne, self.le, e, ed, self.numbering.nx, self.lnp, x, xd
+
+    def _take(self, sig: Any, f: Any, sigma: Array, force: Array) -> tuple[Form, Form] | None:
+        """`_taken` of both, None where one of them is not."""
+        of_sig = _taken(sig, self.stresses, sigma)
+        of_f = None if of_sig is None else _taken(f, self.forces, force)
+        return None if of_sig is None or of_f is None else (of_sig, of_f)
 
     def _rows(self, t: float, sig: Any, f: Any) -> tuple[Rows, Rows, dict[int, str]]:
         """Rows of sig and f with their places in e and x, checked, and the sentences of `UserForces.lost`."""
@@ -259,7 +242,7 @@ class Answering:
     """The answers of a law for the engine, at vectors that change: written into sigma (ne,) and force (nx,).
 
     function, told   what is called with the time and with these
-    forms            `_form` of stresses and forces of the last answer that was read anew, if it has them
+    forms            `_taken` of the last answer
     """
 
     def __init__(self, law: UserLaw, told: tuple[PlacedVector, ...], sigma: Array, force: Array) -> None:
@@ -286,26 +269,21 @@ class Answering:
         except BY_USERS as error:
             raise self.failed(t, error) from error
         law, (sigma, force) = self.law, self.values
-        n = law.numbering
-        if law.stresses or law.forces:
-            for form, values in zip(self.forms or (), self.values, strict=False):  # a part may have been written
-                for i in form[2::3]:
-                    values[i] = 0.0
-            if isfinite(_added(sig, law.stresses, sigma) + _added(f, law.forces, force)):
-                return {}
+        for form, values in zip(self.forms or (), self.values, strict=False):  # a part may have been written
+            for i in form[2::3]:
+                values[i] = 0.0
+        self.forms = law._take(sig, f, sigma, force)
+        if self.forms is None:
             sigma[:] = force[:] = 0.0
-        of_sig = _form(sig, law.stresses, n.e_index, law._first, sigma)
-        of_f = None if of_sig is None else _form(f, law.forces, n.x_index, 0, force)
-        if of_sig is not None and of_f is not None:
-            self.forms = of_sig, of_f
-            return {}
-        self.forms = None
-        sigma[:] = force[:] = 0.0
-        *found, lost = law._rows(t, sig, f)
-        for rows, values in zip(found, self.values, strict=True):
-            for i, row in rows:
-                values[i] += row[2]
-        return lost
+            *found, lost = law._rows(t, sig, f)
+            self.forms = law._take(sig, f, sigma, force)  # the places are known now
+            if self.forms is None:
+                sigma[:] = force[:] = 0.0
+                for rows, values in zip(found, self.values, strict=True):
+                    for i, row in rows:
+                        values[i] += row[2]
+                return lost
+        return {}
 
 
 Law = TypeVar("Law", UserLaw, "UserDrive")
