@@ -1,6 +1,6 @@
-"""The same arm in the numeric core (planar beam elements) and as fields, and element formulas against SymPy.
+"""The same arm in the numeric core (planar beam elements) and as fields; only these tests know both parts.
 
-Only these tests know both parts. Reference numbers: symbolic.md, section 8.7 (two elements per link; fields with three
+Reference numbers: symbolic.md, section 8.7 (two elements per link; fields with three
 terms and foreshortening; no structural damping in either).
 """
 

@@ -55,9 +55,7 @@ def _arm_kinematics():
     N, B1 = ReferenceFrame("N", "n"), ReferenceFrame("B1", "b1")
     s1, s4, sp2, q3 = (sp.Function(name)(TIME) for name in ("s1", "s4", "sp2", "qp3"))
     B2 = ReferenceFrame("B2", "b2")
-    for i in (3,):
-        B1.directions[i] = N.directions[i]
-        B2.directions[i] = N.directions[i]
+    B1.directions[3] = B2.directions[3] = N.directions[3]
     set_omega(N, B1, s1 * B1[3])
     set_omega(N, B2, (s1 + sp2 + s4) * B2[3])
     return N, B1, B2, s1, s4, sp2, q3
