@@ -19,7 +19,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import AnalysisError
 from spacar.integrators import AUTOMATIC, METHODS, Problem, Step, Tolerance, steps
-from spacar.integrators.method_choice import Costs, MethodChoice
+from spacar.integrators.method_choice import FIRST_LOOK, Costs, MethodChoice
 from spacar.simulation.compiled_loop import CompiledLoop, loop_of
 from spacar.simulation.diagram_evaluator import DiagramEvaluator
 from spacar.simulation.plant import Spasim
@@ -27,6 +27,7 @@ from spacar.simulation.plant import Spasim
 EXPLICIT, IMPLICIT = 155, 595
 # Evaluations of a step, counted with refused steps: 6.2 to 6.9 by 155, 8.6 (linear) to 17.6 by 595 (van der Pol)
 EVALUATIONS, ITERATED = 6.0, 18.0
+STABLE = 0.9  # h omega above which it does, of explicit codes
 FAST = 0.33  # h omega above which a vibration may limit the steps: 155 is stable up to about 1 near the imaginary axis
 
 
@@ -116,6 +117,7 @@ class Stepping:
         self.solver: Iterator[Step] | None = None
         self.size: float | None = None  # of the last step, with which an integration that starts anew begins
         self.n_steps = 0
+        self.last: Taken | None = None
         self.notes: list[str] = []
         look = self.problem.of_jacobian / EVALUATIONS
         self.choice = MethodChoice(Costs(ITERATED / EVALUATIONS + look, look, FAST), self._largest)
@@ -159,19 +161,23 @@ class Stepping:
         size = float(taken.t) - t
         # The last step of a piece is short only because the piece ends.
         self.size = max(size, self.size or 0.0) if taken.t >= end else size
-        found = Taken(float(taken.t), lambda time: np.asarray(taken.interpolate(time))[back], taken.y[back])
+        self.last = found = Taken(float(taken.t), lambda time: np.asarray(taken.interpolate(time))[back], taken.y[back])
         if self.automatic:
             self._choose(found)
         return found
 
     def hint(self) -> str:
         """What limits the steps, where that is a vibration or decay that is faster than they need be."""
-        mean, omega = (self.end - self.begun) / max(self.n_steps, 1), self.choice.omega
-        if self.code == IMPLICIT or mean * omega <= FAST:
+        if METHODS[self.code].needs_jacobian or self.last is None or self.n_steps < FIRST_LOOK:
+            return ""
+        mean, omega, advice = (self.end - self.begun) / self.n_steps, self.choice.omega, "or a larger rtol"
+        if not self.automatic:
+            omega, advice = self._largest(self.last.t, self.last.x), f"or method {IMPLICIT} or auto"
+        if mean * omega <= (FAST if self.automatic else STABLE):
             return ""
         return (
             f"{self.n_steps} steps of {mean:.3g} s, as the loop has a vibration or decay of {omega:.3g} rad/s: a"
-            " slower filter or lower gain, stiff parts made rigid, or a larger rtol make the steps longer"
+            f" slower filter or lower gain, stiff parts made rigid, {advice} make the steps longer"
         )
 
     # -- the automatic method ------------------------------------------------------------------------------------
