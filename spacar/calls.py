@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from functools import cache
 from numbers import Integral, Real
@@ -84,6 +84,14 @@ def _converted(name: str, value: Any, kind: str) -> Any:
     return {"bool": bool, "int": int, "float": float, "str": str}[kind](value)
 
 
+def texts(name: str, given: object) -> tuple[str, ...]:
+    """One text or several. Raises UsageError for anything else."""
+    found = tuple(given) if isinstance(given, Iterable) and not isinstance(given, str) else (given,)
+    if not all(isinstance(text, str) for text in found):
+        raise UsageError(f"{name} is a text or a list of texts, not {given!r:.60}", "usage.text")
+    return found  # type: ignore[return-value]
+
+
 def integrator(code: int, subject: str = "integrator type") -> tuple[int, str | None]:
     """The integration method of this code, and the note on an alias (the sentence of INTEGRAT). Raises UsageError."""
     if code in INTEGRATOR_ALIASES:
@@ -127,7 +135,8 @@ def has_interval(deck: Deck) -> bool:
 
 def frames(
     mode: int, source: Source, *, nominal: Any = None, accuracy: float | bool | None = None,
-    variables: Sequence[str] = (), mesh: bool = True, elements: int = 1, rigid_beams: bool = False, **options: Any,
+    variables: str | Sequence[str] = (), mesh: bool = True, elements: int = 1, rigid_beams: bool = False,
+    **options: Any,
 ) -> Run:  # fmt: skip
     """Prepare an analysis: read, check and number the model; the frames come when the returned Run is iterated over.
 
@@ -190,11 +199,12 @@ def _pieces(elements: object) -> int:
 
 
 def _accuracy(
-    mode: Mode, accuracy: float | bool | None, variables: Sequence[str], mesh: bool
+    mode: Mode, accuracy: float | bool | None, variables: str | Sequence[str], mesh: bool
 ) -> AccuracyRequest | None:
     """What is asked of the error of the result. Raises UsageError."""
+    wanted = texts("variables", variables)
     if accuracy is None or accuracy is False:
-        if variables:
+        if wanted:
             raise UsageError("the variables are those whose accuracy is asked for; give an accuracy", "usage.accuracy")
         return None
     if not (mode.integrated or mode.stationary):
@@ -204,10 +214,10 @@ def _accuracy(
         text = "the accuracy of a stationary solution is that of its mesh, which is not to be looked at"
         raise UsageError(text, "usage.accuracy")
     if accuracy is True:
-        return AccuracyRequest(None, tuple(variables), mesh)
+        return AccuracyRequest(None, wanted, mesh)
     if isinstance(accuracy, str) or not 0.0 < accuracy < 1.0:
         raise UsageError(f"the accuracy {accuracy!r} must be a number between 0 and 1", "usage.accuracy")
-    return AccuracyRequest(float(accuracy), tuple(variables), mesh)
+    return AccuracyRequest(float(accuracy), wanted, mesh)
 
 
 def run(mode: int, source: Source, *, nominal: Any = None, **options: Any) -> Result:

@@ -18,7 +18,7 @@ from spacar.expressions.result_places import ELEMENT, NODE, place, places
 from spacar.frame import E_FIELDS, X_FIELDS, Frame, StoredFrames, column, joined
 from spacar.mechanism.result_tables import model_tables
 from spacar.modes import find_mode, registered
-from spacar.summary import LINES, few, with_picture
+from spacar.summary import LINES, counted, few, with_picture
 
 if TYPE_CHECKING:
     from spacar.mechanism import Mechanism
@@ -146,7 +146,7 @@ class Result:
 
     def __getitem__(self, name: str) -> Any:
         """A variable of all steps, step first, or one of `tables`. Raises UsageError for a name that is neither."""
-        found = self._column(name)
+        found = self._column(name) if isinstance(name, str) else None
         if found is not None:
             return found.copy() if isinstance(self.frames, StoredFrames) else found
         if name in self.tables:  # made when somebody asks for one of them
@@ -210,9 +210,9 @@ def result_summary(result: Result) -> str:
     t = result.t
     span = f", t = {t[0]:.6g} to {t[-1]:.6g}{' s' * mode.timed}" if n > 1 else ""
     lines.append(f"  steps       {n}{span}")
-    lines.append(f"  size        {numbering.nx} coordinates x, {numbering.ne} deformations e")
-    plural = "s" * (numbering.ndof != 1)
-    lines.append(f"  freedom     {numbering.ndof} degree{plural} of freedom, {numbering.nddof} of them dynamic")
+    coordinates, deformations = counted(numbering.nx, "coordinate"), counted(numbering.ne, "deformation")
+    lines.append(f"  size        {coordinates} x, {deformations} e")
+    lines.append(f"  freedom     {counted(numbering.ndof, 'degree')} of freedom, {numbering.nddof} of them dynamic")
     if n and "eigval" in result.frames[-1].matrices:
         lines.append(f"  frequencies {few(result.frequencies[-1])} Hz (last step)")
     if n and "lmult" in result.frames[-1].matrices:
@@ -226,5 +226,7 @@ def result_summary(result: Result) -> str:
     lines += [f"  {line}" for line in warnings[:room]]
     if len(warnings) > room:
         lines[-1] = f"  ... {len(warnings) - room + 1} more warnings in .report"
-    lines.append("  result.node(6, 1), .element(1, 1), ['x'], .plot('x[6,1]'), .draw()")
+    positions = np.flatnonzero((result.lnp[:, 1] > 0) & (result.lnp[:, 3] == 0))
+    node = int(positions[-1]) + 1
+    lines.append(f"  result.node({node}, 1), .element(1, 1), ['x'], .plot('x[{node},1]'), .draw()")
     return "\n".join(lines)

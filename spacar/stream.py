@@ -51,7 +51,7 @@ class Outcome:
     error: BaseException | None = None
 
 
-@dataclass
+@dataclass(repr=False)
 class Run:
     """One analysis, ready to be iterated over. It writes `report`, `header` and `n_frames`, nothing else; a run with an
     accuracy gives `mechanism` the settings that it has chosen.
@@ -75,6 +75,10 @@ class Run:
     n_frames: int | None = None
     nominal: Any = None
     accuracy: AccuracyRequest | None = None
+
+    def __repr__(self) -> str:
+        model = self.mechanism.deck.source
+        return f"Run of {model}, mode {self.mode.number}: {self.mode.title}\n  for frame in run: ...; run.save('name')"
 
     def blocks(self) -> Iterator[Sequence[Frame]]:
         """The frames, in blocks that became ready together. Stresses of a user function that cannot act are reported

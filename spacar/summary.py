@@ -25,6 +25,11 @@ def with_picture(text: str, maker: str, thing: Any) -> str:
         return page
 
 
+def counted(n: int, word: str) -> str:
+    """As "1 quantity", "2 quantities"."""
+    return f"{n} {word}" if n == 1 else f"{n} {word[:-1]}ies" if word.endswith("ty") else f"{n} {word}s"
+
+
 def few(values: Array) -> str:
     """The first of them that are finite."""
     values = values[abs(values) < float("inf")]

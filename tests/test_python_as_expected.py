@@ -12,11 +12,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import spacar_drawing
+from spacar_formats.compliance import node_compliance
 
 import spacar
 from spacar.calls import deck_of
 from spacar.errors import SpacarError
-from spacar.simulation import Spasim, closed_loop
+from spacar.simulation import Diagram, Spasim, closed_loop, simulate
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -50,6 +51,8 @@ def test_a_model_a_deck_and_a_file_are_one_thing(model, tmp_path):
 
 def test_pictures_and_stresses_of_a_model(model):
     assert spacar_drawing.stress(model)["Mz"].shape == (1, 4, 9)
+    by_force = model.sensitivity("XF.3[force Fy]", "x[3,2]@end").derivatives[0, 0]
+    assert node_compliance(model, 3)[0].fixed[1, 1] == pytest.approx(by_force, rel=1e-9)
     for figure in (spacar_drawing.draw(model), model.run(7).plot("x[3,2]"), spacar_drawing.draw(model.run(7), steps=1)):
         assert figure._repr_png_().startswith(b"\x89PNG")
 
@@ -60,15 +63,21 @@ def test_a_mechanism_of_a_model_is_a_block():
     assert all(np.array_equal(p.start(), plants[0].start()) for p in plants)
 
 
+def drive():
+    """A simulation of 0.01 s without moments."""
+    return closed_loop(Spasim(DATA / "robotsim.dat"), lambda t, y: np.zeros(3), [0.0, 0.01], feedback="1-3")
+
+
 def test_answers_print_short_draw_themselves_and_become_tables(model):
-    rows = model.sweep({"XF.3[force Fy]": [-0.1, -0.2]}, "tip: x[3,2]@end", mode=7)
+    rows = model.sweep({"XF.3[force Fy]": [-0.1, -0.2]}, "tip: x[3,2]@end")  # mode 7: there is no TIMESTEP
+    assert rows[0]["tip"] == model.run(7).node(3, 2)[-1]
     slope = model.sensitivity(["SECTION.strip[t]"], ["x[3,2]@end", "frequency[1]"])
-    response = closed_loop(Spasim(DATA / "robotsim.dat"), lambda t, y: np.zeros(3), [0.0, 0.01], feedback="1-3")
-    for answer in (rows, slope, response, spacar_drawing.stress(model)):
+    response = drive()
+    for answer in (rows, slope, response, spacar_drawing.stress(model), spacar.frames(7, model)):
         assert 2 <= len(repr(answer).splitlines()) <= 10
         assert len(repr(answer)) < 900
-    for answer in (rows, slope, response):
-        assert answer.plot()._repr_png_().startswith(b"\x89PNG")
+    for figure in (rows.plot(), slope.plot(), response.plot(), response.plot("plant:1-3", "control")):
+        assert figure._repr_png_().startswith(b"\x89PNG")
     pytest.importorskip("pandas")
     assert rows.to_pandas()["tip"].tolist() == [row["tip"] for row in rows]
     assert slope.to_pandas()["derivative"].tolist() == slope.derivatives.ravel().tolist()
@@ -94,6 +103,22 @@ WRONG = {
     "variable": lambda m, r: r["q q"],
     "picture": lambda m, r: r.plot("x[3,2]", path="/nonexist/a.png"),
     "step": lambda m, r: r.draw(steps=3),
+    "option of a picture": lambda m, r: r.draw(step=1),
+    "no frames": lambda m, r: r.animate(frames=0),
+    "number of a variable": lambda m, r: r[7],
+    "number for an expression": lambda m, r: r.plot(7),
+    "number for a result": lambda m, r: m.sweep({"XF.3[force Fy]": [1.0]}, 7),
+    "number for a parameter": lambda m, r: m.sensitivity(7, ["x[3,2]@end"]),
+    "mode of a sensitivity": lambda m, r: m.sensitivity(["XF.3[force Fy]"], ["x[3,2]@end"], mode=7),
+    "number for a variable": lambda m, r: m.run(7, accuracy=0.1, variables=7),
+    "repeats": lambda m, r: m.trade(0.1, repeats=0),
+    "budget": lambda m, r: m.trade(0.1, budget=None),
+    "move": lambda m, r: m.flexure(move=3),
+    "places": lambda m, r: r.stress(points="a"),
+    "elements": lambda m, r: r.stress(elements=["a"]),
+    "nominal": lambda m, r: spacar.run(3, m, nominal=3),
+    "times": lambda m, r: simulate(Diagram(), "a"),
+    "signal": lambda m, r: drive().plot("plant:99"),
 }
 
 

@@ -148,6 +148,8 @@ def main(arguments: Sequence[str] | None = None, environment: Environment | None
             return int(outcome or ExitStatus.DONE)
         except click.UsageError as error:
             hints = renamed(words)
+            if isinstance(error, click.NoSuchOption) and error.ctx is not None and error.ctx.command is program:
+                hints = [*hints, "options stand behind the mode or the command"]
             if error.ctx is not None:
                 env.tell(error.ctx.get_usage())
             unknown = f"no such option: {error.option_name}" if hints and isinstance(error, click.NoSuchOption) else ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from spacar_formats.safety import write_text
 
-from spacar.calls import Source, deck_of, has_interval, run
+from spacar.calls import Source, deck_of, has_interval, run, texts
 from spacar.errors import UsageError
 from spacar.mechanism.user_files import without_functions
 from spacar.result import Result
@@ -61,6 +61,14 @@ def source_of(given: Result | Source, at_rest: bool = False) -> PictureSource:
     return source_of_result(run(1 if has_interval(deck) else 7, deck))
 
 
+def _extras(given: dict[str, Any]) -> Extras:
+    """Raises UsageError for an option that there is not."""
+    known = [f.name for f in fields(Extras)]
+    for name in given.keys() - {*known}:
+        raise UsageError(f"pictures have no option '{name}'; extras are {', '.join(known)}", "usage.option")
+    return Extras(**given)
+
+
 @plain
 def draw(
     result: Result | Source, path: str | Path | None = None, *, steps: str | int | None = None,
@@ -79,7 +87,7 @@ def draw(
     Raises UsageError for steps or variables that the result has not, and for a file that cannot be written.
     """
     source = source_of(result, at_rest=True)
-    figure = picture(source, Extras(**extras), chosen_steps(source, steps, strobe, False), traces, initial)
+    figure = picture(source, _extras(extras), chosen_steps(source, steps, strobe, False), traces, initial)
     return kept(figure, path, dpi)
 
 
@@ -94,7 +102,9 @@ def animate(
     frames   most pictures in it;  fps: pictures a second
     """
     source = source_of(result)
-    shown = series(source, Extras(**extras), chosen_steps(source, steps, None, True), traces, initial)
+    if frames < 1:
+        raise UsageError(f"an animation has at least one picture, not frames = {frames}", "usage.option")
+    shown = series(source, _extras(extras), chosen_steps(source, steps, None, True), traces, initial)
     pictures, count = shown.thinned(frames)
     if path is not None:
         film(shown.moving(), pictures, count, Path(path), fps, dpi)
@@ -157,14 +167,15 @@ def plot(
         raise UsageError("nothing to plot: give at least one expression, for instance 'x[6,1]'", "plot.nothing")
     source = source_of(result)
     metre = source.scene.metre
-    curves = [in_units(evaluate(source, text), metre) for text in expressions]
+    curves = [in_units(evaluate(source, text), metre) for text in texts("an expression", expressions)]
     head = source.scene.title if title is None else title
     figure = history_figure(curves, in_units(evaluate(source, against), metre), head, source.scene.analysis.stationary)
     return kept(figure, path, dpi)
 
 
 def stress(
-    result: Result | Source, *, steps: Sequence[int] | None = None, elements: Sequence[int] | None = None,
+    result: Result | Source, *, steps: Sequence[int] | int | None = None,
+    elements: Sequence[int] | int | None = None,
     points: int = 9,
 ) -> StressResults:  # fmt: skip
     """Stress resultants along the beams and trusses of a result, and stresses where a cross-section is known.

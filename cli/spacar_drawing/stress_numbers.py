@@ -8,6 +8,7 @@ places of its points. A largest stress has the derivative of the point where it 
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from spacar_formats.sinks.results import sbd_header
@@ -20,6 +21,7 @@ from spacar.errors import UsageError
 from spacar.mechanism import Mechanism
 from spacar.modes import find_mode
 from spacar.stream import Run
+from spacar.summary import counted
 from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.scene import Scene
 from spacar_drawing.sections import moments
@@ -76,7 +78,7 @@ class StressResults:
     places: dict[str, Array]
 
     def __repr__(self) -> str:
-        size = f"{len(self.steps)} steps, {len(self.elements)} elements, {len(self.xi)} places"
+        size = ", ".join(map(counted, map(len, (self.steps, self.elements, self.xi)), ("step", "element", "place")))
         known = ", ".join(name for name, value in self.values.items() if np.nan_to_num(value).any())
         return f"Stresses at {size}: {known or 'all zero'}\n  ['mises'], .largest('mises'), .table()"
 
@@ -123,20 +125,28 @@ class StressResults:
         return axes | self.values | {f"{name}_yz": value for name, value in self.places.items()}
 
 
+def _whole(name: str, given: Any) -> list[int]:
+    """Whole numbers, one or several. Raises UsageError."""
+    found = np.atleast_1d(np.asarray(given))
+    if found.dtype.kind not in "iu" and found.size:
+        raise UsageError(f"{name} = {given!r:.60} must be whole numbers", "stress.numbers")
+    return [int(k) for k in found.ravel()]
+
+
 def stress_results(
-    source: PictureSource, steps: Sequence[int] | None = None, elements: Iterable[int] | None = None,
+    source: PictureSource, steps: Sequence[int] | int | None = None, elements: Iterable[int] | int | None = None,
     points: int = POINTS,
 ) -> StressResults:  # fmt: skip
     """Of the stored `steps` (from 1; default all) and beams and trusses `elements` (default all), at `points` places.
 
     Raises UsageError for steps and elements that there are not, and for fewer than two points.
     """
-    chosen = list(range(1, source.steps + 1)) if steps is None else [int(k) for k in steps]
+    chosen = list(range(1, source.steps + 1)) if steps is None else _whole("steps", steps)
     for k in chosen:
         source.require(k)
-    if points < 2:
+    if _whole("points", points)[0] < 2:
         raise UsageError(f"{points} places along an element; at least 2 are needed", "stress.points")
-    wanted = [source.scene.bar(int(n)) for n in (source.scene.bars if elements is None else elements)]
+    wanted = [source.scene.bar(n) for n in (source.scene.bars if elements is None else _whole("elements", elements))]
     if not wanted:
         raise UsageError(f"{source.name} has no beams or trusses", "stress.element")
     shape = (len(chosen), len(wanted), points)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from spacar_formats.signal_tables import panels_by_quantity, table_of
 
+from spacar.calls import texts
 from spacar.errors import UsageError, escaped
 from spacar_drawing.defaults import plain
 from spacar_drawing.files import kept
@@ -79,6 +80,7 @@ def _curves(entries: Sequence[Entry]) -> dict[str, list[Entry]]:
             name = f"perturbation, {e.setup.model}"
         elif e.setup.integrator is None:
             name = "rigid beams" if e.setup.beams == "rigid" else f"{e.setup.strain} strain"
+            name += f", {e.setup.measure} measure" * bool(e.setup.measure)
         else:
             name = f"{e.setup.integrator}, {e.setup.model}"
         curves.setdefault(name, []).append(e)
@@ -107,12 +109,11 @@ def sweep_plot(
             y = [row[name] if row["status"] == "done" else np.nan for row in ordered]
             axes.plot([row[across] for row in ordered], y, "o-", ms=3.5, lw=1.2, color=COLOURS[k % len(COLOURS)],
                       label=escaped(label))  # fmt: skip
-        axes.set_ylabel(escaped(name), parse_math=False)
-        axes.grid(alpha=0.3)
+        dress(axes, "", escaped(name))
         if others and len(curves) <= 12:
-            axes.legend(fontsize="small", frameon=False)
-    axes.set_xlabel(escaped(across), parse_math=False)
-    figure.suptitle(escaped(rows.source), parse_math=False)
+            axes.legend(fontsize=8, labelcolor=INK, frameon=False)
+    axes.set_xlabel(escaped(across))
+    figure.suptitle(escaped(rows.source), fontsize=10, color=INK, parse_math=False)
     return kept(figure, path)
 
 
@@ -134,25 +135,27 @@ def sensitivity_plot(found: Sensitivity, path: str | Path | None = None) -> Figu
     panels = figure.subplots(len(found.quantities), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name, change in zip(panels, found.quantities, found.relative, strict=True):
         axes.barh(range(count), change, color=[COLOURS[0] if not v < 0 else COLOURS[1] for v in change], height=0.6)
+        dress(axes)
+        axes.grid(False, axis="y")
         axes.set_yticks(range(count), [escaped(p) for p in found.parameters], parse_math=False)
         axes.invert_yaxis()
-        axes.axvline(0.0, color="0.3", lw=0.8)
-        axes.set_title(escaped(name), fontsize="medium", loc="left", parse_math=False)
-        axes.grid(axis="x", alpha=0.3)
+        axes.axvline(0.0, color=INK, lw=0.8)
+        axes.set_title(escaped(name), fontsize=8.5, color=INK, loc="left", parse_math=False)
     axes.set_xlabel("relative change of the quantity over that of the parameter (-)")
     return kept(figure, path)
 
 
 @plain
 def response_plot(response: Response, names: Sequence[str] = (), path: str | Path | None = None) -> Figure:
-    """The scopes of a simulation; without one, or with names of blocks, the outputs of the blocks by quantity."""
+    """The scopes of a simulation; without one, or with names of signals ("robot", "robot:1-3"), those by quantity."""
     from spacar.simulation.plant import Spasim
 
     table, blocks = table_of(response), response.diagram.blocks
-    unknown = [name for name in names if name not in blocks]
-    if unknown:
-        raise UsageError(f"there is no block {unknown[0]}; the blocks are {', '.join(blocks)}", "simulation.signal")
     plants = [name for name, block in blocks.items() if isinstance(block, Spasim)]
-    chosen = names or plants or [name for name, block in blocks.items() if block.n_out]
-    panels = (() if names else table.panels) or [p for name in chosen for p in panels_by_quantity(table, name)]
+    chosen = texts("a signal", names) or plants or [name for name, block in blocks.items() if block.n_out]
+    sinks = {name for name, block in blocks.items() if not block.n_out}
+    signals = [
+        response.diagram.signals(n, "input" if n.partition(":")[0].strip() in sinks else "output") for n in chosen
+    ]
+    panels = (() if names else table.panels) or [p for signal in signals for p in panels_by_quantity(table, *signal)]
     return kept(scope_figure(table, response.t, panels, ", ".join(plants) or "simulation"), path)

@@ -3,15 +3,20 @@
 The stiffness is that of the dynamic degrees of freedom (mode 3: of all).
 """
 
+from __future__ import annotations
+
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from spacar.calls import Source, run
 from spacar.errors import AnalysisError, UsageError
 from spacar.linear.node_compliance import compliance_of, planar_maps, spatial_maps
 from spacar.modes import find_mode
+from spacar.result import Result
 from spacar_formats.locate import notes, open_result
 from spacar_formats.sparse_system import descriptor_beside
 
@@ -38,13 +43,21 @@ class NodeCompliance:
 
 
 def node_compliance(
-    name: str | os.PathLike[str], node: int, orientation: int | None = None, step: int = 1
+    name: Source | Result, node: int, orientation: int | None = None, step: int = 1
 ) -> tuple[NodeCompliance, list[str]]:
     """Compliance of position node `node` and its orientation node at a stored step (from 1), and warnings.
 
-    Without `orientation` it is the node that an element has together with `node`. Raises UsageError for a wrong node,
-    step or a result without dx (OUTLEVEL 0 1), AnalysisError when the stiffness is singular.
+    name   of the files of a result; or a Result, or what a Deck or a Model gives in mode 7. Without `orientation` it
+           is the node that an element has together with `node`
+
+    Raises UsageError for a wrong node, step or a result without dx (OUTLEVEL 0 1), AnalysisError when the stiffness is
+    singular.
     """
+    if not isinstance(name, str | os.PathLike):
+        result = name if isinstance(name, Result) else run(7, name)
+        with TemporaryDirectory() as folder:
+            result.save(Path(folder) / "result")
+            return node_compliance(Path(folder) / "result", node, orientation, step)
     with open_result(name, "sbd") as sbd, open_result(Path(sbd.path).with_suffix(".sbm"), "sbm") as sbm:
         lnp, ln = sbd.array("lnp").astype(int), sbd.array("ln").astype(int)
         nxp, nep = (sbd.array(k).ravel().astype(int) for k in ("nxp", "nep"))

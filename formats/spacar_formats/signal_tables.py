@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -123,10 +123,12 @@ def table_of_arrays(arrays: Mapping[str, tuple[Sequence[str], np.ndarray]]) -> S
     return SignalTable(blocks, names, np.hstack([values for _, values in arrays.values()]))
 
 
-def panels_by_quantity(table: SignalTable, block: str) -> list[Panel]:
-    """The signals of a block, those of one keyword (OUTX, OUTE ...) or of one letter and of one unit together."""
+def panels_by_quantity(table: SignalTable, block: str, rows: Iterable[int] | None = None) -> list[Panel]:
+    """The signals of a block (from 0, default all), those of one keyword (OUTX, OUTE ...) or of one letter and of one
+    unit together."""
     groups: dict[tuple[str, Unit | None], list[int]] = {}
-    for k in table.columns(block):
+    own = table.columns(block)
+    for k in own if rows is None else (own[row] for row in rows):
         what = table.names[k].split(" ")[0].rstrip("0123456789")
         groups.setdefault((what, signal_unit(table.names[k])), []).append(k)
     panels = []

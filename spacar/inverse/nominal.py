@@ -68,8 +68,10 @@ class Nominal:
     @classmethod
     def of(cls, result: Result) -> Nominal:
         """From a run in memory. Raises UsageError when it is of a mode other than 2 and 7 to 10."""
-        if not MODES[result.mode].nominal:
-            text = f"mode 3 needs a result of mode 2, this one is of mode {result.mode} (7 to 10 do as well)"
+        mode = MODES.get(getattr(result, "mode", None))
+        if mode is None or not mode.nominal:
+            found = f"not {result!r:.60}" if mode is None else f"this one is of mode {mode.number}"
+            text = f"mode 3 needs a result of mode 2, {found} (7 to 10 do as well)"
             raise UsageError(text, "files.not-mode-2")
         n = result.mechanism.numbering
         keywords = tuple(n.keyword.get(i, "") for i in range(1, len(n.le) + 1))

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.calls import Source, deck_of, frames
+from spacar.calls import Source, deck_of, frames, texts
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
 from spacar.deck.directed import DirectedDeck, nothing_lost
 from spacar.deck.length_unit import shown_in
@@ -52,6 +52,7 @@ from spacar.stationary import LoadProgram, StationarySolver
 from spacar.stream import Run
 from spacar.studies.assignments import Setting, change, parameters_of, setting
 from spacar.studies.runs.quantities import Quantity, quantity
+from spacar.summary import counted
 
 COLUMNS = ("quantity", "value", "unit", "parameter", "at", "unit of parameter", "derivative", "relative")
 SHOWN, MOST_LINES = 4, 8  # parameters in a line of a summary, lines
@@ -91,7 +92,8 @@ class Sensitivity:
         return np.where(self.values[:, None] != 0.0, found, np.nan)
 
     def __repr__(self) -> str:
-        lines = [f"Sensitivity of {len(self.quantities)} quantities by {len(self.parameters)} parameters"]
+        n, m = self.derivatives.shape
+        lines = [f"Sensitivity of {counted(n, 'quantity')} by {counted(m, 'parameter')}"]
         for q, value, unit, row in zip(
             self.quantities, self.values, self.quantity_units, self.derivatives, strict=True
         ):
@@ -131,7 +133,7 @@ class Sensitivity:
 
 
 def sensitivity(
-    model: Source, parameters: Sequence[str], quantities: Sequence[str], *,
+    model: Source, parameters: str | Sequence[str], quantities: str | Sequence[str], *,
     at: Sequence[float] | None = None, **options: Any,
 ) -> Sensitivity:  # fmt: skip
     """Exact derivatives of stationary quantities with respect to numbers of the deck, from one analysis.
@@ -153,8 +155,10 @@ def sensitivity(
     >>> found.derivatives.shape
     (1, 1)
     """
-    names = [parameters] if isinstance(parameters, str) else list(parameters)
-    wanted = [quantity(q, STRESS_INDICES) for q in ([quantities] if isinstance(quantities, str) else quantities)]
+    names = texts("parameters", parameters)
+    wanted = [quantity(q, STRESS_INDICES) for q in texts("quantities", quantities)]
+    if "mode" in options:
+        raise UsageError("sensitivity takes no mode: all stationary quantities are asked at once", "sensitivity.mode")
     deck = _read(model)
     deck, numbers = deck_numbers(deck, names)
     if at is not None:

@@ -19,7 +19,7 @@ class Signals(Mapping[str, Array]):
         self._diagram, self._outputs, self._y = diagram, outputs, y
 
     def __getitem__(self, name: str) -> Array:
-        block, rows = self._diagram.signals(name)
+        block, rows = self._diagram.signals(str(name))
         return np.asarray(self._y[..., self._outputs[block].start + rows])
 
     def __iter__(self) -> Any:

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.calls import Source, checked_options, deck_of, frames
+from spacar.calls import Source, checked_options, deck_of, frames, texts
 from spacar.deck import Deck
 from spacar.deck.length_unit import shown_in
 from spacar.errors import AnalysisError, Report, UsageError
@@ -47,7 +47,7 @@ WITH_INITIAL = 2  # ITERSTEP type: the initial loading first, then the additiona
 
 def flexure(
     source: Source, *, move: str | None = None, force: str | None = None, node: int | None = None,
-    orientation: int = 0, steps: int = 10, loads: Sequence[str] = (), extra: Sequence[str] = (),
+    orientation: int = 0, steps: int = 10, loads: str | Sequence[str] = (), extra: str | Sequence[str] = (),
     pivot: Sequence[float] | None = None, modes: int = 6, **options: Any,
 ) -> Flexure:  # fmt: skip
     """What a designer of a flexure asks over its range of motion.
@@ -76,6 +76,8 @@ def flexure(
     if not (isinstance(steps, Integral) and isinstance(modes, Integral) and steps >= 1 and modes >= 1):
         text = f"steps = {steps!r} and modes = {modes!r} must be whole numbers from 1"
         raise UsageError(text, "flexure.steps")
+    texts("a move or a force", [text for text in (move, force) if text is not None])
+    loads, extra = texts("loads", loads), texts("extra", extra)
     deck = deck_of(source, 10)
     mechanism = build(deck, 10, **options)
     if not mechanism.numbering.holonomic or mechanism.numbering.nk:
@@ -95,7 +97,7 @@ def flexure(
             sides.append(_side(deck, mechanism, whole, end, count, acting, beside, node, orientation, modes, options))
     except AnalysisError as error:
         raise AnalysisError("; ".join(filter(None, (str(error), doubt))), error.code, **error.data) from error
-    return replace(_joined(deck, whole, sides, centre, doubt), extra=tuple(extra))
+    return replace(_joined(deck, whole, sides, centre, doubt), extra=extra)
 
 
 def beyond(move: StrokeMove, length: float, metre: float) -> str:

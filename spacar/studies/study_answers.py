@@ -10,6 +10,7 @@ from spacar.deck import Deck
 from spacar.modes import registered
 from spacar.studies.policies.trade import Entry, Reference
 from spacar.studies.runs.rows import Row
+from spacar.summary import counted
 
 SHOWN = 6  # rows in a summary
 
@@ -32,7 +33,7 @@ class SweepRows(list[Row]):
 
     def __repr__(self) -> str:
         failed = sum(row["status"] != "done" for row in self)
-        lines = [f"Sweep of {self.source}: {len(self)} cases, {failed} failed"]
+        lines = [f"Sweep of {self.source}: {counted(len(self), 'case')}, {failed} failed"]
         for row in self[:SHOWN]:
             numbers = ", ".join(f"{name} = {row[name]:.6g}" for name in self.changed)
             answers = (f"{name} = {_number(row.get(name))}" for name in self.results)

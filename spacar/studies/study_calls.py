@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
+from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
-from spacar.calls import Source, checked_options, deck_of, has_interval
+from spacar.calls import Source, checked_options, deck_of, has_interval, texts
 from spacar.deck import Deck
 from spacar.deck.rewrite.refine import flexible_beams
 from spacar.errors import UsageError
@@ -32,7 +33,7 @@ def sweep(
     change: Mapping[str, Iterable[float] | str],
     results: str | Sequence[str],
     *,
-    mode: int = 1,
+    mode: int | None = None,
     together: bool = False,
     jobs: int | None = None,
     output: str | Path | None = None,
@@ -43,7 +44,8 @@ def sweep(
     """Run a model for many values of its numbers. One row (a dict) a case: the values, the results, `status`
     ("done", "failed", "lost"), `seconds` and `reason`; `.plot()`, `.to_pandas()`.
 
-    source    path of the input file, a Deck or a Model;  mode  that is run
+    source    path of the input file, a Deck or a Model
+    mode      that is run; default: 1 with TIMESTEP, else 7
     change    {"ESTIFF.*[EI]": [5.0, 10.0], "XM.8": "1:100:7:log"}: targets and values: `spacar help studies`; all
               combinations are run, with `together` the first values of all targets, then the second ones ...
     results   expressions that come to one number: "x[8,1]@end", "tip: max(abs(x[8,2]))"
@@ -62,14 +64,14 @@ def sweep(
     """
     if not change or not isinstance(change, Mapping):
         raise UsageError("nothing to vary: give targets and their values, such as {'XM.8': [1, 2]}", "usage.sweep")
-    texts = (results,) if isinstance(results, str) else tuple(results)
-    if not texts:
+    wanted = texts("results", results)
+    if not wanted:
         raise UsageError("nothing to keep: give at least one result, for instance 'x[6,1]@end'", "usage.sweep")
     options, _ = checked_options(options)
-    number = find_mode(mode).number
+    number = find_mode(mode_of(source, options) if mode is None else mode).number
     axes = [Axis(setting(target), _numbers(target, given)) for target, given in change.items()]
     settings, cases = combine(axes, together)
-    study = Study(number, deck_of(source, number), settings, tuple(map(quantity, texts)), options)
+    study = Study(number, deck_of(source, number), settings, tuple(map(quantity, wanted)), options)
     require_columns(study)
     engine: Engine = partial(run, jobs=jobs or 1)
     path = None if output is None else Path(output)
@@ -110,13 +112,15 @@ def trade(
     refused = sorted(set(options) - {*INTERVAL, "compiled"})
     if refused:
         raise UsageError(f"trade chooses {', '.join(refused)} itself", "usage.trade")
-    if any(isinstance(v, str) for v in (target, budget)) or not 0.0 < target < 1.0 or not budget > 0.0:
-        raise UsageError("the target is between 0 and 1, the budget positive", "usage.trade")
+    numbers = isinstance(target, Real) and isinstance(budget, Real) and isinstance(repeats, Integral)
+    if not numbers or not 0.0 < target < 1.0 or not budget > 0.0 or repeats < 1:
+        text = "the target is between 0 and 1, the budget positive, repeats a whole number from 1"
+        raise UsageError(text, "usage.trade")
     number, deck = compared_deck(source, mode, options)
     require_beams(deck, number)
-    texts = (variables,) if isinstance(variables, str) else tuple(variables)
-    chosen = tuple(map(quantity, texts)) or default_variables(number, deck)
-    asked = Trade(number, deck, chosen, repeats, options, named=bool(texts))
+    named = texts("variables", variables)
+    chosen = tuple(map(quantity, named)) or default_variables(number, deck)
+    asked = Trade(number, deck, chosen, repeats, options, named=bool(named))
     found, _ = cheapest(asked, target, budget)
     assert found.reference is not None  # search has said why otherwise
     best, simpler = found.best, simpler_deck(asked, found.best)
@@ -129,10 +133,8 @@ def trade(
 
 
 def compared_deck(source: Source, mode: int | None, options: Mapping[str, Any]) -> tuple[int, Deck]:
-    """Mode and deck of a trade; without a given mode, 1 where there is a time interval, else 7. Raises UsageError."""
-    if mode is None:
-        plain = deck_of(source, 1 if isinstance(source, Deck) else 7)
-        mode = 1 if has_interval(plain) or "duration" in options else 7
+    """Mode and deck of a trade. Raises UsageError."""
+    mode = mode_of(source, options) if mode is None else mode
     analysis = find_mode(mode)
     if not _compared(analysis):
         able = ", ".join(str(m.number) for m in MODES.values() if _compared(m))
@@ -141,6 +143,12 @@ def compared_deck(source: Source, mode: int | None, options: Mapping[str, Any]) 
     if analysis.integrated and not has_interval(deck) and len([k for k in INTERVAL if k in options]) < 2:
         raise UsageError(f"{deck.source} has no TIMESTEP; give --time and --steps", "usage.timestep")
     return analysis.number, deck
+
+
+def mode_of(source: Source, options: Mapping[str, Any]) -> int:
+    """The mode of a study for which none is given: 1 where there is a time interval, else 7."""
+    plain = deck_of(source, 1 if isinstance(source, Deck) else 7)
+    return 1 if has_interval(plain) or "duration" in options else 7
 
 
 def _compared(mode: Mode) -> bool:

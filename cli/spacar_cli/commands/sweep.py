@@ -23,7 +23,7 @@ from spacar_cli.studying import ROWS, common, counted
 )  # fmt: skip
 @words.option("table_file")
 @words.option("together")
-@words.option("mode", default=1)
+@words.option("mode", "; default 1 with TIMESTEP, else 7")
 @words.option("results", ": 'x[6,1]@end', 'max(sig[1,1])', 'abs(eigval[1])'. May be repeated.", multiple=True)
 @words.option("output", ": rows, .csv or .jsonl. Default: FILE.sweep.csv.", type=ROWS)
 @words.option("scheduler")
@@ -37,7 +37,7 @@ from spacar_cli.studying import ROWS, common, counted
 @common
 def command(
     environment: Environment, /, file: Path, assignments: tuple[str, ...], table_file: Path | None, together: bool,
-    mode: int, results: tuple[str, ...], output: Path | None, scheduler: str | None, regardless: bool,
+    mode: int | None, results: tuple[str, ...], output: Path | None, scheduler: str | None, regardless: bool,
     retry_failed: bool, batch: bool | None, jobs: int | None, as_json: bool, **options: Any,
 ) -> ExitStatus:  # fmt: skip
     """Run FILE for many values of its numbers and keep quantities of every case.
@@ -52,14 +52,14 @@ def command(
     from spacar.studies.policies.sweep import DONE, Study, sweep
     from spacar.studies.runs.quantities import quantity
     from spacar.studies.runs.workers import run
-    from spacar.studies.study_calls import batches_of, require_columns
+    from spacar.studies.study_calls import batches_of, mode_of, require_columns
 
     source = input_file(file)
     if not results:
         raise UsageError("nothing to keep: give at least one --result, for instance 'x[6,1]@end'", "usage.sweep")
-    number = find_mode(mode).number
-    settings, cases = _cases(parameters, assignments, table_file, together)
     given = {name: value for name, value in options.items() if value is not None}
+    number = find_mode(mode_of(source, given) if mode is None else mode).number
+    settings, cases = _cases(parameters, assignments, table_file, together)
     study = Study(number, read_deck(source, number), settings, tuple(map(quantity, results)), given)
     require_columns(study)
     path = output or source.with_name(f"{source.stem}.sweep.csv")
