@@ -113,10 +113,10 @@ class CompiledStepper:
         self.scale = evaluator.model.mechanism.scale
         first = address_of(memory)
         self.error: BaseException | None = None
-        most = max(1, min(MOST, COMPONENTS // (nx + ne)))
+        self.most = max(1, min(MOST, COMPONENTS // (nx + ne)))
         self.c = structure("Stepper")(
             model.handle, evaluator.state.address, None, first, address_of(self.scale),
-            first + WIDTH * capacity * width, n, capacity, width, monitor.look, monitor.back, most,
+            first + WIDTH * capacity * width, n, capacity, width, monitor.look, monitor.back, self.most,
             MAX_REDUCTIONS, REDUCTION,
         )  # fmt: skip
         self.c.jump, self.c.share, self.c.noise, self.c.still = LARGEST_JUMP, SHARE, NOISE, STILL
@@ -163,11 +163,13 @@ class CompiledStepper:
             if not (first and c.recorded):
                 self._go_on(self.monitor.started(t, by.y))
             while status != ARRIVED:
+                ahead = evaluation.halt - counted.n_steps
+                c.most = max(1, int(min(self.most, ahead)))
                 if output_block is None:
                     c.until = float(evaluation.times[evaluation.next_output(c.t)])
                     status = by.take_steps()
                 else:
-                    output_block.begin(output, evaluation.halt - counted.n_steps)
+                    output_block.begin(output, ahead)
                     output_block.c.since, output_block.c.suspect = self.monitor.n, evaluation.suspect
                     status = by.take_steps_through(output_block)
                     output += output_block.c.done

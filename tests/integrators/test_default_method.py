@@ -162,13 +162,13 @@ def test_a_motion_that_becomes_fast_is_given_back_to_adams() -> None:
 def test_a_stiff_damper_needs_few_evaluations(c: float, compiled: bool) -> None:
     """1 kg on a spring k and a damper c, released at 0.1 m: (l2 exp(l1 t) - l1 exp(l2 t))/(l2 - l1), l1 l2 = k.
 
-    The only direction of the rates is that of the decay. Radau alone needs some 60 evaluations; a call of C takes
-    1000 steps. With 1e12 no first step of Adams is small enough."""
+    The only direction of the rates is that of the decay. Radau alone needs some 60 evaluations; the first
+    look at Adams is after 100 steps. With 1e12 no first step of Adams is small enough."""
     k = 1e-3 * c
     rows = [("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1, 1)]
     more = [("XM", 2, 1.0), ("ESTIFF", 1, k), ("EDAMP", 1, c), ("STARTDE", 1, 1, 0.1, 0.0), ("TIMESTEP", 800.0, 4)]
     found = spacar.run(1, Deck.build(rows, more), compiled=compiled)
-    assert total(found, "rhs") < (4000 if compiled else 1000)
+    assert total(found, "rhs") < 500
     fast = -0.5 * c * (1.0 + np.sqrt(1.0 - 4.0 * k / c**2))
     slow, t = k / fast, np.array([0.0, 200.0, 400.0, 600.0, 800.0])
     exact = 1.0 + 0.1 * (fast * np.exp(slow * t) - slow * np.exp(fast * t)) / (fast - slow)
