@@ -17,8 +17,8 @@ A start that is held by fading forces and not stable is a guess, which may lead 
 is followed back to the largest holding force, where the stable branch begins, and along this.
 
 Where parts become too small the path may turn: it is followed by arc length. At a limit point of growing loads the walk
-ends with an error, unless ITERSTEP position 7 asks to go on to where the path reaches the level. Under prescribed
-displacement alone it goes on, and says so: the state at the prescribed value is what the file asks for.
+ends with an error, unless ITERSTEP position 7 asks to go on to where the path reaches the level; at one of fading
+forces the start is given up. Under prescribed displacement alone it goes on, and says so: the file asks for that state.
 """
 
 from __future__ import annotations
@@ -299,7 +299,7 @@ class Continuation:
         whole = until is target
         end = 1.0 if whole else (until.path - origin.path) / (target.path - origin.path)
         try:
-            beyond = self.follow or not loads_grow(e.mechanism, target)
+            beyond = self.follow or not (e.fading_force is not None or loads_grow(e.mechanism, target))
             found = self._follow(origin, target, end, self._before_turn(origin, target), beyond)
             if not (whole or found.turns):
                 raise Bifurcation

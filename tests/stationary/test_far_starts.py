@@ -116,6 +116,36 @@ END END
 """
 
 
+HALVES = """X 3 0.6 0
+FIX 1
+FIX 2
+PLBEAM 1 1 2 3 4
+RLSE 1
+DYNX 3
+DYNX 4
+SECTION bar CUSTOM 0.8 0.11 0.13 0.24
+MATERIAL stuff 100. 50. 0.5
+BEAMSEC 1 bar stuff 2
+END HALT
+XM 3 1.
+XM 4 0.3
+STARTDX 3 1 {x}
+STARTDX 3 2 {y}
+STARTDX 4 1 {phi}
+END END
+"""
+
+
+@pytest.mark.parametrize("x", [0.54, 0.59, 0.65])
+@pytest.mark.parametrize(("y", "phi"), [(0.02, 0.03), (0.05, -0.1), (-0.05, 0.03)])
+def test_a_path_of_fading_forces_that_turns_is_left(x, y, phi):
+    """A beam of two halves without loads is straight wherever its end starts. The forces that held the start went
+    through limit points, to a state in which the halves were folded: refused for their range."""
+    r = spacar.run(10, parse_deck(HALVES.format(x=x, y=y, phi=phi), mode=10))
+    assert r.node(3)[-1] == pytest.approx((0.6, 0.0), abs=1e-12)
+    assert not any("unstable" in line for line in r.report)
+
+
 @pytest.mark.parametrize("general", ["", "1"])
 @pytest.mark.parametrize("mode", [7, 8, 10])
 @pytest.mark.parametrize(("preload", "force"), [(0.01, 1e-4), (0.01, 0.02), (0.3, 0.1), (1e-3, 1e-5)])
