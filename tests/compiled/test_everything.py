@@ -19,6 +19,8 @@ from spacar.compiled.library import unavailable
 from spacar.compiled.numbers import without_form
 from spacar.dynamics import Dynamics
 from spacar.errors import AnalysisError, SpacarError
+from spacar.mechanism import build
+from tests.studies.all_elements import MODELS, deck_of
 
 DATA = Path(__file__).parents[2] / "data"
 LIKE = {"e": "x", "ed": "xd", "edd": "xdd", "fx": "sig", "fxgrav": "sig", "fxtot": "sig"}
@@ -64,49 +66,16 @@ def test_every_example(name: str) -> None:
     same(spacar.frames(1, DATA / f"{name}.dat").mechanism, 1e-4 if stiff else 1e-2)
 
 
-ROWS = [("PLBEAM", 1, 1, 2, 3, 4), ("PLBEAM", 2, 3, 4, 5, 6), ("X", 3, 1.0, 0.2), ("X", 5, 2.0), ("FIX", 1)]
-FLEXIBLE = [("DYNE", 1, 2, 3), ("DYNE", 2, 2, 3)]
-LAW = [("EM", 1, 0.3), ("EM", 2, 0.2), ("ESTIFF", 1, 0.0, 5.0), ("ESTIFF", 2, 0.0, 4.0), ("GRAVITY", 1.0, -9.81)]
-
-
 def mechanism(rows: list[tuple], dynamics: list[tuple]) -> spacar.Result:
     return spacar.frames(1, Deck.build(rows, [*dynamics, ("TIMESTEP", 0.1, 2)])).mechanism
 
 
-@pytest.mark.parametrize("driven", [False, True])
-def test_inertia_of_deformations(driven: bool) -> None:
-    """MEE on dynamic and prescribed deformations, diagonal and coupled; gravity does not act on it."""
-    more = [("INPUTX", 2, 1)] if driven else [("DYNX", 2, 1)]
-    motion = [("INPUTX", 2, 1, 0.0, 2.0, 3.0)] if driven else []
-    mee = [("MEE", k, i, 0.2) for k in (1, 2) for i in (2, 3)] + [("MEE", 1, 2, 1, 3, 0.05), ("MEE", 1, 3, 2, 2, 0.04)]
-    same(mechanism([*ROWS, *more, *FLEXIBLE], [*LAW, *motion, *mee]))
-
-
-def test_constant_moments() -> None:
-    """Their dual forces follow the orientation, so they are linear in the coordinates."""
-    rows = [("BEAM", 1, 1, 2, 3, 4, 0.0, 1.0, 0.0), ("X", 3, 1.0, 0.0, 0.0), ("FIX", 1), ("FIX", 2)]
-    rows.append(("DYNE", 1, 2, 3, 4, 5, 6))
-    law = [("EM", 1, 0.3, 0.01), ("ESTIFF", 1, 0.0, 3.0, 5.0, 4.0), ("XF", 4, 0.3, -0.2, 0.5), ("XF", 3, 1.0, 2.0, 3.0)]
-    compiled = same(mechanism(rows, law), 1e-1)
-    assert compiled.model.loads.moment_rows.size
-
-
-WARPED = [
-    ("BEAMW", 1, 1, 2, 3, 4, 5, 6, 0.0, 1.0, 0.2, 0.01), ("BEAMW", 2, 4, 5, 6, 7, 8, 9, 0.0, 1.0, 0.2),
-    ("X", 4, 1.0, 0.1, 0.0), ("X", 7, 2.0, 0.0, 0.3), ("DYNE", 1), ("DYNE", 2), ("LDEFORM", 2),
-    ("FIX", 1), ("FIX", 2), ("FIX", 3),
-]  # fmt: skip
-LAW_OF_WARPED = [
-    *(("ESTIFF", k, 1e4, 20.0, 30.0, 40.0, 0.01, 0.02, 5.0) for k in (1, 2)),
-    *(("EDAMP", k, 1.0, 0.2, 0.3, 0.4, 0.0, 0.0, 0.05) for k in (1, 2)),
-    *(("EM", k, 1.0, 0.02, 0.01, 0.01, 0.0, 0.03) for k in (1, 2)),
-    ("GRAVITY", 0.0, 0.0, -9.81), ("XM", 9, 0.1), ("XF", 9, 2.0), ("XF", 7, 0.0, 1.0, 2.0),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("measure", [[], [("ADEFORM",)]], ids=["sine", "angle"])
-def test_beams_with_warping(measure: list[tuple]) -> None:
-    assert same(mechanism([*WARPED, *measure], LAW_OF_WARPED)).n_positions == 14
+@pytest.mark.parametrize("name", MODELS)
+def test_every_element_moment_and_coupling(name: str) -> None:
+    """Both measures, moments whose dual forces follow the orientation, MEE, slips, prescribed motions."""
+    whole = build(deck_of(name), 1)
+    assert without_form(whole) == []
+    same(whole)
 
 
 PIPE = ("EM", 1, 0.3, 0.2, 0.5, 1.1)
@@ -114,7 +83,6 @@ PLANAR = [("X", 3, 1.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1, 2, 3)]
 SPATIAL = [("X", 3, 1.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1, *range(1, 7))]
 SECTION = (0.02, 0.01, 0.03)  # inertia about the axes
 CURVED = ("ORTUBE", 1, 0.9, 0.1, 0.3, 0.8, 0.2, -0.3, 0.1, 1.0, 0.2)
-ROLLING = [("X", 1, 0.0, 0.0, 0.5), ("X", 3, 0.0, 0.0, 0.0), ("DYNX", 1, 2), ("DYNX", 2, 2, 3, 4), ("KINX", 1, 1)]
 
 
 @pytest.mark.parametrize("angle", [False, True])
@@ -130,16 +98,6 @@ def test_tubes_with_flow(rows: list[tuple], end: int, angle: bool) -> None:
     whole = mechanism([*rows, *[("ADEFORM",)] * angle], law)
     assert without_form(whole) == []
     same(whole, 3e-2)
-
-
-def test_torus_wheel_with_slips() -> None:
-    """Rolling and skidding: the lateral slip is released and damped."""
-    rows = [("TWHEEL", 1, 1, 2, 3, 0.5, 0.1, 0.0, 1.0, 0.0), *ROLLING, ("RLSE", 1, 6)]
-    law = [("XM", 1, 2.0), ("XM", 2, 0.1, 0.0, 0.0, 0.2, 0.0, 0.1), ("XF", 1, 1.0, 2.0)]
-    law.append(("EDAMP", 1, 0, 0, 0, 0, 0, 0.3))
-    whole = mechanism(rows, law)
-    assert without_form(whole) == []
-    same(whole)
 
 
 def test_screws_and_belts_count_turns() -> None:

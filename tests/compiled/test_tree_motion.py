@@ -15,8 +15,6 @@ import spacar
 from spacar.compiled import CompiledDynamics
 from spacar.compiled.library import unavailable, why_off
 from spacar.deck import parse_deck
-from spacar.dynamics import Dynamics
-from spacar.mechanism import build
 from spacar.studies.assignments import change, setting
 from spacar.studies.ensemble import ensemble
 
@@ -158,29 +156,6 @@ def planar(seed: int, links: int) -> str:
 
 
 CASES = [(grow, seed, 1 + seed % 7) for grow in (spatial, planar) for seed in range(20)]
-
-
-@pytest.mark.parametrize(("grow", "seed", "links"), CASES)
-def test_rates_of_random_trees(grow, seed, links):
-    mechanism = build(parse_deck(grow(seed, links), 1), 1)
-    general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
-    y = general.start()
-    compiled.start()
-    rng = np.random.default_rng(seed)
-    for k in range(3):
-        t, state = 0.01 * k, y + 0.3 * k * rng.standard_normal(len(y))
-        want = general.rhs(t, state, 1e-14)
-        compiled._y[:] = state
-        iterations = compiled.solver.rhs(compiled.state, t, *compiled._addresses, 1e-14)
-        assert iterations == 0  # others need one at least
-        scale = max(1.0, np.abs(want).max())
-        np.testing.assert_allclose(compiled._out, want, atol=1e-9 * scale, rtol=0)
-        a, s = general.frame(t, state), compiled.state
-        for name in ("x", "xd", "xdd", "e"):
-            exact = getattr(a, name)
-            np.testing.assert_allclose(
-                getattr(s, name)[:, 0], exact, atol=1e-9 * max(scale, np.abs(exact).max()), rtol=0, err_msg=name
-            )
 
 
 @pytest.mark.parametrize("angle", [0.0, 2.0, 7.0, -15.0])

@@ -44,10 +44,15 @@ def test_frames_of_random_trees(grow, seed, links):
         t, state = 0.01 * k, y + 0.3 * k * rng.standard_normal(len(y))
         a, b = general.frame(t, state), compiled.frame(t, state)
         assert not b.e[rigid].any()  # the equations of all elements leave rounding there
+        scale = max(1.0, *(np.abs(getattr(a, of)).max() for of in ("xdd", "fxtot")))
         for name in (*X_FIELDS, *E_FIELDS):
             want = getattr(a, name)
-            size = max(1.0, np.abs(want).max(), *(np.abs(getattr(a, of)).max() for of in ("xdd", "fxtot")))
+            size = max(scale, np.abs(want).max())
             np.testing.assert_allclose(getattr(b, name), want, atol=1e-9 * size, rtol=0, err_msg=name)
+        compiled._y[:] = state
+        assert compiled.solver.rhs(compiled.state, t + 1e-9, *compiled._addresses, 1e-14) == 0  # others iterate
+        want = general.rhs(t + 1e-9, state, 1e-14)
+        np.testing.assert_allclose(compiled._out, want, atol=1e-9 * max(1.0, np.abs(want).max()), rtol=0)
 
 
 def test_forces_of_a_hanging_chain():

@@ -94,11 +94,13 @@ class Screw(Family):
         moments = np.stack((sigma[0] - self.pitch * sigma[1], sigma[4], sigma[5]))
         self.turn.geometric_stiffness(c.turn, moments, H)
         self.slide.geometric_stiffness(c.slide, sigma[1:4], out[:10, :10])
-        out[np.ix_(LAMBDAS, LAMBDAS)] += H
+        turned = out[3:7, 3:7].copy()
+        out[np.ix_(LAMBDAS, LAMBDAS)] = H
+        out[3:7, 3:7] += turned
 
     def _put(self, turn: Array, slide: Array, out: Array) -> None:
         """Write rows of the rotation (3, 8, n) and of the translation (3, 10, n)."""
-        out[1:4, :10] = slide
+        out[1:4, :10], out[1, 10:] = slide, 0.0
         out[np.ix_(TURNED, LAMBDAS)] = turn
         out[1, LAMBDAS] -= self.pitch * turn[0]
 
