@@ -89,7 +89,7 @@ def texts(name: str, given: object) -> tuple[str, ...]:
     found = tuple(given) if isinstance(given, Iterable) and not isinstance(given, str) else (given,)
     if not all(isinstance(text, str) for text in found):
         raise UsageError(f"{name} is a text or a list of texts, not {given!r:.60}", "usage.text")
-    return found  # type: ignore[return-value]
+    return found
 
 
 def integrator(code: int, subject: str = "integrator type") -> tuple[int, str | None]:

@@ -68,7 +68,7 @@ class Nominal:
     @classmethod
     def of(cls, result: Result) -> Nominal:
         """From a run in memory. Raises UsageError when it is of a mode other than 2 and 7 to 10."""
-        mode = MODES.get(getattr(result, "mode", None))
+        mode = MODES.get(getattr(result, "mode", -1))
         if mode is None or not mode.nominal:
             found = f"not {result!r:.60}" if mode is None else f"this one is of mode {mode.number}"
             text = f"mode 3 needs a result of mode 2, {found} (7 to 10 do as well)"
