@@ -22,6 +22,7 @@ DIRECTIONS = np.array([(np.cos(a), np.sin(a)) for a in np.pi * np.array([0.25, 0
 RINGS = np.repeat([1.0, 1.7, 2.6], len(DIRECTIONS))  # distance of the candidate places, nearest first
 AROUND = np.tile(DIRECTIONS, (3, 1))  # and their directions
 OUTSIDE = 1e3  # what a place outside of the axes, among their numbers, counts: more than all that a label can cover
+DOTS = 60  # of a line, that a label may cover
 MOST_LABELS = 60  # of nodes, and of elements, that are shown: more cannot be read
 
 
@@ -104,13 +105,18 @@ class _Dots:
 
 
 def _samples(camera: Camera, shapes: Sequence[Shape]) -> Array:
-    """Points along all lines, dense enough to see that a label covers one."""
+    """Points along all lines, about DOTS each at equal distances, dense enough to see that a label covers one."""
     parts = []
     for s in shapes:
         if isinstance(s, Line):
             p = camera.project(s.points)
-            t = np.linspace(0.0, 1.0, max(2, 60 // p.shape[-2] + 1)).reshape(-1, *(1,) * p.ndim)
-            parts.append(((1 - t) * p[..., :-1, :] + t * p[..., 1:, :]).reshape(-1, 2))
+            step = np.diff(p, axis=-2)
+            length = np.linalg.norm(step, axis=-1)
+            whole = np.maximum(length.sum(axis=-1, keepdims=True), np.finfo(float).tiny)
+            count = np.ceil(DOTS * length / whole).astype(np.int64).ravel()
+            k = np.repeat(np.arange(len(count)), count)
+            part = (np.arange(len(k)) - (np.cumsum(count) - count)[k]) / count[k]
+            parts.append(p[..., :-1, :].reshape(-1, 2)[k] + part[:, None] * step.reshape(-1, 2)[k])
         elif isinstance(s, Faces) and not camera.planar:
             parts.append(camera.project(s.corners.mean(1)))
     return np.concatenate(parts) if parts else np.zeros((0, 2))

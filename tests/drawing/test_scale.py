@@ -69,6 +69,16 @@ def test_labels_do_not_cover_each_other():
     assert gap.min() > 4.0
 
 
+def test_a_label_does_not_cover_the_long_part_of_a_line():
+    """An ordinate up to the right, then a curve of many points elsewhere: not the first place, which is up right."""
+    camera = Camera.plane()
+    _, axes = new_figure((-np.ones(3), np.ones(3)), camera)
+    curve = np.stack((np.linspace(0.9, -0.9, 300), np.full(300, 0.9), np.zeros(300)), axis=1)
+    line = Line(np.concatenate((np.zeros((1, 3)), curve)), "k", 1.0, 1)
+    (text,) = place_labels(axes, camera, [Label(np.zeros(3), "30.49")], [line])
+    assert not (text.xyann[0] > 0.0 and text.xyann[1] > 0.0)
+
+
 def test_faces_keep_their_colours_in_one_collection():
     square = np.array([[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1.0, 0]]])
     camera = Camera.plane()
