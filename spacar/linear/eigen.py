@@ -34,7 +34,7 @@ FEW_FROM = 30  # degrees of freedom; SciPy is loaded by the solution before thes
 ROUNDING = 1e-12  # omega^2 below this fraction of the largest may be rigid motions
 SPREAD = 1e-5  # of omega^2, from which on the entries of K have too few digits for the lowest
 SINGULAR = 1e3  # of M, row and column scaled, from which on its entries have too few digits for the highest
-MOST_GRADED, MOST_DAMPED = 200, 40  # degrees of freedom, undamped and damped: 60 ms and 80 ms
+MOST_GRADED = 200  # degrees of freedom: 60 ms
 
 
 def vibration_modes(
@@ -149,7 +149,7 @@ def damped_modes(K: Array, C: Array, M: Array, report: Report, factors: FindFact
     A[1::2, 1::2] = -Phi.T @ C @ Phi
     values, z = _eig(A, report)
     vectors = np.vstack((Phi @ (z[0::2] / w[:, None]), Phi @ z[1::2]))
-    found = eigenvalues(values, M, C, K, squares, Phi) if n <= MOST_DAMPED else None
+    found = eigenvalues(values, vectors[:n], M, C, K, squares, Phi)
     if found is not None:
         values, shapes, lost = found
         vectors = np.vstack((shapes, shapes * values))

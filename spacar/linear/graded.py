@@ -38,6 +38,7 @@ RIGID = 1e-29  # part of the largest omega^2 below which a motion has no stiffne
 SUFFICIENT = 1e-11  # relative correction that ends them; ROUGH: where rounding of the entries allows no less
 ROUGH = 1e-6
 TEN_DIGITS = 1e-10
+MANY, WORK = 40, 1e8  # degrees of freedom; eigenvalues times n^3: all of MANY (80 ms) are 5e6
 
 
 class Factors:
@@ -191,36 +192,69 @@ def _with_remainder(squares: Array, G: Array) -> tuple[Array, Array] | None:
 
 # -- damping -------------------------------------------------------------------------------------------------------
 def eigenvalues(
-    values: Complex, M: Array, C: Array, K: Array, squares: Array, Phi: Array
+    values: Complex, shapes: Complex, M: Array, C: Array, K: Array, squares: Array, Phi: Array
 ) -> tuple[Complex, Complex, NDArray[np.bool_]] | None:
-    """Eigenvalues (2 n,) of z^2 M + z C + K, their shapes (n, 2 n), and which of them the entries do not give to ten
-    digits. squares, Phi: the undamped modes. None where all `values` that are known compare with the largest, for
-    motions without stiffness or damping (their eigenvalues are a double zero), and where the iteration does not end."""
+    """Eigenvalues (2 n,) of z^2 M + z C + K, their shapes (n, 2 n), and which of them are not known to ten digits.
+
+    values, shapes   of the QR algorithm;  squares, Phi: the undamped modes
+
+    Of MANY degrees of freedom and more only those of `_doubtful` are iterated, if that is no more than WORK. None where
+    all `values` that are known compare with the largest, and for motions without stiffness or damping (their
+    eigenvalues are a double zero).
+    """
     size = np.abs(values)
     if not size.min(initial=np.inf) < SMALL * size.max(initial=0.0):
         return None
-    D = Phi.T @ C @ Phi
+    n, D = len(M), Phi.T @ C @ Phi
     still = np.abs(squares) <= RIGID * np.abs(squares).max(initial=0.0)
+    if still.any() and n > MANY:
+        return None
     squares = np.where(still, 0.0, squares)
-    given, modal = (M, C, K), (np.eye(len(M)), D, np.diag(squares))
+    given, modal = (M, C, K), (np.eye(n), D, np.diag(squares))
     own = _of_single_modes(C.diagonal() / M.diagonal(), K.diagonal() / M.diagonal())
     of_modes = _of_single_modes(D.diagonal(), squares)
     ways = [(values, given), (of_modes, given), (own, given), (of_modes, modal)]
     if still.any() or not (keeps_digits(K) and keeps_digits(M)):
         ways = [ways[3], *ways[:3]][: 1 if still.any() else 4]
     with np.errstate(all="ignore"):
-        for start, matrices in ways:
+        doubtful = _doubtful(values, shapes, *given) if n > MANY else None
+        chosen = np.arange(2 * n) if doubtful is None else np.flatnonzero(doubtful)
+        sure = np.delete(values, chosen)
+        for start, matrices in ways if len(chosen) * n**3 <= WORK else ():
             if not start.all() and not still.any():
                 continue  # a zero counts as exact
-            z, moved = _aberth(start.copy(), *matrices)
-            if not (moved <= ROUGH).all() or _meet(z):
+            z = values.astype(complex)
+            z[chosen] = start[chosen] if start is values else _others(start, sure)
+            moved = _aberth(z, chosen, *matrices)
+            if not (moved <= ROUGH).all() or _meet(z, chosen):
                 continue
-            vectors = [_null_vector(of_one, *matrices) for of_one in z]
-            known = EPS * np.array([_condition(*pair, *matrices) for pair in zip(z, vectors, strict=True)])
-            if (moved <= np.maximum(SUFFICIENT, 4.0 * len(M) * known)).all():
-                shapes = np.array(vectors).T
-                return z, shapes if matrices is given else Phi @ shapes, ~(known <= TEN_DIGITS)
-    return None
+            vectors = np.array([_null_vector(of_one, *matrices) for of_one in z[chosen]]).reshape(-1, n)
+            known = EPS * np.array([_condition(*pair, *matrices) for pair in zip(z[chosen], vectors, strict=True)])
+            if (moved <= np.maximum(SUFFICIENT, 4.0 * n * known)).all():
+                found, lost = shapes.astype(complex), np.zeros(2 * n, bool)
+                found[:, chosen] = vectors.T if matrices is given else Phi @ vectors.T
+                lost[chosen] = ~(known <= TEN_DIGITS)
+                return z, found, lost
+    return None if doubtful is None else (values, shapes, doubtful)
+
+
+def _others(start: Complex, sure: Complex) -> Complex:
+    """What is left of the starts (k,) when every sure eigenvalue (m,) has taken the nearest one, (k - m,)."""
+    for z in sure:
+        start = np.delete(start, np.argmin(np.abs(start - z)))
+    return start
+
+
+def _doubtful(z: Complex, v: Complex, M: Array, C: Array, K: Array) -> NDArray[np.bool_]:
+    """Which of the eigenvalues (k,) Rayleigh's quotient moves by more than ten digits allow; v (n, k) their shapes.
+
+    With symmetric matrices the step v.P(z) v / v.P'(z) v is wrong in the second order of the error of v.
+    """
+    doubtful = np.abs(z) < SMALL * np.abs(z).max()
+    z, v = z[doubtful], v[:, doubtful]
+    m, c, k = ((v * (A @ v)).sum(axis=0) for A in (M, C, K))
+    doubtful[doubtful] = ~(np.abs(((z * m + c) * z + k) / (2.0 * z * m + c)) <= TEN_DIGITS * np.abs(z))
+    return doubtful
 
 
 def _condition(z: complex, v: Complex, M: Array, C: Array, K: Array) -> float:
@@ -232,10 +266,11 @@ def _condition(z: complex, v: Complex, M: Array, C: Array, K: Array) -> float:
     return float(sizes / (abs(z) * abs(v @ ((2.0 * z * M + C) @ v))))
 
 
-def _meet(z: Complex) -> bool:
-    """Have two come to one value? It may be a double one, or the iteration has lost another."""
-    independent = np.abs(z[:, None] - z) + np.diag(np.full(len(z), np.inf))
-    return bool((independent <= 1e-9 * np.abs(z)).any())
+def _meet(z: Complex, chosen: Index) -> bool:
+    """Has one of the chosen come to another? It may be a double one, or the iteration has lost another."""
+    apart = np.abs(z[:, None] - z[chosen])
+    apart[chosen, np.arange(len(chosen))] = np.inf
+    return bool((apart <= 1e-9 * np.abs(z[chosen])).any())
 
 
 def keeps_digits(S: Array) -> bool:
@@ -268,9 +303,10 @@ def _scaled(z: Complex, M: Array, C: Array, K: Array) -> tuple[Complex, Complex,
     return (at * at * M + at * C + K) * both, (2.0 * at * M + C) * both, s
 
 
-def _aberth(z: Complex, M: Array, C: Array, K: Array) -> tuple[Complex, Array]:
-    """The iteration for all eigenvalues from z; the last relative correction of each. One zero is exact."""
-    last = np.where(z == 0.0, 0.0, np.inf)
+def _aberth(z: Complex, chosen: Index, M: Array, C: Array, K: Array) -> Array:
+    """The iteration of the chosen eigenvalues, in place; the last relative correction of each. One zero is exact."""
+    last = np.zeros(len(z))
+    last[chosen] = np.where(z[chosen] == 0.0, 0.0, np.inf)
     for _ in range(MOST):
         active = np.flatnonzero(~(last <= SUFFICIENT))
         if not len(active):
@@ -289,7 +325,7 @@ def _aberth(z: Complex, M: Array, C: Array, K: Array) -> tuple[Complex, Array]:
         steps = newton / (1.0 - newton * np.sum(1.0 / others, axis=1))
         z[active] -= steps
         last[active] = np.abs(steps) / np.abs(z[active])
-    return z, last
+    return last[chosen]
 
 
 def _null_vector(z: complex, M: Array, C: Array, K: Array) -> Complex:

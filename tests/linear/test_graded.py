@@ -8,6 +8,7 @@ from __future__ import annotations
 import mpmath
 import numpy as np
 import pytest
+from scipy.linalg import block_diag
 
 import spacar
 from spacar import Deck, parse_deck
@@ -44,6 +45,21 @@ def modes(M, C, K):
 def test_overdamped_oscillator(c):
     one = np.eye(1)
     assert worst(modes(one, c * one, one).values, exact(one, c * one, one)) < DIGITS
+
+
+@pytest.mark.parametrize("decades", [10, 14])
+def test_graded_blocks_of_many_degrees_of_freedom(decades):
+    """Eleven unconnected systems in mixed order: the truth is that of each alone."""
+    rng = np.random.default_rng(decades)
+
+    def graded():
+        X, d = rng.normal(size=(4, 4)), 10.0 ** rng.uniform(-decades / 2, decades / 2, 4)
+        return (X @ X.T + 4 * np.eye(4)) * np.sqrt(np.outer(d, d))
+
+    blocks = [[0.5 * (A + A.T) for A in (graded(), graded(), graded())] for _ in range(11)]
+    mixed = rng.permutation(44)
+    M, C, K = (block_diag(*A)[np.ix_(mixed, mixed)] for A in zip(*blocks, strict=True))
+    assert worst(modes(M, C, K).values, [z for block in blocks for z in exact(*block)]) < DIGITS
 
 
 @pytest.mark.parametrize(("seed", "damped", "n"), [(k, d, 2 + k % 4) for k in range(6) for d in (0, 1)] + [(0, 1, 11)])
