@@ -72,6 +72,9 @@ Key = Unit | UnevaluatedCross
 Terms = list[tuple[int, Key]]  # a few keys with signs: what a cross product of two units gives
 
 
+CODE = ("code", "_glsl", "_julia", "_octave", "_maple", "_javascript")  # ends of the methods of SymPy's code printers
+
+
 class UnevaluatedDot(sp.Expr):
     """A product of unit vectors of different frames, not evaluated; it knows its time derivative.
 
@@ -116,6 +119,15 @@ class UnevaluatedDot(sp.Expr):
 
     def _hashable_content(self) -> tuple[Any, ...]:
         return tuple((u.frame.symbol, u.index, u.frame.serial) for u in self.units)
+
+    def matches(self, expr: sp.Basic, repl_dict: Any = None, old: bool = False) -> Any:
+        """SymPy compares arguments, which are the same for all products of two frames."""
+        return (repl_dict or {}) if expr == self else None
+
+    def __getattr__(self, name: str) -> Any:
+        if name.endswith(CODE):
+            raise self._without_value("become program text")
+        raise AttributeError(name)
 
     def _eval_derivative(self, s: sp.Symbol) -> sp.Expr:
         if s == TIME:
