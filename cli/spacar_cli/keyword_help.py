@@ -12,7 +12,7 @@ from spacar_drawing.settings_check import NEEDS_GROUP, RULES, SPELLINGS
 
 from spacar.deck.findings import alternatives
 from spacar.deck.keyword_table import ALIASES, ELEMENT_TYPES, KEYWORDS, blocks_of
-from spacar.deck.table_types import BlockKind, Keyword, Variant, subject_of
+from spacar.deck.table_types import BlockKind, Keyword, subject_of
 from spacar.errors import UsageError
 
 WIDTH = 100
@@ -83,7 +83,8 @@ def _keyword(keyword: Keyword) -> Iterator[str]:
         yield f"  also written {', '.join(keyword.aliases)}"
     for variant in keyword.variants:
         yield ""
-        yield f"  {scope(variant)}{alternatives(variant.counts)} argument{'s' * (set(variant.counts) != {1})}"
+        scope = f"{', '.join(variant.scope)}: " if variant.scope else ""
+        yield f"  {scope}{alternatives(variant.counts)} argument{'s' * (set(variant.counts) != {1})}"
         width = max(len(p.text) for p in variant.parameters)
         for position, p in enumerate(variant.parameters, 1):
             default = "" if p.default is None else f"  default {p.default:g}"
@@ -92,13 +93,6 @@ def _keyword(keyword: Keyword) -> Iterator[str]:
         yield ""
         yield from (f"  {line}" for line in textwrap.wrap(note, WIDTH - 2))
     yield ""
-
-
-def scope(variant: Variant) -> str:
-    """For which models, nodes or elements a form is; empty when for all."""
-    words = [variant.space, f"{variant.role} node" if variant.role else "", ", ".join(variant.types)]
-    found = ", ".join(word for word in words if word)
-    return f"{found}: " if found else ""
 
 
 ENDS = ("END", "HALT", "VISUALIZATION")  # words between the blocks
@@ -124,7 +118,7 @@ def _record(rows: list[Keyword]) -> dict[str, Any]:
         "text": _text(name),
         "subject": None if subject is None else ["element" if of_element else "node", subject],
         "forms": [
-            {"scope": scope(v).rstrip(": "), "parameters": [[p.text, p.of] for p in v.parameters]}
+            {"scope": ", ".join(v.scope), "parameters": [[p.text, p.of] for p in v.parameters]}
             for row in rows for v in row.variants
         ],
     }  # fmt: skip

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
+from typing import Any
 
 from spacar import modes
 from spacar.deck.findings import Findings, alternatives
@@ -151,3 +152,30 @@ def one_of(findings: Findings, s: Statement, index: int, allowed: tuple[int, ...
     if index < len(s.values) and s.integer(index) not in allowed:
         text = f"{what} {s.values[index]} does not exist; allowed: {alternatives(allowed)}"
         findings.error(s, index, text, "choice")
+
+
+RANGES: dict[str, tuple[tuple[Any, ...], ...]] = {
+    "TIMESTEP": ((positive, 0, "length of the time interval"), (at_least, 1, 1, "number of time steps")),
+    "ERROR": ((positive, 0, "absolute error"), (positive, 1, "relative error")),
+    "ITERSTEP": (
+        (at_least, 0, 1, "number of iterations"), (at_least, 1, 1, "number of load steps"),
+        (positive, 2, "error tolerance"), (at_least, 3, 1, "number of steps between output steps"),
+        (one_of, 4, (0, 1, 2, 3), "type of analysis"),
+        (at_least, 5, 0, "number of load steps for the initial solution"),
+        (one_of, 6, (0, 1), "follow the equilibrium path"),
+    ),
+    "MODES": ((at_least, 0, 0, "number of modes"),),
+    "XGYRO": ((one_of, 5, (0, 1), "type of rotor"),),
+    "TRTIME": (
+        (positive, 0, "total time"), (at_least, 1, 1, "number of steps"),
+        (at_least, 2, 1, "number of intermediate steps"),
+    ),
+    "TRFRONT": ((one_of, 1, (0, 1, 2), "front type"),),
+}  # fmt: skip
+"""Keyword -> checks of single values: the function, what follows the statement in its arguments."""
+
+
+def check_ranges(findings: Findings, s: Statement) -> None:
+    """Those of RANGES."""
+    for check, *given in RANGES.get(s.keyword, ()):
+        check(findings, s, *given)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from spacar.deck.check_material import CheckMaterial, at_least, one_of, positive
+from spacar.deck.check_material import CheckMaterial, check_ranges, one_of
 from spacar.deck.statement import Statement, StatementGroup
 from spacar.deck.table_solvers import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
 
@@ -78,31 +78,14 @@ def check_tensor(scene: CheckMaterial, s: Statement) -> None:
 def _check_settings(scene: CheckMaterial, s: Statement) -> None:
     """Ranges of single values."""
     findings = scene.findings
-    if s.keyword == "TIMESTEP":
-        positive(findings, s, 0, "length of the time interval")
-        at_least(findings, s, 1, 1, "number of time steps")
-    elif s.keyword == "INTEGRAT":
+    check_ranges(findings, s)
+    if s.keyword == "INTEGRAT":
         if s.integer(0) in INTEGRATOR_ALIASES:
             findings.warning(s, 0, alias_note(s.integer(0)), "choice")
         else:
             one_of(findings, s, 0, tuple(sorted((*INTEGRATORS, *INTEGRATOR_ALIASES))), "integrator type")
         if s.real(1) < 0.0:
             findings.error(s, 1, f"step size {s.real(1):g} must not be negative", "range")
-    elif s.keyword == "ERROR":
-        positive(findings, s, 0, "absolute error")
-        positive(findings, s, 1, "relative error")
-    elif s.keyword == "ITERSTEP":
-        at_least(findings, s, 0, 1, "number of iterations")
-        at_least(findings, s, 1, 1, "number of load steps")
-        positive(findings, s, 2, "error tolerance")
-        at_least(findings, s, 3, 1, "number of steps between output steps")
-        one_of(findings, s, 4, (0, 1, 2, 3), "type of analysis")
-        at_least(findings, s, 5, 0, "number of load steps for the initial solution")
-        one_of(findings, s, 6, (0, 1), "follow the equilibrium path")
-    elif s.keyword == "MODES":
-        at_least(findings, s, 0, 0, "number of modes")
-    elif s.keyword == "XGYRO":
-        one_of(findings, s, 5, (0, 1), "type of rotor")
     elif s.keyword == "EM" and scene.outline.types[s.integer(0)].carries_flow:
         one_of(findings, s, 5, (0, 1, 2, 3), "end condition")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from spacar.deck.check_material import CheckMaterial, at_least, one_of, positive
+from spacar.deck.check_material import CheckMaterial, check_ranges
 from spacar.deck.checks_dynamics import check_tensor
 from spacar.deck.statement import Statement
 from spacar.deck.table_io import NO_TRAJECTORY, PATHS, TRAJECTORIES
@@ -102,13 +102,8 @@ def _check_one(scene: CheckMaterial, t: _Trajectory, whole: bool) -> None:
 
 def _check_values(scene: CheckMaterial, s: Statement) -> None:
     findings = scene.findings
-    if s.keyword == "TRTIME":
-        positive(findings, s, 0, "total time")
-        at_least(findings, s, 1, 1, "number of steps")
-        at_least(findings, s, 2, 1, "number of intermediate steps")
-    elif s.keyword == "TRFRONT":
-        one_of(findings, s, 1, (0, 1, 2), "front type")
-    elif s.keyword in ("TRVMAX", "TREPMAX") and len(s.values) == 3 and not s.real(2) > 0.0:
+    check_ranges(findings, s)
+    if s.keyword in ("TRVMAX", "TREPMAX") and len(s.values) == 3 and not s.real(2) > 0.0:
         text = f"extreme velocity {s.real(2):g} must be positive; the path gives the sense of the motion"
         findings.error(s, 2, text, "range")
     elif s.keyword == "TRM" and len(s.values) > 2:

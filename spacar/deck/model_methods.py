@@ -27,7 +27,7 @@ from spacar.deck.model_arguments import (
 from spacar.deck.reference import rules
 from spacar.deck.rewrite.divide import PAIRS
 from spacar.deck.section_block import ROWS
-from spacar.deck.table_types import Keyword, Parameter, Variant
+from spacar.deck.table_types import Keyword, Parameter
 
 WIDTH = 112  # of a description
 
@@ -162,7 +162,8 @@ def _documentation(
         for v in row.variants:
             skip = sum(a.count for a in arguments)
             what = "; ".join(_shown(p, bool(named)) for p in v.parameters[skip:])
-            lines += wrap(f"{_whom(v)}: {what}", WIDTH, initial_indent="- ", subsequent_indent="  ")
+            whom = " ".join(v.scope) or f"{alternatives(v.counts)} arguments"
+            lines += wrap(f"{whom}: {what}", WIDTH, initial_indent="- ", subsequent_indent="  ")
     for rule in rules(row):
         lines += ["", *wrap(rule, WIDTH)]
     return lines
@@ -174,12 +175,6 @@ def _shown(p: Parameter, named: bool) -> str:
     name = argument_name(p)
     said = not named or name in p.meaning.split() or p.meaning == "not used"
     return f"{p.meaning}{unit}{default}" if said else f"{name} ({p.meaning}){unit}{default}"
-
-
-def _whom(v: Variant) -> str:
-    role = f"{v.role} node" if v.role else ""
-    words = [v.space, role, ", ".join(v.types)]
-    return " ".join(w for w in words if w) or f"{alternatives(v.counts)} arguments"
 
 
 STUB = """# made from the keyword table by spacar.deck.model_methods

@@ -32,10 +32,8 @@ def _listed(variant: Variant) -> tuple[Parameter, ...]:
 
 def _heading(variant: Variant) -> str:
     """For what a variant is, and its numbers of arguments."""
-    whom = [variant.space, f"{variant.role} node" if variant.role else "", ", ".join(variant.types)]
-    about = " ".join(w for w in whom if w) or "all models"
     plural = "" if variant.counts == (1,) else "s"
-    return f"{about} ({alternatives(variant.counts)} argument{plural})"
+    return f"{' '.join(variant.scope) or 'all models'} ({alternatives(variant.counts)} argument{plural})"
 
 
 def rules(keyword: Keyword) -> list[str]:

@@ -93,6 +93,12 @@ class Variant:
             and (not self.types or not kind or kind in self.types)
         )
 
+    @property
+    def scope(self) -> list[str]:
+        """What it is for, in words: planar, orientation node, element types; none when for all."""
+        words = self.space, f"{self.role} node" if self.role else "", ", ".join(self.types)
+        return [word for word in words if word]
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Keyword:
