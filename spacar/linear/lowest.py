@@ -13,6 +13,8 @@ known (theta is an eigenvalue of an operator that differs by that much): value a
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -129,7 +131,10 @@ def _squared(tangent: SparseTangent, square: float) -> RefinedOperator:
 def _undamped(
     tangent: SparseTangent, square: float, operator: RefinedOperator, wanted: int, symmetric: bool, report: Report
 ) -> tuple[Array, Array]:
-    """omega^2 (wanted,) and shapes (nx, wanted); complex where the loading is not symmetric."""
+    """omega^2 (wanted,) and shapes (nx, wanted); complex where the loading is not symmetric. Then no quotient gives the
+    digits back that values lose to the factors, so that every solution is refined."""
+    if not symmetric:
+        operator = partial(operator, refined=True)
     theta, x = dominant(operator, start_block(tangent, wanted), wanted, tangent.dynamics.numbering.nddof)
     if symmetric:
         x = real_vectors(theta, x)
