@@ -104,9 +104,7 @@ class Diagnosis:
 def diagnose(mechanism: Mechanism, sweep: ElementSweep, x: Array | None = None) -> Diagnosis:
     """Analyse the constraints at the configuration x (None: that of reference), where the sweep is."""
     numbering = mechanism.numbering
-    xs, es = numbering.x_class, numbering.e_class
-    rows = np.arange(es["dynamic"].stop)
-    columns = np.r_[xs["calculable"].start : xs["calculable"].stop, xs["kinematic"].start : xs["kinematic"].stop]
+    rows, columns = numbering.velocity_equations, numbering.velocity_unknowns
     null_rows, null_columns, s, condition = _decomposed(mechanism, sweep, rows, columns)
     over, under = null_rows.shape[1], null_columns.shape[1]
     regular = not over and not under
@@ -248,9 +246,4 @@ def _shares(null: Array) -> Array:
 def _independent(mechanism: Mechanism, columns: Index) -> Array:
     """Coordinates that may be chosen as degrees of freedom: not lambda0, which the normalization determines."""
     numbering = mechanism.numbering
-    result = np.ones(len(columns), bool)
-    for k, i in enumerate(columns):
-        node, coordinate = numbering.x_owner(int(i))
-        if not numbering.planar and numbering.kind[node] == "orientation" and coordinate == 1:
-            result[k] = False
-    return result
+    return np.ones(len(columns), bool) if numbering.planar else ~np.isin(columns, numbering.euler[0])

@@ -166,7 +166,7 @@ def key(*parts: Any) -> str:
 
 def key_text(part: Any) -> str:
     """What of a part enters a key."""
-    return json.dumps(_plain(part), sort_keys=True)
+    return json.dumps(part, sort_keys=True, default=_parts)
 
 
 def digest(text: str) -> str:
@@ -175,21 +175,10 @@ def digest(text: str) -> str:
 
 
 def _parts(value: Any) -> list[float]:
-    """JSON has no complex numbers."""
-    if isinstance(value, complex):
-        return [value.real, value.imag]
-    raise TypeError(f"{value!r} in a row")
-
-
-def _plain(value: Any) -> Any:
     """JSON has no complex numbers: [real, imaginary]."""
     if isinstance(value, complex):
         return [value.real, value.imag]
-    if isinstance(value, dict):
-        return {k: _plain(v) for k, v in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(v) for v in value]
-    return value
+    raise TypeError(f"{value!r} in a row")
 
 
 def _cell(value: Any) -> str:

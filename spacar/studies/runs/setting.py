@@ -31,6 +31,7 @@ from spacar.studies.policies.sweep import explain
 from spacar.studies.runs.compared import compared
 from spacar.studies.runs.quantities import Quantity, quantity
 from spacar.studies.runs.record import require_time
+from spacar.studies.runs.result_quantities import free_coordinates
 from spacar.studies.runs.rows import Row, key
 
 MOST_VARIABLES = 600  # that are compared when the user names none
@@ -118,9 +119,8 @@ def default_variables(mode: int, deck: Deck) -> tuple[Quantity, ...]:
     more counts than coordinates. Raises UsageError when too many."""
     if find_mode(mode).stationary:
         return ()
-    n = build(deck, mode).numbering
-    given = {*range(n.x_class["fixed"].stop), *range(n.x_class["input"].start, n.x_class["input"].stop)}
-    names = [n.x_owner(i) for i in range(n.nx) if i not in given]
+    mechanism = build(deck, mode)
+    names = [mechanism.numbering.x_owner(i) for i in free_coordinates(mechanism).tolist()]
     if not 0 < len(names) <= MOST_VARIABLES:
         text = f"the model has {len(names)} free coordinates; choose with --variable, for instance 'x[3,1]'"
         raise UsageError(text, "study.trade")
