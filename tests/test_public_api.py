@@ -115,8 +115,10 @@ def test_parameters_of_drawing_functions_are_described(name):
 
 def test_drawing_swallows_no_keyword_argument():
     result = spacar.run(1, DATA / "crank.dat", duration=0.01, n_steps=2)
-    for call in (result.draw, result.plot, result.animate):
-        with pytest.raises(TypeError, match="unexpected keyword argument 'colour'"):
+    with pytest.raises(TypeError, match="unexpected keyword argument 'colour'"):
+        result.plot("x.png", colour=1)
+    for call in (result.draw, result.animate):  # which name the extras that there are
+        with pytest.raises(UsageError, match="pictures have no option 'colour'"):
             call("x.png", colour=1)
 
 

@@ -31,7 +31,8 @@ def test_with_a_change(call, tmp_path):
     options = ["--elements", "8", "--time", "0.08", "--steps", "5", "--atol", "1e-3", "--rtol", "1e-3"]
     summary = json.loads(call(1, "crankfl", "--json", *options).out)
     (line,) = [line for line in summary["information"] if "INTEGRAT" in line]
-    assert line.startswith("from t = 0.00")
+    assert line.startswith("from t = ")
+    assert float(line.split()[3].rstrip(":")) < 0.01
     assert "INTEGRAT 595" in line
     assert "rad/s" in line
     assert line in (tmp_path / "crankfl.log").read_text()

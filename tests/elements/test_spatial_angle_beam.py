@@ -203,10 +203,11 @@ def test_lateral_buckling():
 
 
 def test_lateral_buckling_in_the_sine_measure():
-    """theory-spatial.md section 14, six digits; the manual has 5.7619 with four elements, and 6.1694 with GIt = 2.39034
-    in the first of them. 5.93576: without the bending-torsion terms."""
+    """theory-spatial.md section 14, six digits; published (bibliography.md) are 5.7619 with four elements, and 6.1694
+    with GIt = 2.39034 in the first of them. 5.93576: without the bending-torsion terms."""
     got = [lateral(n, beams="sine") for n in (2, 4, 8, 16, 32)]
     np.testing.assert_allclose(got, (6.06701, 5.76187, 5.69659, 5.68017, 5.67605), rtol=0, atol=6e-6)
+    assert got[1] == pytest.approx(5.76187499, abs=1e-8)
     stiffened = lateral(4, beams="sine", change=lambda deck: deck.set("ESTIFF", 1, 3, 2.39034))
     assert stiffened == pytest.approx(6.1694, abs=6e-5)
     assert lateral(4, beams="sine", change=linear_strain) == pytest.approx(5.93576, abs=6e-6)

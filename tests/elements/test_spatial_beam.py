@@ -90,6 +90,17 @@ def test_small_rotations_have_the_stated_signs() -> None:
         np.testing.assert_allclose(evaluate(beam, x)[1], truth, atol=1e-9)
 
 
+def test_torsion_shortens_an_open_section() -> None:
+    """Unloaded (e1 = 0): axial strain -f1 alpha^2/2; the sine law of eb2 changes it by 8e-4 at 0.05 rad."""
+    f1, angle = 0.02, 0.05
+    x0 = reference(np.random.default_rng(0), 1, LAYOUT)
+    x0[:3, 0], x0[7:10, 0] = 0.0, (1.0, 0, 0)
+    beam = SpatialBeam(group("BEAM", x0, geometry=[(f1,)]))
+    x = x0.copy()
+    x[10:14, 0] = turn((1, 0, 0), angle)
+    assert evaluate(beam, x)[1][0, 0] == pytest.approx(0.5 * f1 * angle**2, rel=1e-3)
+
+
 def test_rigid_motion_leaves_no_deformation() -> None:
     beams, x0, _, _ = random_beams(5)
     lam = turn((0.2, -1.0, 0.5), 2.5)
