@@ -146,8 +146,8 @@ class Spec:
         model = model_of(name, self.types, self.properties, self.mode)
         return OPTIONS[self.option].change(model, random.Random(name))
 
-    def case(self, folder: Path) -> Case | None:
-        """None where the model is badly conditioned or goes beyond its theory."""
+    def case(self, folder: Path, refused: list[tuple[str, Spec]] | None = None) -> Case | None:
+        """None where the model is badly conditioned or goes beyond its theory; then `refused` gets the code."""
         model = self.model()
         if model is None:
             return None
@@ -155,17 +155,19 @@ class Spec:
         try:
             return case if case.positions < CONDITION and case.values else None
         except SpacarError as error:
-            if error.code in BEYOND:
-                return None
-            raise AssertionError(f"{error.code}: {error}\n{model.text()}") from error
+            if error.code not in BEYOND:
+                raise AssertionError(f"{error.code}: {error}\n{model.text()}") from error
+            if refused is not None:
+                refused.append((error.code, self))
+            return None
 
 
-def drawn(spec: Spec, folder: Path) -> tuple[Spec, Case]:
+def drawn(spec: Spec, folder: Path, refused: list[tuple[str, Spec]] | None = None) -> tuple[Spec, Case]:
     """The first attempt that can be used: well-conditioned, and its loads do not carry it beyond a limit point, a range
     of the theory or off the ground. Any other refusal is a finding."""
     for attempt in range(spec.attempt, 100):
         found = replace(spec, attempt=attempt)
-        if (case := found.case(folder)) is not None:
+        if (case := found.case(folder, refused)) is not None:
             return found, case
     raise AssertionError(f"{spec}: no model")
 

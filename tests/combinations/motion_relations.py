@@ -1,16 +1,18 @@
-"""Relations of motions: restarted, inverse and forward dynamics, balances of energy and momentum."""
+"""Relations of motions: restarted, inverse and forward dynamics, balances of energy and momentum, rigid parts."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from unittest.mock import patch
 
 import numpy as np
 
 from spacar.deck import ELEMENT_TYPES
+from spacar.mechanism import rigid_search
 
 from .case import GENERAL, NOTHING, Case, Found, worst
 from .compare import quantities
-from .model import Model, Node
+from .model import Element, Model, Node, Place, Tensor
 
 
 def started(model: Model, result, step: int) -> Model:
@@ -144,3 +146,37 @@ def inverse(case: Case) -> Found:
         want = {key: v[k : k + 1] for key, v in case.values.items()}
         found.append(case.same(want, got, GENERAL * case.condition))
     return worst(found)
+
+
+def rigid_parts(case: Case) -> Found:
+    """What is rigid is left out of the evaluation, or not."""
+    model = ballasted(case)
+    if model is None:
+        return NOTHING
+    found = []
+    for least in (1, 1000):
+        with patch.object(rigid_search, "LEAST", least):
+            found.append(quantities(model, case.run(model)))
+    return case.same(*found, GENERAL * case.condition)
+
+
+def ballasted(case: Case) -> Model | None:
+    """With rigid beams and a body behind the first end of an element, and a truss at rest."""
+    model, rng, d = case.model, case.rng, 2 if case.model.planar else 3
+    places = {r[1]: r[2] for r in model.rows("X", block=1)}
+    frames = [k for k in model.types.values() if ELEMENT_TYPES[k].nodes[:2] == ("position", "orientation")]
+    ends = [r[2:4] for r in model.rows(*frames, block=1) if r[2] in places]
+    if not ends or case.divides or model.pushes:  # a user function sees all coordinates
+        return None
+    p, o = rng.choice(ends)
+    q, turn, far, other, point, a, b = (Node(max(model.roles) + k) for k in range(1, 8))
+    e = [Element(max(model.types) + k) for k in range(1, 5)]
+    beam, body, truss = ("PLBEAM", "PLRBEAM", "PLTRUSS") if d == 2 else ("BEAM", "RBEAM", "TRUSS")
+    rows = [(beam, e[0], p, o, q, turn), (beam, e[1], q, turn, far, other), (body, e[2], q, turn, point)]
+    rows += [(truss, e[3], a, b), ("RLSE", e[3], 1), ("FIX", a), ("FIX", b)]
+    rows += [("X", n, Place(v + rng.choice((-1, 1)) * rng.uniform(0.2, 0.6) for v in places[p]))
+             for n in (q, far, point, a, b)]  # fmt: skip
+    tensor = 0.3 if d == 2 else Tensor((0.3, 0.02, 0.03, 0.4, -0.05, 0.35))
+    heavy = [("XM", far, 0.7), ("XM", point, 0.9), ("XM", other, tensor), ("EM", e[3], 0.2), ("ESTIFF", e[3], 30.0)]
+    heavy += [("EM", n, m, *(0.03,) * (2 * d - 3)) for n, m in zip(e, (0.5, 0.4), strict=False)]
+    return model.more(1, *rows).more(2, *heavy)

@@ -1,21 +1,29 @@
 """Mutants: one sign, factor, index or operator of the source changed, and whether the cases of `array.txt` notice.
 
-`python -m tests.combinations.mutants --count 100 --seed 1`. Each is made in a copy of the package. Text from which C is
-generated is left out: each mutant would take a minute to build.
+`python -m tests.combinations.mutants --count 100 --seed 1`. Each is made in a copy of the package and meets the cases
+that come by its statement, the fastest first. Text from which C is generated is left out: the engine has it compiled.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import compileall
 import os
+import py_compile
 import random
 import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import FrameType
+from typing import Any
+
+from .campaign import FAST, finding
+from .coverage import specs
 
 HERE = Path(__file__).resolve()
 ROOT = HERE.parents[2]
@@ -27,13 +35,24 @@ class Changes(ast.NodeTransformer):
     """Counts the places where something can be changed; changes the one of number `at`."""
 
     def __init__(self, at: int = -1) -> None:
-        self.at, self.count, self.what, self.line = at, 0, "", 0
+        self.at, self.count, self.what, self.line, self.statement = at, 0, "", 0, 0
+        self.inside: list[int] = []  # lines of the statements of functions that are open
+
+    def visit(self, node: ast.AST) -> ast.AST:
+        """As usual; keeps the line of the statement."""
+        if not isinstance(node, ast.stmt) or not (self.inside or isinstance(node, ast.FunctionDef)):
+            return super().visit(node)
+        self.inside.append(node.lineno)
+        found = super().visit(node)
+        self.inside.pop()
+        return found
 
     def here(self, node: ast.AST, what: str) -> bool:
         self.count += 1
         if self.count - 1 != self.at:
             return False
         self.what, self.line = what, getattr(node, "lineno", 0)
+        self.statement = self.inside[-1] if self.inside else 0
         return True
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
@@ -100,29 +119,51 @@ def is_text(node: ast.BinOp) -> bool:
 
 def places() -> Iterator[tuple[Path, int]]:
     for room in ROOMS:
-        for path in sorted((ROOT / room).rglob("*.py")):
+        for path in sorted(p for p in (ROOT / room).rglob("*.py") if not p.stem.endswith("_symbolic")):
             count = Changes()
             count.visit(ast.parse(path.read_text()))
             yield from ((path.relative_to(ROOT), k) for k in range(count.count))
 
 
-def mutated(path: Path, at: int) -> tuple[str, str]:
-    """The changed source, and what was changed."""
+def mutated(path: Path, at: int) -> tuple[str, str, int]:
+    """The changed source, what was changed, and the line of its statement; 0: outside of functions."""
     change = Changes(at)
     tree = change.visit(ast.parse((ROOT / path).read_text()))
-    return ast.unparse(ast.fix_missing_locations(tree)), f"{path}:{change.line}: {change.what}"
+    return ast.unparse(ast.fix_missing_locations(tree)), f"{path}:{change.line}: {change.what}", change.statement
 
 
-def killed(copy: Path, path: Path, text: str) -> str:
+def passed(files: set[str]) -> list[tuple[float, int, set[tuple[str, int]]]]:
+    """Of every case its CPU time (s), its seed, and the lines of the files that it comes by; the fastest first."""
+    seen: set[tuple[str, int]] = set()
+
+    def line(frame: FrameType, event: str, arg: Any) -> Any:
+        seen.add((frame.f_code.co_filename, frame.f_lineno))
+        return line
+
+    def call(frame: FrameType, event: str, arg: Any) -> Any:
+        return line if frame.f_code.co_filename in files else None
+
+    found = []
+    for spec in specs():
+        seen.clear()
+        start = time.process_time()
+        sys.settrace(call)
+        finding(spec, FAST, None)
+        sys.settrace(None)
+        found.append((time.process_time() - start, spec.seed, set(seen)))
+    return sorted(found, key=lambda f: f[:2])
+
+
+def killed(copy: Path, path: Path, text: str, cases: list[int]) -> str:
     """Why the cases fail with this source; empty: they do not."""
     file = copy / path
     before = file.read_text()
     file.write_text(text)
     try:
-        words = [sys.executable, "-m", "tests.combinations.campaign", "--array", "--first-failure"]
+        words = [sys.executable, "-m", "tests.combinations.campaign", "--array", *map(str, cases), "--first-failure"]
         environment = {**os.environ, "PYTHONPATH": f"{copy}:{copy}/formats:{copy}/cli", "PYTHONDONTWRITEBYTECODE": "1"}
         done = subprocess.run(
-            words, cwd=copy, env=environment, capture_output=True, text=True, check=False, timeout=900
+            words, cwd=copy, env=environment, capture_output=True, text=True, check=False, timeout=600
         )
         return "" if done.returncode == 0 else (done.stdout + done.stderr).strip()[-200:] or "failed"
     except subprocess.TimeoutExpired:
@@ -138,14 +179,18 @@ def main() -> int:
     a = p.parse_args()
     chosen = random.Random(a.seed).sample(list(places()), a.count)
     alive = []
+    runs = passed({str(ROOT / path) for path, _ in chosen})
     with tempfile.TemporaryDirectory(prefix="mutants-") as name:
         copy = Path(name)
         for folder in ("spacar", "formats", "cli", "tests", "data"):
             shutil.copytree(ROOT / folder, copy / folder)
+        compileall.compile_dir(copy, quiet=1, invalidation_mode=py_compile.PycInvalidationMode.CHECKED_HASH)
         for k, (path, at) in enumerate(chosen, 1):
-            text, what = mutated(path, at)
-            why = killed(copy, path, text)
-            print(f"{k} {'killed' if why else 'ALIVE '} {what} {why.splitlines()[-1][:80] if why else ''}", flush=True)
+            text, what, statement = mutated(path, at)
+            cases = [seed for _, seed, lines in runs if not statement or (str(ROOT / path), statement) in lines]
+            why = killed(copy, path, text, cases) if cases else ""
+            last = why.splitlines()[-1][:80] if why else ""
+            print(f"{k} {'killed' if why else 'ALIVE '} {what} ({len(cases)} cases) {last}", flush=True)
             alive += [what] * (not why)
     print(f"{a.count - len(alive)} of {a.count} killed", *alive, sep="\n")
     return 0

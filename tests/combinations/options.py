@@ -75,10 +75,10 @@ def with_mass(model: Model) -> Model:
 
 
 def finely(model: Model) -> Model:
-    """With steps that resolve the frequencies of stiff beams."""
+    """With steps in which the fourth-order method is stable, omega h < 2.8: quarters of beams reach 1e4 rad/s."""
     if not (MODES[model.mode].integrated and model.has("TIMESTEP")):
         return model
-    return model.without("TIMESTEP", "INTEGRAT").more(2, ("TIMESTEP", 0.01, 4), ("INTEGRAT", 140, 0.00125))
+    return model.without("TIMESTEP", "INTEGRAT").more(2, ("TIMESTEP", 0.002, 4), ("INTEGRAT", 140, 0.000125))
 
 
 def sections_of(model: Model) -> set[int]:

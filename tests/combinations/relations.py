@@ -24,6 +24,7 @@ from . import transformations
 from .case import BEYOND, GENERAL, NOTHING, Case, Found, worst
 from .compare import EPS, quantities
 from .linear_relations import (
+    INCREMENTS,
     compliances,
     differences,
     eigen_and_buckling,
@@ -32,7 +33,7 @@ from .linear_relations import (
     small_division,
     state_space,
 )
-from .motion_relations import energy, inverse, momentum, restarted
+from .motion_relations import energy, inverse, momentum, restarted, rigid_parts, started
 from .options import with_mass
 from .spatial import as_spatial
 
@@ -68,6 +69,18 @@ def engines(case: Case) -> Found:
     """NumPy and C."""
     other = not case.model.options.get("compiled", True)
     return case.agrees(case.run(compiled=other), error=GENERAL * case.condition)
+
+
+def starts(case: Case) -> Found:
+    """NumPy and C where a motion from the last state begins: accelerations, stresses and linearized equations."""
+    still = started(case.model, case.base, -1)
+    still = still.without("TIMESTEP", "INTEGRAT", "ERROR", "ITERSTEP", "MODES", *INCREMENTS.values())
+    a, b = (case.run(still, mode=4, compiled=compiled) for compiled in (True, False))
+    found = [case.same(*(quantities(still, r) for r in (a, b)), GENERAL * case.positions)]
+    for table in ("matrices", "state_space"):
+        want, got = (getattr(r.frames[0], table) for r in (a, b))
+        found += [case.close(want[n], got[n], n, GENERAL * case.condition, 1.0) for n in want]
+    return worst(found)
 
 
 def other_units(case: Case) -> Found:
@@ -175,11 +188,13 @@ RELATIONS: dict[str, Relation] = {
     "turned": Relation(transformed("turned"), ALL),
     "exchanged": Relation(transformed("exchanged"), ALL),
     "engines": Relation(engines, ALL),
+    "starts": Relation(starts, tuple(m for m in (*MOTION, *STILL) if m != 3)),
     "other units": Relation(other_units, (*MOTION, *STILL)),
     "as spatial": Relation(as_spatial, (*MOTION, *STILL)),
     "files": Relation(files, ALL),
     "divisions": Relation(divisions, (*MOTION, *STILL)),
     "sweeps": Relation(sweeps, (*MOTION, *STILL)),
+    "rigid parts": Relation(rigid_parts, (*MOTION, *STILL)),
     "restarted": Relation(restarted, MOTION),
     "energy": Relation(energy, MOTION),
     "momentum": Relation(momentum, MOTION),
@@ -194,14 +209,17 @@ RELATIONS: dict[str, Relation] = {
 }
 
 
-def disagreements(case: Case, names: Iterable[str]) -> dict[str, str]:
-    """The relations that do not hold, and where."""
+def disagreements(case: Case, names: Iterable[str], count: int = 99) -> dict[str, str]:
+    """Of the first relations that say something about the model, `count` at most, those that do not hold, and where."""
     bad = {}
     for name in names:
         try:
-            ratio, where = RELATIONS[name].compare(case)
+            ratio, where = found = RELATIONS[name].compare(case)
         except SpacarError as error:  # what the model can, its other forms can
-            ratio, where = np.inf, f"{error.code}: {error}"
+            ratio, where = found = (np.inf, f"{error.code}: {error}")
         if not ratio <= 1.0:
             bad[name] = f"{where} ({ratio:.3g} times)"
+        count -= found is not NOTHING
+        if not count:
+            break
     return bad
