@@ -36,6 +36,19 @@ static int vanishes(real a, real size)
     return 1;
 }
 
+/* Are the deformations from `first` on zero at the reference, where the tree takes its arms? (Not with DRPINBOD.) */
+static int is_undeformed(const Spec *s, const Batch *k, int i, int first)
+{
+    real x[MAX_X], e[MAX_E], V[MAX_E * MAX_X], size = EVERY(0.0);
+    for (int j = 0; j < k->nxe; j++) {
+        x[j] = s->x0[k->x[i * k->nxe + j]];
+        EACH_LANE LANE(size, w) += fabs(LANE(x[j], w));
+    }
+    if (k->nee) STRAIN[k->kind](x, k->p + i * k->np, e, V);
+    for (int r = first; r < k->nee; r++) if (!vanishes(e[r], size)) return 0;
+    return 1;
+}
+
 /* The elements that join nodes, and their nodes; `of` (nx): the node that begins at a coordinate, -1. 0: one of them
    joins otherwise. */
 static int find_parts(const Spec *s, struct Tree *T, int *of)
@@ -47,7 +60,7 @@ static int find_parts(const Spec *s, struct Tree *T, int *of)
         for (int i = 0; i < k->n; i++) {
             const int *x = k->x + i * k->nxe, *e = k->e + i * k->nee, free_row = joint->how == TURNING;
             for (int r = free_row; r < k->nee; r++) if (e[r] >= s->e_input) return 0;
-            if (free_row && e[0] >= s->n_equations) return 0;
+            if ((free_row && e[0] >= s->n_equations) || !is_undeformed(s, k, i, free_row)) return 0;
             Part part = {k, i, {-1, -1, -1, -1}, 0};
             for (int j = 0; j < 4; j++) {
                 if (joint->end[j] < 0) continue;

@@ -47,3 +47,23 @@ def test_links_in_both_forms(n, branches):
     numpy_evaluator.sweep.mass()
     energy = b.xd @ numpy_evaluator.sweep.mass_times(b.xd)  # kinetic energy, twice
     assert rates @ M[:, :, 0] @ rates == pytest.approx(energy, rel=1e-12)
+
+
+SWING = """
+{joint} X 1 0 0{z} X 4 1 0{z} FIX 1 FIX 2 DYNE 1 1 DRPINBOD 2 0.5 0{z} END HALT
+ESTIFF 1 1. XM 4 1. STARTDE 1 1 0.1 0 TIMESTEP 1 4 ERROR 1e-9 1e-9 END END
+"""
+JOINTS = {
+    "PLPINBOD": SWING.format(joint="PLTOR 1 2 3 PLPINBOD 2 1 3 4", z=""),
+    "PLRBEAM": SWING.format(joint="PLTOR 1 2 3 PLRBEAM 2 1 3 4", z=""),
+    "PINBODY": SWING.format(joint="HINGE 1 2 3 0 0 1 PINBODY 2 1 3 4", z=" 0"),
+    "RBEAM": SWING.format(joint="HINGE 1 2 3 0 0 1 RBEAM 2 1 3 4", z=" 0"),
+}
+
+
+@pytest.mark.parametrize("body", JOINTS)
+@pytest.mark.parametrize("compiled", [True, False])
+def test_arm_of_drpinbod(body, compiled):
+    """1 kg at 0.5 m on a spring of 1 N m/rad: 0.1 cos 2t, though the reference has 1 m."""
+    result = spacar.run(1, parse_deck(JOINTS[body]), compiled=compiled)
+    np.testing.assert_allclose(result.element(1, 1), 0.1 * np.cos(2.0 * result.t), atol=1e-8)
