@@ -39,7 +39,7 @@ class _Text(StrPrinter):
 
 
 class _Unicode(_Text):
-    printmethod = "_unicode"  # held products are printed by the methods below, not by their own plain text
+    printmethod = ""  # held products are printed by the methods below, not by their own plain text
 
     def _print_Derivative(self, expr: sp.Derivative) -> str:
         name = _derivative_name(expr, "\0")
