@@ -11,12 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar.compiled.interface import structure
+from spacar.compiled.interface import constants, structure
 from spacar.compiled.library import WIDTH, address_of, engine, level, why_off
 from spacar.compiled.numbers import Numbers, without_form
 from spacar.compiled.user_callbacks import UserCallbacks
 from spacar.elements.family import GUARD
-from spacar.kinematics.kinematics import FARTHEST_GUESS, LARGEST_JUMP
+from spacar.kinematics.kinematics import (
+    CONVERGED,
+    FARTHEST_GUESS,
+    GROWN,
+    LARGEST_JUMP,
+    MAX_ITERATIONS,
+    ROUNDING,
+)
 from spacar.mechanism.mechanism import Drive, Mechanism, UserSignal
 from spacar.mechanism.numbering import Numbering
 from spacar.stream import Run
@@ -45,9 +52,9 @@ def why_not_in_lanes(mechanism: Mechanism) -> str | None:
 # Largest scaled correction that ends the iteration of a stored position: one more follows the first that is below
 # CONVERGED, so that velocities and accelerations are those of the position to rounding.
 EXACT = 1e-15
+CRITERIA = np.array([CONVERGED, ROUNDING, GROWN])
 PLACED = 2  # `known` of a state that was placed with its accelerations: transfer functions are not its own
-FAR_AWAY, DOUBTFUL_MASS = 1, 2  # of start.c
-NOT_ANSWERED = -6  # of sparse.c: Python could not answer, and keeps the error
+FAR_AWAY, DOUBTFUL_MASS, NOT_ANSWERED = constants("FAR_AWAY", "DOUBTFUL_MASS", "NOT_ANSWERED")
 
 
 Gradient = tuple[NDArray[np.int32], NDArray[np.int32], Array]  # rows, columns, values (n, cases)
@@ -117,7 +124,7 @@ class CompiledModel:
         self.numbers = numbers
         self.cases = cases = numbers.x0.shape[-1]
         self.engine = engine(cases)
-        self._values = np.concatenate([a.ravel() for a in (*numbers.arrays(), *scales)])
+        self._values = np.concatenate([a.ravel() for a in (*numbers.arrays(), *scales, CRITERIA)])
         x_end = 3 * cases * len(numbers.x_motion)
         self._e_end = e_end = x_end + 3 * cases * len(numbers.e_motion)
         motions = self._values[:x_end].reshape(-1, 3, cases), self._values[x_end:e_end].reshape(-1, 3, cases)
@@ -163,7 +170,7 @@ class CompiledModel:
             len(numbers.stiffness[0]), len(numbers.damping[0]), n.nddof == 0, len(numbers.mass[0]),
             x.start, x.stop - x.start, d.start, d.stop - d.start, k.start, k.stop - k.start,
             e.start, e.stop - e.start, p.start, p.stop - p.start, q.start, q.stop - q.start,
-            self.slots.polynomial, len(position), len(numbers.moments[0]), len(numbers.coupling[0]),
+            self.slots.polynomial, len(position), len(numbers.moments[0]), len(numbers.coupling[0]), MAX_ITERATIONS,
         ]  # fmt: skip
         axis = np.full(n.nx, -1)
         axis[n.positions] = np.arange(n.positions.shape[1])

@@ -4,7 +4,6 @@
    end of kernels.c. What has no function here is asked of Python, which shares the arrays of `Foreign` and answers
    for all elements of a batch at once; so it is with user functions and prescribed motions that are no polynomials.
    All vectors are in the order of the result files. V and M are lists of the entries of the elements. */
-enum { MAX_ITERATIONS = 20 };
 
 typedef struct {
     int kind, n, nxe, nee, np, inertia; /* kind -1: foreign; inertia: M and h depend on x */
@@ -20,11 +19,12 @@ typedef struct {
     int nx, ne, n_fixed_x, n_rows, n_equations, n_batches, n_stiffness, n_damping, prescribed, n_constant;
     int x_input, n_x_input, x_dynamic, n_x_dynamic, x_kinematic, n_x_kinematic;
     int e_input, n_e_input, e_dynamic, n_e_dynamic, e_kinematic, n_e_kinematic;
-    int polynomial, n_position, n_moments, n_coupled; /* up to here as they are given */
+    int polynomial, n_position, n_moments, n_coupled, max_iterations; /* up to here as they are given */
     int n_free;
     const Batch *batches;
     const int *constant_row, *constant_column; const real *constant_mass; /* (n_constant) */
     const double *scale, *e_scale;        /* (nx), (ne) sizes */
+    const struct { double converged, rounding, grown; } *criteria; /* of spacar/kinematics/kinematics.py */
     const real *force, *field, *preload;  /* (nx) constant forces without gravity, (nx) gravity field, (ne) */
     const int *s_rows, *s_columns, *d_rows, *d_columns;
     const real *s_values, *d_values;

@@ -4,6 +4,25 @@
 typedef struct Model Model;
 enum { MAX_ORDER = 12, ORDERS = 13 };
 
+/* A call that failed: NOT_ANSWERED where Python could not answer, and keeps the error. */
+enum {
+    OK = 0, NO_CONVERGENCE = -1, SINGULAR = -2, NOT_FINITE = -3, JUMP = -4, NO_MEMORY = -5, NOT_ANSWERED = -6,
+    MUCH_WORK = -7
+};
+/* Of an evaluation: the path there has to be followed; the reduced mass matrix of the start is in doubt. */
+enum { FAR_AWAY = 1, DOUBTFUL_MASS = 2 };
+/* What Python is asked. */
+enum { ASK_MOTION = 0, ASK_STRESS = 1, ASK_STRAIN = 2, ASK_CONVECTIVE = 3, ASK_INERTIA = 4, ASK_OUTPUT = 5 };
+/* Why steps end; which accepted steps are inspected (spacar/dynamics/loaded_mechanism.py). */
+enum { ARRIVED = 0, AT_OUTPUT = 1, PAUSED = 2, TOO_SMALL = 3, NOT_EVALUATED = 4, INTERRUPTED = 5 };
+enum { LOOK_NEVER = 0, LOOK_AT_DETERMINANTS = 1, LOOK_AT_VELOCITIES = 2, LOOK_ALWAYS = 3 };
+/* The iteration of a Radau step. */
+enum { ITERATED = 0, NOT_CONVERGED = 1, NO_RATE = 2 };
+/* An output: done; Python looks at it; C cannot evaluate it; F may have jumped before it, it is not done. */
+enum { HARMLESS = 0, LOOKED_AT = 1, NOT_SHOWN = 2, SUSPECT = 3 };
+/* Newton's iteration of a load level. */
+enum { FOUND = 0, ANOTHER_WAY = 1, NOT_A_NUMBER = 2, TOO_LARGE = 3, GROWING = 4, NO_END = 5 };
+
 /* Of Python's stable C interface; GetItem borrows, DecRef does nothing for NULL. */
 #define PYTHON_FUNCTIONS(F) \
     F(int, PyGILState_Ensure, (void)) \

@@ -7,8 +7,6 @@
    stable.
 
    Elements have the arrays of batches.c, (..., n), one after the other in the arrays of the whole. */
-/* as in equilibrium.py */
-enum { FOUND = 0, ANOTHER_WAY = 1, NOT_A_NUMBER = 2, TOO_LARGE = 3, GROWING = 4, NO_END = 5 };
 
 /* Of a group: room for its elements, the flexibility (nee, nee, n) times `size`; places in the band of the geometric
    stiffness and the gradient of gravity, of V and its transpose, of the flexibility, -1 for what is left out; places

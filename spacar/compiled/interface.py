@@ -14,7 +14,7 @@ SCALARS: dict[str, Any] = {"double": NUMBER, "int": INTEGER, "int64_t": WHOLE}  
 
 _text = (Path(__file__).parent / "engine.h").read_text("utf-8")
 _text = re.sub(r"/\*.*?\*/|\\\n", " ", _text, flags=re.DOTALL)
-_constants = {name: int(value) for name, value in re.findall(r"[{,] (\w+) = (\d+)", _text)}
+_constants = {name: int(value) for name, value in re.findall(r"[{,]\s+(\w+) = (-?\d+)", _text)}
 _bodies = {name: body for body, name in re.findall(r"typedef struct \{([^}]*)\} (\w+);", _text)}
 STRUCTURES = tuple(_bodies)
 
@@ -35,6 +35,11 @@ def fields(structure: str) -> list[tuple[str, Any]]:
                 kind *= _constants.get(count) or int(count)
             found.append((name, kind))
     return found
+
+
+def constants(*names: str) -> tuple[int, ...]:
+    """Values of names."""
+    return tuple(_constants[name] for name in names)
 
 
 @cache

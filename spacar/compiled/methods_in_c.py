@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.interface import structure
+from spacar.compiled.interface import constants, structure
 from spacar.compiled.library import Engine, address_of
 from spacar.compiled.output_block import VALUE, BatchOutputBlock, OutputBlock
 from spacar.integrators.adams import GAMMA_STAR, Adams
@@ -26,10 +26,11 @@ from spacar.kinematics.kinematics import LARGEST_JUMP
 if TYPE_CHECKING:
     from spacar.compiled.compiled_model import CompiledModel, State
 
-ARRIVED, AT_OUTPUT, PAUSED, TOO_SMALL, NOT_EVALUATED, INTERRUPTED = range(6)  # as in stepper.c
+ARRIVED, PAUSED, TOO_SMALL, NOT_EVALUATED, INTERRUPTED, NO_RATE = constants(
+    "ARRIVED", "PAUSED", "TOO_SMALL", "NOT_EVALUATED", "INTERRUPTED", "NO_RATE"
+)
 GAMMA = np.array(GAMMA_STAR)
 GAMMA_AT = address_of(GAMMA)
-NO_RATE = 2  # as in radau.c
 
 
 class AdamsInC:

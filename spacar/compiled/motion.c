@@ -4,8 +4,6 @@
    transfer functions need nothing but solutions with the matrix of the position; stresses are computed where
    somebody looks. */
 
-static const double CONVERGED = 1e-11, ROUNDING = 64 * DBL_EPSILON, GROWN = 1e-6;
-
 /* How well the scaled residual is known at x, lane by lane: `Kinematics.rounding` of the general path. */
 static real rounding(const Model *m, const real *x, const real *e_given)
 {
@@ -13,7 +11,7 @@ static real rounding(const Model *m, const real *x, const real *e_given)
     for (int i = 0; i < m->s.nx; i++) size = lanes_larger(size, x[i] / m->s.scale[i]);
     for (int i = 0; i < m->s.n_position; i++)
         size = lanes_larger(size, e_given[m->s.position[i]] / m->s.e_scale[m->s.position[i]]);
-    return ROUNDING * size;
+    return m->s.criteria->rounding * size;
 }
 
 /* Complete a velocity or acceleration v, which comes with the given components and zeros: V v = e_rate - h. */
@@ -31,10 +29,10 @@ static void dependent(Model *m, real *v, const real *e_rate, const real *h)
 }
 
 /* How many of Newton's corrections an error takes until the last one is below `converged`: each leaves the square. */
-static int corrections(double error, double converged)
+static int corrections(const Model *m, double error, double converged)
 {
     int n = 1;
-    for (; error > converged && n < MAX_ITERATIONS; n++) error *= error;
+    for (; error > converged && n < m->s.max_iterations; n++) error *= error;
     return n;
 }
 
@@ -45,23 +43,23 @@ static int takes_old_factors(const Model *m, const real *x, double error, double
     const int first = m->s.n_fixed_x, end = first + m->s.n_position;
     real moved = EVERY(0.0);
     for (int i = first; i < end; i++) moved = lanes_larger(moved, (x[i] - m->factored_x[i]) / m->s.scale[i]);
-    return corrections(largest_lane(moved) * error, converged) < corrections(error, converged);
+    return corrections(m, largest_lane(moved) * error, converged) < corrections(m, error, converged);
 }
 
 /* Position and velocity. x comes with the given values and a guess of the calculable ones, xd and ed with the given
    rates. The first correction uses the matrix of the last state, which is still factored, where that saves
-   something. The limits are those of spacar/kinematics/kinematics.py: a correction that follows one below CONVERGED
-   or rounding is as small as rounding allows and passes always. A residual that stays at rounding with larger
-   corrections is left to the general path, which looks at the condition. */
+   something. A correction that follows one below the limit or rounding is as small as rounding allows and passes
+   always. A residual that stays at rounding with larger corrections is left to the general path, which looks at the
+   condition. */
 static int place(Model *m, real *x, real *xd, real *e, const real *branch, const real *e_given, const real *e_rate,
                  double converged)
 {
     const int n = m->s.n_position, first = m->s.n_fixed_x, *row = m->s.position;
     real *r = m->b;
-    double before = INFINITY, last = INFINITY;
+    double limit = m->s.criteria->converged, before = INFINITY, last = INFINITY;
     real before_step = EVERY(INFINITY);
     int halvings = 0;
-    for (int iteration = 1; iteration <= MAX_ITERATIONS; iteration++) {
+    for (int iteration = 1; iteration <= m->s.max_iterations; iteration++) {
         if (strain(m, x, branch, e)) return NOT_ANSWERED;
         real residual = EVERY(0.0), total = EVERY(0.0);
         for (int i = 0; i < n; i++) {
@@ -71,7 +69,8 @@ static int place(Model *m, real *x, real *xd, real *e, const real *branch, const
         }
         const double norm = largest_lane(residual);
         if (!isfinite(norm) || !isfinite(largest_lane(total))) return NOT_FINITE;
-        if (norm > 2.0 * before && norm > GROWN && largest_lane(residual - rounding(m, x, e_given)) > 0.0) {
+        const int grows = norm > 2.0 * before && norm > m->s.criteria->grown;
+        if (grows && largest_lane(residual - rounding(m, x, e_given)) > 0.0) {
             if (++halvings > 5) return NO_CONVERGENCE;
             for (int i = 0; i < n; i++) { r[i] *= 0.5; x[first + i] += r[i]; }
             continue;
@@ -96,7 +95,7 @@ static int place(Model *m, real *x, real *xd, real *e, const real *branch, const
         const double largest = largest_lane(step);
         if (!isfinite(largest) || !isfinite(largest_lane(sum))) return NOT_FINITE;
         if (chord) continue;
-        if (largest > converged && last > CONVERGED && !(largest_lane(before_step - rounding(m, x, e_given)) <= 0.0)) {
+        if (largest > converged && last > limit && !(largest_lane(before_step - rounding(m, x, e_given)) <= 0.0)) {
             last = largest;
             before_step = step;
             continue;

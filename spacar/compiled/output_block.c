@@ -8,9 +8,6 @@
    Rows of several cases have all lanes of a number behind one another. */
 #include <time.h>
 
-/* An output: done; Python looks at it; C cannot evaluate it; F may have jumped before it, it is not done. As in
-   output_block.py */
-enum { HARMLESS, LOOKED_AT, NOT_SHOWN, SUSPECT };
 
 static double seconds(void)
 {

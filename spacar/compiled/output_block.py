@@ -22,7 +22,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.compiled.compiled_model import EXACT, NOT_ANSWERED, CompiledModel, State
-from spacar.compiled.interface import INTEGER, NUMBER, POINTER, structure
+from spacar.compiled.interface import INTEGER, NUMBER, POINTER, constants, structure
 from spacar.compiled.library import WIDTH, address_of
 from spacar.elements.family import GUARD
 from spacar.errors import AnalysisError
@@ -32,7 +32,7 @@ from spacar.integrators.times import EvenTimes
 from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.mechanism.numbering import Numbering
 
-HARMLESS, LOOKED_AT, NOT_SHOWN, SUSPECT = range(4)  # as in output_block.c
+HARMLESS, LOOKED_AT, NOT_SHOWN, SUSPECT = constants("HARMLESS", "LOOKED_AT", "NOT_SHOWN", "SUSPECT")
 LONGEST = 0.05  # s of one call, unless a single step takes longer
 ROOM = 50_000  # numbers in the rows of one array, so that a frame that is kept does not keep many others: 0.4 MB
 UNLIMITED = 2**31 - 1

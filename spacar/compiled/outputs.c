@@ -69,12 +69,12 @@ static int is_placed(const Model *m, const State *at)
     int near = 1;
     for (int r = 0; r < s->ne; r++) {
         const real difference = m->next_e[r] - at->given_e[r];
-        near &= largest_lane(lanes_larger(zero, difference)) <= CONVERGED * s->e_scale[r];
+        near &= largest_lane(lanes_larger(zero, difference)) <= s->criteria->converged * s->e_scale[r];
         sum += difference;
     }
     if (!isfinite(largest_lane(sum))) return 0;
     if (near) return 1;
-    const real allowed = CONVERGED + rounding(m, m->next_x, at->given_e);
+    const real allowed = m->s.criteria->converged + rounding(m, m->next_x, at->given_e);
     for (int r = 0; r < s->ne; r++)
         if (!(largest_lane(lanes_larger(zero, m->next_e[r] - at->given_e[r]) - allowed * s->e_scale[r]) <= 0.0))
             return 0;

@@ -4,7 +4,6 @@
    interface, and of a few types. The user function of a single case is called from here: an answer with the form of
    an earlier one, almost every one of a run, is taken here; Python reads the others. Nothing that is raised passes
    through C: it is handed to `keep`, and the evaluation ends. */
-enum { ASK_MOTION, ASK_STRESS, ASK_STRAIN, ASK_CONVECTIVE, ASK_INERTIA, ASK_OUTPUT }; /* as in user_callbacks.py */
 
 /* Types live as long as the object. */
 static void *type_of(const Python *py, void *object)

@@ -1,7 +1,7 @@
 /* Simplified Newton iteration of codes 553 and 595, as `_newton` of spacar/integrators/radau.py; see there for
    formulas and sources. One case; the LU factors are those of LAPACK (columns first, row i exchanged with pivots[i],
    counted from 0). */
-enum { MOST_STAGES = 5, ITERATED = 0, NOT_CONVERGED = 1, NO_RATE = 2 }; /* as in compiled_model.py */
+enum { MOST_STAGES = 5 };
 
 static void solve_real(const double *lu, const int *pivots, int n, double *b)
 {

@@ -12,10 +12,6 @@
    long as they are at most STORED times the numbers of the factors; where elimination fills more, the place of every
    column in its row is looked up in `place`. */
 
-enum {
-    OK = 0, NO_CONVERGENCE = -1, SINGULAR = -2, NOT_FINITE = -3, JUMP = -4, NO_MEMORY = -5, NOT_ANSWERED = -6,
-    MUCH_WORK = -7
-};
 static const double THRESHOLD = 0.1, GROWTH = 100.0;
 enum { STORED = 8, SEARCHED = 256 }; /* SEARCHED: entries of columns among which a pivot is chosen */
 

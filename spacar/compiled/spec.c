@@ -34,7 +34,7 @@ static void take_parameters(Model *m)
 static int read_spec(Model *m, const int *whole, real *numbers, const Foreign *const *foreign)
 {
     Spec *s = &m->s;
-    const int counts = (int)(offsetof(Spec, n_coupled) / sizeof(int)) + 1,
+    const int counts = (int)(offsetof(Spec, max_iterations) / sizeof(int)) + 1,
         of_batch = (int)(offsetof(Batch, inertia) / sizeof(int)) + 1;
     memcpy(s, next_whole(&whole, counts), counts * sizeof(int));
     Batch *batches = cleared(&m->memory, s->n_batches, sizeof(Batch));
@@ -91,6 +91,7 @@ static int read_spec(Model *m, const int *whole, real *numbers, const Foreign *c
     }
     s->scale = next_sizes(&numbers, s->nx);
     s->e_scale = next_sizes(&numbers, s->ne);
+    s->criteria = (const void *)next_sizes(&numbers, 3);
     take_parameters(m);
     return OK;
 }

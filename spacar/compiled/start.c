@@ -1,6 +1,5 @@
 /* The start of a motion: the first state, and whether its reduced mass matrix can be doubted
    (spacar/dynamics/mass_check.py). */
-enum { FAR_AWAY = 1, DOUBTFUL_MASS = 2 }; /* as in compiled_model.py */
 
 /* Does the first look of mass_check.py leave a doubt in a lane? M (q, q), condition: of D, largest: diagonal entry
    of the mass matrix in the sizes of the coordinates; d, L: room for q and q^2. The eigenvalues of M scaled to a

@@ -7,9 +7,6 @@
 
    Several cases share their steps: n, and every array of the state, counts all lanes, a step has the largest error
    of a case, and where one of them would have to be asked or told about, the call ends: Python follows them alone. */
-/* as in methods_in_c.py */
-enum { ARRIVED = 0, AT_OUTPUT = 1, PAUSED = 2, TOO_SMALL = 3, NOT_EVALUATED = 4, INTERRUPTED = 5 };
-enum { LOOK_NEVER, LOOK_AT_DETERMINANTS, LOOK_AT_VELOCITIES, LOOK_ALWAYS };
 
 static double *record(const Stepper *r, int k) { return r->records + (size_t)(k % r->capacity) * r->width; }
 

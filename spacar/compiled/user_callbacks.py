@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.interface import structure
+from spacar.compiled.interface import constants, structure
 from spacar.compiled.library import WIDTH, address_of
 from spacar.compiled.numbers import Elements
 from spacar.compiled.python_callbacks import PythonCallbacks
@@ -27,7 +27,9 @@ from spacar.elements.family import Configuration, Family
 from spacar.mechanism.mechanism import Drive, Polynomial, UserSignal
 from spacar.mechanism.placed_vectors import PlacedVector, placed
 
-MOTION, STRESS, STRAIN, CONVECTIVE, INERTIA, OUTPUT = range(6)  # as ASK_MOTION ... in python_callbacks.c
+MOTION, STRESS, STRAIN, CONVECTIVE, INERTIA, OUTPUT = constants(
+    "ASK_MOTION", "ASK_STRESS", "ASK_STRAIN", "ASK_CONVECTIVE", "ASK_INERTIA", "ASK_OUTPUT"
+)
 
 
 class ForeignBatch:

@@ -40,8 +40,6 @@ from spacar.stationary.resting_tangent import SYMMETRIC
 from spacar.stationary.stability import CRITICAL, STABLE, Stability
 from spacar.stationary.stationary_equations import FLOOR, NO_DIGITS, SINGULAR, SPREAD, Iterate
 
-FOUND, ANOTHER_WAY, NOT_A_NUMBER, TOO_LARGE, GROWING, NO_END = range(6)  # as in equilibrium.c
-
 
 class CompiledEquilibrium:
     """`StaticEquilibrium` in C, for `levels` of which nothing moves.
@@ -50,7 +48,7 @@ class CompiledEquilibrium:
     """
 
     def __init__(self, levels: LevelEvaluator) -> None:
-        from spacar.compiled.interface import structure
+        from spacar.compiled.interface import constants, structure
         from spacar.compiled.library import address_of, element_functions
 
         if not levels.plain:
@@ -60,6 +58,7 @@ class CompiledEquilibrium:
         m = self.mechanism
         self._call, n = element_functions(), m.numbering
         self._factored_in_c = False
+        self._statuses = constants("FOUND", "TOO_LARGE", "GROWING", "NO_END", "NOT_A_NUMBER")
         xs, es = n.x_class["input"], n.e_class["input"]
         first, count = n.x_class["calculable"].start, xs.stop - xs.start
         self.nx, self.ne, self.nf = n.nx, n.ne, n.nx - first - count
@@ -117,14 +116,15 @@ class CompiledEquilibrium:
         c.limit = min(demand.limit, len(self._sizes))
         status = self._call.equilibrium_newton(self.address)
         sizes = self._sizes[: c.iterations].tolist()
-        if status == FOUND:
+        found, large, grown, endless, undefined = self._statuses
+        if status == found:
             return Converged(self._iterate(), c.iterations, c.noise, regular=c.iterations > 0)
-        if status == TOO_LARGE:
+        if status == large:
             raise too_large(sizes[-1])
-        if status == GROWING:
+        if status == grown:
             raise growing(sizes)
-        if status in (NO_END, NOT_A_NUMBER):
-            raise no_convergence(c.limit) if status == NO_END else not_finite()
+        if status in (endless, undefined):
+            raise no_convergence(c.limit) if status == endless else not_finite()
         return None
 
     def point(self, x: Array, sigma: Array) -> Iterate:

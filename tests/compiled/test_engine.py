@@ -15,6 +15,8 @@ from spacar_cli.main import main
 
 import spacar
 from spacar.compiled import library, why_general
+from spacar.compiled.interface import constants
+from spacar.dynamics import loaded_mechanism
 from spacar.elements import definitions
 from spacar.errors import UsageError
 
@@ -142,6 +144,11 @@ def test_the_sympy_that_is_here_is_found(tmp_path, recipe, monkeypatch):
     real = recipe.run
     monkeypatch.setattr(recipe, "run", lambda words, folder: "stopped" if "-m" in words else real(words, folder))
     assert recipe.derive() == "the functions of the elements could not be derived: stopped"
+
+
+def test_the_core_says_which_steps_are_inspected_as_the_engine_does():
+    names = "NEVER", "AT_DETERMINANTS", "AT_VELOCITIES", "ALWAYS"
+    assert constants(*(f"LOOK_{name}" for name in names)) == tuple(getattr(loaded_mechanism, name) for name in names)
 
 
 @here
