@@ -135,7 +135,7 @@ static int spacar_adams(Stepper *r, Adams *a)
     const int n = r->n, first_steps = r->n_steps;
     double psi[MAX_ORDER + 2], g[MAX_ORDER + 2], sigma[MAX_ORDER + 2], beta[MAX_ORDER + 1], e[3];
     for (;;) {
-        const int final = r->t + 1.01 * r->h >= r->t_end;
+        const int final = r->t + r->stretch * r->h >= r->t_end;
         if (final) r->h = r->t_end - r->t;
         const double h = r->h, t_new = final ? r->t_end : r->t + h;
         int k = a->order, lower, raise;

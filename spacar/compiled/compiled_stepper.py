@@ -33,7 +33,7 @@ from spacar.compiled.output_block import SUSPECT, BatchOutputBlock, OutputBlock,
 from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, STILL, Accepted, LoadedMechanism, Moving
 from spacar.errors import AnalysisError
 from spacar.integrators.adams import Adams
-from spacar.integrators.failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
+from spacar.integrators.failures import LAST_STRETCH, MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
 from spacar.integrators.problem import Evaluation, IntegrationStatistics, Step
 from spacar.integrators.runge_kutta import ExplicitRungeKutta
 from spacar.kinematics.kinematics import LARGEST_JUMP
@@ -117,7 +117,7 @@ class CompiledStepper:
         self.c = structure("Stepper")(
             model.handle, evaluator.state.address, None, first, address_of(self.scale),
             first + WIDTH * capacity * width, n, capacity, width, monitor.look, monitor.back, self.most,
-            MAX_REDUCTIONS, REDUCTION,
+            MAX_REDUCTIONS, REDUCTION, LAST_STRETCH,
         )  # fmt: skip
         self.c.jump, self.c.share, self.c.noise, self.c.still = LARGEST_JUMP, SHARE, NOISE, STILL
         self.c.half, self.c.inside, self.c.wide, self.c.far = monitor.half, monitor.inside, monitor.wide, monitor.far

@@ -120,7 +120,8 @@ typedef struct {
     const double *scale;     /* (nx) of the coordinates whose velocities are compared */
     const double *atol;      /* (n) absolute error of every component of the state */
     int n, capacity, width, look, back, most, max_reductions;
-    double reduction, rtol, longest, converged, jump, earliest, latest, half, inside, wide, far, share, noise, still;
+    double reduction, stretch, rtol, longest, converged, jump, earliest, latest, half, inside, wide, far;
+    double share, noise, still;
     double t, t_end, until, h, error, peak; /* peak: largest determinant since its last minimum */
     double begin, sizes[2];  /* of the last step; sizes of it and of the one before */
     int recorded, entered;   /* accepted steps in the records; entered: look always, as a dead point is being left */

@@ -54,7 +54,7 @@ static int spacar_runge_kutta(Stepper *r, RungeKutta *p)
         int final;
         evaluated(r);
         for (;;) {
-            final = r->t + fmin(1.01 * r->h, fmax(r->h, r->longest)) >= r->t_end;
+            final = r->t + fmin(r->stretch * r->h, fmax(r->h, r->longest)) >= r->t_end;
             if (final) r->h = r->t_end - r->t;
             const int status = rk_trial(r, p);
             if (status == 2) return INTERRUPTED;

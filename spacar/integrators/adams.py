@@ -17,7 +17,7 @@ import numpy as np
 
 from spacar.errors import AnalysisError
 
-from .failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
+from .failures import LAST_STRETCH, MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
 from .problem import Evaluation, Step, Tolerance
 
 MAX_ORDER = 12
@@ -171,7 +171,7 @@ class Adams:
         reductions = rejections = 0
         while True:
             # --- predict, evaluate, estimate
-            final = t + 1.01 * h >= t_end
+            final = t + LAST_STRETCH * h >= t_end
             if final:
                 h = t_end - t
             t_new = t_end if final else t + h

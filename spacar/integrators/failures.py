@@ -9,6 +9,7 @@ from .problem import Evaluation
 # So many times in a row a variable-step method reduces its step when F cannot be evaluated.
 MAX_REDUCTIONS = 10
 REDUCTION = 0.25
+LAST_STRETCH = 1.01  # the last step may be so much longer, so that none of rounding follows
 
 STIFF_ADVICE = (
     "A stiff model (high-frequency vibration) wants an implicit code, INTEGRAT 553 or 595 (variable steps), 330 or "

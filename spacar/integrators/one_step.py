@@ -14,7 +14,7 @@ import numpy as np
 
 from spacar.errors import AnalysisError
 
-from .failures import MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
+from .failures import LAST_STRETCH, MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
 from .problem import Evaluation, Step
 from .runge_kutta import ExplicitRungeKutta
 
@@ -44,7 +44,7 @@ def one_step(
             integrator.begin(t)
             growth, reductions = largest, 0
             while True:
-                final = t + min(1.01 * h, max(h, longest)) >= t_end
+                final = t + min(LAST_STRETCH * h, max(h, longest)) >= t_end
                 if final:
                     h = t_end - t
                 try:
