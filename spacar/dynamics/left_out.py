@@ -129,7 +129,8 @@ class LeftOut:
         """What stands in for the bodies, None where nothing does."""
         if not deck.statements:
             return None
-        if not any(s.keyword not in ("X", "XM") for s in deck.statements):
+        tied = {n for s in deck.statements if s.keyword not in ("X", "XM") for n in s.values[1:]}
+        if not tied.issuperset(s.values[0] for s in deck.statements if s.keyword == "XM"):
             raise NotRigid  # a tensor at an orientation that nothing is tied to
         made = build(deck, beams=beams)
         body_of = np.zeros(len(made.numbering.x_places), np.int64)

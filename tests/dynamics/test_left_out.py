@@ -220,6 +220,20 @@ def test_what_stays():
     assert rigid_parts(build(Deck.build(small, [("EM", 1, 1.0)], mode=7), 7), find_mode(7)) is None
 
 
+def test_a_rigid_torsion_spring_has_nothing_that_stands_in_for_it(monkeypatch):
+    """Only torsion springs hold it, while a truss is tied to the chain at rest."""
+    points, turns = range(1, 14), range(21, 34)
+    rows = [("PLBEAM", k + 1, points[k], turns[k], points[k + 1], turns[k + 1]) for k in range(12)]
+    rows += [("X", node, 0.1 * node, 0.0) for node in points] + [("FIX", 1), ("FIX", 21)]
+    rows += [("PLTRUSS", 13, 13, 14), ("X", 14, 1.3, 0.5), ("FIX", 14, 1), ("DYNE", 13, 1)]
+    rows += [("PLTOR", 14, 33, 41), ("DYNE", 14, 1), ("PLTOR", 15, 41, 42)]
+    dynamics = [("XM", 14, 1.0), ("ESTIFF", 13, 50.0), ("ESTIFF", 14, 2.0), ("XM", 42, 0.1), ("XF", 14, 0.0, 3.0)]
+    deck = Deck.build(rows, [*dynamics, ("STARTDE", 14, 1, 0.2, 0.0), ("TIMESTEP", 1.0, 4)], mode=1)
+    assert rigid_parts(build(deck), find_mode(1)) is not None
+    found = spacar.run(1, deck, rtol=1e-10, atol=1e-10)
+    assert np.allclose(found.element(14, 1), 0.2 * np.cos(np.sqrt(2.0 / 0.1) * found.t), rtol=0.0, atol=1e-8)
+
+
 def test_a_failure_is_told_of_the_whole(monkeypatch):
     """A hinge turns about the rod behind it, which has no inertia about its axis: the message names real nodes."""
     rows = [("HINGE", 1, 1, 2, 1.0, 0.0, 0.0), ("FIX", 1), ("FIX", 3), ("DYNE", 1, 1), ("X", 3, 0.0, 0.0, 0.0)]
