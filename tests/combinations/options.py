@@ -134,7 +134,7 @@ def asked(model: Model) -> float:
     a Jacobian from differences, what Newton's iteration leaves of its linear convergence without N0, and of a position
     along a trajectory."""
     if MODES[model.mode].gives_setpoints or MODES[model.mode].takes_setpoints:
-        return CONVERGED
+        return 2 * CONVERGED
     if any(len(r) > 5 and r[5] in WITHOUT_N0 for r in model.rows("ITERSTEP")):
         return 2 * LENGTHS
     for r in model.rows("INTEGRAT"):

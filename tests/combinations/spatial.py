@@ -16,8 +16,10 @@ OUT = {"PLBEAM": (2, 3, 4), "PLTRUSS": (), "PLTOR": (2, 3), "PLRBEAM": (3,), "PL
 
 def as_spatial(case: Case) -> Found:
     """Positions, velocities, accelerations and forces of position nodes, stresses in the plane."""
+    angle = case.model.has("ADEFORM") or case.model.options.get("beams") == "angle"
+    rotary = any(case.model.types[r[1]] == "PLBEAM" and any(r[3:]) for r in case.model.rows("EM"))
     model = spatial(case.model)
-    if model is None:
+    if model is None or (angle and rotary):  # consistent there, lumped in space (docs/decisions.md)
         return NOTHING
     result = case.run(model)
     want, got = {}, {}
