@@ -9,8 +9,8 @@ Corrections must contract: with the exact tangent the second is at most 0.6 of t
 critical state, where Newton's method converges linearly), later ones three quarters of the one before. An iteration
 that does not is broken off at once: it would leave the neighbourhood of the path, and what it may find is the state of
 another branch (P. Deuflhard, Newton Methods for Nonlinear Problems, Springer 2004, chapter 5). Without N0 (ITERSTEP
-types 1, 3) convergence is linear and contraction by any factor will do. In motion and with slips a cyclic coordinate
-may drift while the forces converge; there it is enough that the forces contract.
+types 1, 3) and with slips convergence is linear and contraction by any factor will do. In motion and with slips a
+cyclic coordinate may drift while the forces converge; there it is enough that the forces contract.
 
 What rounding makes of a correction is measured, not assumed: one more right-hand side holds the rounding errors of the
 residual (eps times the sum of the sizes of its terms). Corrections of the size of its solution need not contract, and
@@ -207,7 +207,7 @@ def newton(
 
     Raises Astray, SingularMatrixError, AnalysisError of user functions.
     """
-    path = Corrections(demand, tangent.exact, q.plain)
+    path = Corrections(demand, tangent.exact and q.holonomic, q.plain)
     dx = np.zeros_like(x)
     dx[q.P] = (given.x - x)[q.P]
     p = q.point(x, sigma, given)

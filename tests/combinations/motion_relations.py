@@ -8,6 +8,7 @@ from unittest.mock import patch
 import numpy as np
 
 from spacar.deck import ELEMENT_TYPES
+from spacar.deck.lexer import SMALLEST_REAL
 from spacar.mechanism import rigid_search
 
 from .case import GENERAL, NOTHING, Case, Found, worst
@@ -27,8 +28,8 @@ def started(model: Model, result, step: int) -> Model:
             get = result.element if e else result.node
             if e and m - 1 in ELEMENT_TYPES[model.types[r[1]]].slips:
                 continue
-            value, rate = (float(get(r[1], m, v)[step]) for v in (("e", "ed") if e else ("x", "xd")))
-            rows.append(("STARTDE" if e else "STARTDX", r[1], m, value, rate))
+            values = (float(get(r[1], m, v)[step]) for v in (("e", "ed") if e else ("x", "xd")))
+            rows.append(("STARTDE" if e else "STARTDX", r[1], m, *(v * (abs(v) >= SMALLEST_REAL) for v in values)))
     for n, role in model.roles.items():
         if role == "warping" and not any(r[1] == n and isinstance(r[1], Node) for r in model.rows("FIX", block=1)):
             rows.append(("STARTDX", n, 1, *(float(result.node(n, 1, v)[step]) for v in ("x", "xd"))))

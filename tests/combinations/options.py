@@ -131,11 +131,12 @@ OPTIONS: dict[str, Option] = {
 
 def asked(model: Model) -> float:
     """What two runs may differ by, of the largest value: the ERROR of variable steps times what the steps make of it,
-    a Jacobian from differences, what Newton's iteration leaves of its linear convergence without N0, and of a position
-    along a trajectory."""
+    a Jacobian from differences, what Newton's iteration leaves of its linear convergence without N0 and with wheels,
+    and of a position along a trajectory."""
     if MODES[model.mode].gives_setpoints or MODES[model.mode].takes_setpoints:
         return 2 * CONVERGED
-    if any(len(r) > 5 and r[5] in WITHOUT_N0 for r in model.rows("ITERSTEP")):
+    rolls = MODES[model.mode].stationary and any(ELEMENT_TYPES[k].slips for k in model.types.values())
+    if rolls or any(len(r) > 5 and r[5] in WITHOUT_N0 for r in model.rows("ITERSTEP")):
         return 2 * LENGTHS
     for r in model.rows("INTEGRAT"):
         method = METHODS[r[1]]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from spacar import run
+from spacar import parse_deck, run
 
 TEXT = """X 1 0.1 0.2 0.5
 X 3 0.1 0.2 0.0
@@ -43,3 +43,11 @@ def test_released_beams_have_the_stress_of_their_law(tmp_path, compiled):
     assert sigma[0] == pytest.approx(76.189 * e[0] / length + 0.3, rel=1e-9)
     assert sigma[1] == pytest.approx(10.747 * e[1] / length**3, rel=1e-9)
     assert abs(sigma[0]) > 0.1
+
+
+def test_a_linear_convergence_is_followed_to_its_end():
+    """Slips let the iteration converge linearly: what is left is that of a geometric series, not of a square."""
+    text = TEXT.replace("KINX 1 1 2", "KINX 1 1\nDYNX 1 2").replace("RLSE 2 1", "RLSE 1 6\nDYNE 1 1\nRLSE 2 1")
+    text = text.replace("ESTIFF 2", "ESTIFF 1 60.4 73.9 62.1 75.7 65.3 86.3\nESTIFF 2")
+    exact, ordinary = (run(7, parse_deck(text), tolerance=tolerance)["x"][-1] for tolerance in (1e-15, 1.0))
+    assert np.abs(ordinary - exact).max() <= 2e-11 * 1.5  # of two runs; size of the model
