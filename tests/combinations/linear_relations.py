@@ -39,7 +39,7 @@ def differences(case: Case) -> Found:
     a = np.zeros((len(y), len(y)))
     for j in range(len(y)):
         steps = []
-        for h in (2e-4, 1e-4):
+        for h in (2e-5, 1e-5):
             plus, minus = (np.array(dynamics.rhs(0.0, moved(y, j, s * h), 1e-15)) for s in (1, -1))
             steps.append((plus - minus) / (2 * h))
         a[:, j] = (4 * steps[1] - steps[0]) / 3
