@@ -92,6 +92,13 @@ def texts(name: str, given: object) -> tuple[str, ...]:
     return found
 
 
+def path_of(given: object) -> Path:
+    """The path of a file. Raises UsageError for what is none."""
+    if isinstance(given, str | os.PathLike):
+        return Path(given)
+    raise UsageError(f"a path is a text or a Path, not {given!r:.60}", "usage.path")
+
+
 def integrator(code: int, subject: str = "integrator type") -> tuple[int, str | None]:
     """The integration method of this code, and the note on an alias (the sentence of INTEGRAT). Raises UsageError."""
     if code in INTEGRATOR_ALIASES:
@@ -215,7 +222,7 @@ def _accuracy(
         raise UsageError(text, "usage.accuracy")
     if accuracy is True:
         return AccuracyRequest(None, wanted, mesh)
-    if isinstance(accuracy, str) or not 0.0 < accuracy < 1.0:
+    if not isinstance(accuracy, Real) or not 0.0 < accuracy < 1.0:
         raise UsageError(f"the accuracy {accuracy!r} must be a number between 0 and 1", "usage.accuracy")
     return AccuracyRequest(float(accuracy), wanted, mesh)
 

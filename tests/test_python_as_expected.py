@@ -118,6 +118,15 @@ WRONG = {
     "elements": lambda m, r: r.stress(elements=["a"]),
     "nominal": lambda m, r: spacar.run(3, m, nominal=3),
     "times": lambda m, r: simulate(Diagram(), "a"),
+    "diagram": lambda m, r: simulate(None, [0.0, 1.0]),
+    "number for a path": lambda m, r: spacar.read_deck(5),
+    "number for a deck": lambda m, r: spacar.parse_deck(5),
+    "number for a name": lambda m, r: spacar.Model(5),
+    "list of accuracies": lambda m, r: m.run(7, accuracy=[1]),
+    "number for a film": lambda m, r: r.animate(5),
+    "number for a picture": lambda m, r: r.draw(5),
+    "number for a result file": lambda m, r: r.save(5),
+    "number for a column": lambda m, r: r.to_pandas(5),
     "signal": lambda m, r: drive().plot("plant:99"),
 }
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from spacar_formats.safety import write_text
 
-from spacar.calls import Source, deck_of, has_interval, run, texts
+from spacar.calls import Source, deck_of, has_interval, path_of, run, texts
 from spacar.errors import UsageError
 from spacar.mechanism.user_files import without_functions
 from spacar.result import Result
@@ -107,8 +107,8 @@ def animate(
     shown = series(source, _extras(extras), chosen_steps(source, steps, None, True), traces, initial)
     pictures, count = shown.thinned(frames)
     if path is not None:
-        film(shown.moving(), pictures, count, Path(path), fps, dpi)
-        return Path(path)
+        film(shown.moving(), pictures, count, path_of(path), fps, dpi)
+        return path_of(path)
     with TemporaryDirectory() as folder:
         made = Path(folder) / "animation.gif"
         film(shown.moving(), pictures, count, made, fps, dpi)
@@ -207,7 +207,7 @@ def flexure_page(
 def _page(text: str, path: str | Path | None) -> str:
     """The page, written where a path is given."""
     if path is not None:
-        write_text(Path(path), text)
+        write_text(path_of(path), text)
     return text
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from spacar_formats.safety import replacing
 
+from spacar.calls import path_of
 from spacar.errors import AnalysisError, UsageError, escaped
 from spacar_drawing.defaults import plain
 from spacar_drawing.drawn_shapes import Faces, Shape
@@ -164,7 +165,7 @@ def save(figure: Figure, path: Path, dpi: float = 150.0) -> None:
 def kept(figure: Figure, path: str | Path | None, dpi: float = 150.0) -> Figure:
     """The figure, saved where a path is given."""
     if path is not None:
-        save(figure, Path(path), dpi)
+        save(figure, path_of(path), dpi)
     return figure
 
 

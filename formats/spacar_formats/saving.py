@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from spacar.calls import path_of
 from spacar.errors import Report, UsageError
 from spacar.frame import Frame
 from spacar.modes import find_mode
@@ -46,7 +47,7 @@ def save_run(run: Run, name: str | Path, wait: bool = False) -> tuple[Path, ...]
     Raises UsageError when they cannot be written, and what ended the run: the log says it, the frames up to there are
     kept in NAME.sbd.part.
     """
-    stem = Path(name)
+    stem = path_of(name)
     stem = stem.with_name(stem.stem) if stem.suffix.lower() in ENDINGS else stem
     if not stem.name:
         raise UsageError(f"'{name}' is no name of a result", "files.open")

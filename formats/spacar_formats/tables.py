@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.calls import texts
 from spacar.errors import UsageError
 from spacar.expressions import Dimensions, evaluate, parse, unit_text
 from spacar.mechanism import Mechanism
@@ -38,7 +39,7 @@ def to_pandas(result: Result, expressions: Sequence[str] = ()) -> pandas.DataFra
     pandas = _pandas()
     units = dimensions(result)
     if expressions:
-        found = {text: evaluate(parse(text), result, units) for text in expressions}
+        found = {text: evaluate(parse(text), result, units) for text in texts("an expression", expressions)}
         columns = {text: np.broadcast_to(np.asarray(value), len(result.frames)) for text, (value, _) in found.items()}
         names = {text: unit_text(unit) for text, (_, unit) in found.items()}
     else:

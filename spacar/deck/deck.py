@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from os import PathLike
 from os.path import isfile, splitext
 from pathlib import Path
 
@@ -195,7 +196,9 @@ def read_deck(path: str | Path, mode: Purpose = None) -> Deck:
     >>> spacar.read_deck("data/crank.dat").first("XM").values
     (6, 0.033375)
     """
-    file = path if isinstance(path, Path) else Path(path)
+    if not isinstance(path, str | PathLike):
+        raise UsageError(f"the path of an input file is a text or a Path, not {path!r:.60}", "usage.model")
+    file = Path(path)
     name = str(file)
     stem, ending = splitext(name)
     if ending.lower() != ".dat" and not isfile(name):
@@ -218,6 +221,8 @@ def parse_deck(text: str, source: str = "<deck>", mode: Purpose = None) -> Deck:
     >>> len(deck.statements)
     4
     """
+    if not isinstance(text, str):
+        raise UsageError(f"parse_deck takes the text of a deck, not {text!r:.60}", "usage.model")
     return parse(text, source, mode)
 
 

@@ -65,7 +65,7 @@ class Model(ModelStatements, ModelCalls):
     """
 
     def __init__(self, source: str = "<model>") -> None:
-        if "\n" in source:
+        if not isinstance(source, str) or "\n" in source:
             raise UsageError("Model takes a name; spacar.parse_deck reads the text of a deck", "usage.model")
         self.source = source
         self._rows: list[tuple[str, int, tuple[str, ...], Place]] = []

@@ -49,6 +49,8 @@ def simulate(
     Raises UsageError (arguments, algebraic loop), AnalysisError (a block failed, returned a wrong shape or a
     value that is not finite, or the step size became too small).
     """
+    if not isinstance(diagram, Diagram):
+        raise UsageError(f"a simulation takes a Diagram, not {diagram!r:.60}", "simulation.diagram")
     try:
         output_times = np.asarray(times, float)
     except (TypeError, ValueError):
