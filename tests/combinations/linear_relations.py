@@ -193,7 +193,7 @@ def merged(model: Model) -> Model | None:
 
     def row(r, block):
         if block == 2 and r[0] == "ITERSTEP":
-            return [(*r[:5], 0)]
+            return [(*r[:5], 0, *r[6:])]
         if block != 2 or r[0] not in INCREMENTS:
             return [] if r[0] in INCREMENTS.values() else [r]
         key = (INCREMENTS[r[0]], *r[1 : 3 if r[0].startswith("INPUT") else 2 if r[0] != "GRAVITY" else 1])

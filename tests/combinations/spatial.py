@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from spacar.errors import SpacarError
+
 from .case import GENERAL, NOTHING, Case, Found
 from .model import Axial, Element, Model, Node, Place, Tensor, Vector
 
@@ -21,7 +23,12 @@ def as_spatial(case: Case) -> Found:
     model = spatial(case.model)
     if model is None or (angle and rotary):  # consistent there, lumped in space (docs/decisions.md)
         return NOTHING
-    result = case.run(model)
+    try:
+        result = case.run(model)
+    except SpacarError as error:
+        if error.code != "study.refine":
+            raise
+        return NOTHING  # bending out of the plane is released without stiffness: such beams are not divided
     want, got = {}, {}
     for (kind, n, variable), v in case.values.items():
         if kind == "node" and case.model.roles[n] == "position":
