@@ -157,7 +157,7 @@ class CompiledDynamics:
 
     def placement(self) -> Placement:
         s = self.state
-        return Placement(s.x[:, 0], s.xd[:, 0], s.e[:, 0], s.given_e[:, 0])
+        return Placement(s.x[:, 0], s.xd[:, 0], s.e[:, 0])
 
     def moving(self) -> Moving | None:
         s = self.state
@@ -175,7 +175,7 @@ class CompiledDynamics:
         """Go on from there, without the memory of earlier states."""
         s = self.state
         s.begin(at.x[:, None], at.e[:, None])
-        s.xd[:, 0], s.given_e[:, 0] = at.xd, at.e_given
+        s.xd[:, 0] = at.xd
 
     def numpy_evaluator(self) -> Dynamics:
         self.general.stand(self.placement())

@@ -172,9 +172,7 @@ class CompiledModel:
             e.start, e.stop - e.start, p.start, p.stop - p.start, q.start, q.stop - q.start,
             self.slots.polynomial, len(position), len(numbers.moments[0]), len(numbers.coupling[0]), MAX_ITERATIONS,
         ]  # fmt: skip
-        axis = np.full(n.nx, -1)
-        axis[n.positions] = np.arange(n.positions.shape[1])
-        lists = [position, axis]
+        lists = [position, n.translations]
         for rows, columns, _ in (numbers.mass, numbers.stiffness, numbers.damping, numbers.moments, numbers.coupling):
             if len(rows):
                 lists += rows, columns

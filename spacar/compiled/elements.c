@@ -32,7 +32,7 @@ typedef struct {
     const int *coupled_rows, *coupled_columns; const real *coupled; /* (n_coupled) of MEE: M_e of deformations */
     const int *free;                      /* (n_free) coordinates that are not fixed or prescribed */
     const int *position;                  /* (n_position) the rows of e that are given: without slips */
-    const int *axis;                      /* (nx) 0, 1, 2: x, y, z of a position node; -1: angle or Euler parameter */
+    const int *translation;               /* (nx) its number, of joined position nodes along an axis; -1: a rotation */
     const real *x0;                       /* (nx) reference configuration: the values of fixed coordinates */
     const real *x_motion, *e_motion;      /* (n, 3): start, rate, acceleration; or value, rate, acceleration at t */
     const User *user;                     /* NULL: no user function */

@@ -58,7 +58,7 @@ static int read_spec(Model *m, const int *whole, real *numbers, const Foreign *c
     s->x0 = next_numbers(&numbers, s->nx);
     s->field = next_numbers(&numbers, s->nx);
     s->position = next_whole(&whole, s->n_position);
-    s->axis = next_whole(&whole, s->nx);
+    s->translation = next_whole(&whole, s->nx);
     const struct { int n; const int **row, **column; const real **value; } entries[] = {
         { s->n_constant, &s->constant_row, &s->constant_column, &s->constant_mass },
         { s->n_stiffness, &s->s_rows, &s->s_columns, &s->s_values },

@@ -49,23 +49,28 @@ static double left_of_degrees(const Spec *s, const Trace *trace, const double (*
     return largest_lane(largest);
 }
 
-/* Is x, in the sizes of its coordinates, no farther than `far` from the last state? A common translation, which
-   deforms no element, is no distance: of each axis what all nodes go the same way. As `_jump` of kinematics.py. */
-static int is_near(const Spec *s, const State *at, const real *x, double far)
+/* Is x, in the sizes of its coordinates, no farther than `far` from the last state? A common translation of nodes that
+   are joined, which deforms no element, is no distance: along each axis what they go the same way. As `_jump` of
+   kinematics.py. */
+static int is_near(Model *m, const State *at, const real *x, double far)
 {
-    double low[3][LANES], high[3][LANES];
-    for (int k = 0; k < 3; k++) EACH_LANE { low[k][w] = DBL_MAX; high[k][w] = -DBL_MAX; }
+    const Spec *s = &m->s;
+    real *low = m->b, *high = low + s->nx;
+    for (int k = 0; k < s->nx; k++) { low[k] = EVERY(DBL_MAX); high[k] = EVERY(-DBL_MAX); }
     for (int i = 0; i < s->nx; i++) {
         const real moved = (x[i] - at->x[i]) / s->scale[i];
-        const int k = s->axis[i];
+        const int k = s->translation[i];
         EACH_LANE {
             const double d = LANE(moved, w);
             if (k < 0 && !(fabs(d) <= far)) return 0;
-            if (k >= 0) { low[k][w] = fmin(low[k][w], d); high[k][w] = fmax(high[k][w], d); }
+            if (k >= 0) { LANE(low[k], w) = fmin(LANE(low[k], w), d); LANE(high[k], w) = fmax(LANE(high[k], w), d); }
         }
     }
-    for (int k = 0; k < 3; k++)
-        EACH_LANE if (!(high[k][w] - fmax(low[k][w], 0.0) <= far && fmin(high[k][w], 0.0) - low[k][w] <= far)) return 0;
+    for (int k = 0; k < s->nx; k++)
+        EACH_LANE {
+            const double least = LANE(low[k], w), most = LANE(high[k], w);
+            if (least <= most && !(most - fmax(least, 0.0) <= far && fmin(most, 0.0) - least <= far)) return 0;
+        }
     return 1;
 }
 
@@ -169,7 +174,7 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
     const double farthest = 0.5 * jump; /* as FARTHEST_GUESS of the general path */
     const int far = !m->tree && guess(m, at, t, y, farthest, x);
     if (take_given(m, at, t, y, x, xd, xdd)) return NOT_ANSWERED;
-    if (far && !is_near(s, at, x, farthest)) return JUMP;
+    if (far && !is_near(m, at, x, farthest)) return JUMP;
     m->transfer_of = NULL;
     m->of_tree = m->matrices_behind = m->factors_behind = 0;
     if (m->tree) {
@@ -182,7 +187,7 @@ static int evaluate(Model *m, State *at, double t, const real *y, double converg
     real moved = EVERY(0.0);
     for (int i = 0; i < nx; i++) moved = lanes_larger(moved, (x[i] - at->x[i]) / s->scale[i]);
     /* a tree has no other branches */
-    if (!m->tree && !(largest_lane(moved) <= jump) && !is_near(s, at, x, jump)) return JUMP;
+    if (!m->tree && !(largest_lane(moved) <= jump) && !is_near(m, at, x, jump)) return JUMP;
     const int status = accelerate(m, t, x, xd, m->next_e, m->given_edd, xdd, at->sigma, want_stress);
     if (status < 0) return status;
     keep(m, at, t, y, y + q + s->n_x_kinematic + s->n_e_kinematic);

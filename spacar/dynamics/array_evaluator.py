@@ -112,7 +112,7 @@ class Dynamics(EquationsOfMotion):
     def placement(self) -> Placement:
         """Configuration and velocity of the last evaluated state."""
         k = self.kinematics
-        return Placement(k.x, self.xd, k.e, k.e_given)
+        return Placement(k.x, self.xd, k.e)
 
     def moving(self) -> Moving | None:
         """The last evaluated state with its accelerations."""
@@ -126,7 +126,6 @@ class Dynamics(EquationsOfMotion):
     def stand(self, at: Placement) -> None:
         """Go on from where another evaluator of the same mechanism stands, without its memory of earlier states."""
         self.kinematics.start_at(at.x, at.e)
-        self.kinematics.e_given = at.e_given.copy()
         self.xd = at.xd.copy()
         self.last = None
 

@@ -167,14 +167,13 @@ class LoadedMechanism:
 class Placement:
     """The configuration and the velocity of the last evaluated state: from here another evaluator can go on.
 
-    x, xd (nx,); e (ne,) deformations, which also say on what branch the angles are; e_given (ne,) those that were
-    prescribed. The arrays may be those of the evaluator: they hold until its next evaluation.
+    x, xd (nx,); e (ne,) deformations, which also say on what branch the angles are. The arrays may be those of the
+    evaluator: they hold until its next evaluation.
     """
 
     x: Array
     xd: Array
     e: Array
-    e_given: Array
 
 
 @dataclass(frozen=True, slots=True)

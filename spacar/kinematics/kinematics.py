@@ -26,11 +26,11 @@ position is wrong by sqrt(eps): `spacar.kinematics.constraint_condition`.
 
 D(x) = e has several solutions (a rigid beam may point to either side), so a target is reached continuously: when an
 iteration fails, or ends farther than 0.8 model lengths or rad from where it began, the way to the target is halved, at
-most 10 times; what all nodes go the same way along an axis is no distance. Where the prediction already goes farther,
-the way is divided at once. A way that is shorter than delta is not divided: its ends are one position to rounding. At a
-dead point delta is what rounding knows of the given values, and sqrt(delta) of the model what it knows of the position;
-two iterates that meet the constraints to delta there, without being single roots, end the iteration, as those that
-follow only wander in that range.
+most 10 times; what joined nodes go the same way along an axis is no distance. Where the prediction already goes
+farther, the way is divided at once, and of many turns whole periods are left out (`whole_turns`). A way that is shorter
+than delta is not divided: its ends are one position to rounding. At a dead point delta is what rounding knows of the
+given values, and sqrt(delta) of the model what it knows of the position; two iterates that meet the constraints to delta
+there, without being single roots, end the iteration, as those that follow only wander in that range.
 """
 
 from __future__ import annotations
@@ -46,6 +46,7 @@ from spacar.arrays import Array
 from spacar.errors import AnalysisError
 from spacar.kinematics.constraint_matrices import ConstraintMatrices, is_single_root
 from spacar.kinematics.element_sweep import ElementSweep
+from spacar.kinematics.whole_turns import Period, followed
 from spacar.linear_systems import SingularMatrixError
 from spacar.linear_systems.linear_system import DENSE_LIMIT, matrix
 from spacar.mechanism.mechanism import Mechanism
@@ -63,7 +64,6 @@ LARGEST_JUMP = 0.8  # rad or model lengths between two configurations
 FARTHEST_GUESS = 0.5 * LARGEST_JUMP  # from farther Newton's method could end at another solution
 MAX_DEPTH = 10
 MOST_PREDICTED = 10.0 * LARGEST_JUMP  # a first-order prediction that goes farther says nothing
-MOST_PIECES = 50_000  # of a prescribed motion between two positions: some 6000 turns
 
 
 class Unplaced(Exception):
@@ -96,6 +96,7 @@ class Kinematics(ConstraintMatrices):
         self.e_given = np.zeros(n.ne)
         self.target = self.e_given  # of the last iteration
         self.iterations = 0  # Newton iterations of the last position
+        self.period: Period | None = None  # of the given values
 
     # -- position -----------------------------------------------------------------------------------------------
     def move(self, x_given: Array, e_given: Array) -> None:
@@ -125,14 +126,9 @@ class Kinematics(ConstraintMatrices):
         self._solve(x_given, e_given, None, None, None, CONVERGED)
 
     def place(
-        self,
-        x_given: Array,
-        e_given: Array,
-        v_given: Array,
-        e_rate: Array,
-        guess: Array | None = None,
+        self, x_given: Array, e_given: Array, v_given: Array, e_rate: Array, guess: Array | None = None,
         within: float = CONVERGED,
-    ) -> Array:
+    ) -> Array:  # fmt: skip
         """Position and velocity together: xd (nx,) with V[E] xd = e_rate[E]; arguments as `position`, `dependent`.
 
         `guess` (nx,) is a good estimate of the calculable coordinates; `within`: largest scaled correction that ends
@@ -142,15 +138,9 @@ class Kinematics(ConstraintMatrices):
         return self.dependent(v_given, e_rate) if velocity is None else velocity
 
     def _solve(
-        self,
-        x_given: Array,
-        e_given: Array,
-        v_given: Array | None,
-        e_rate: Array | None,
-        guess: Array | None,
-        within: float,
-        depth: int = 0,
-    ) -> Array | None:
+        self, x_given: Array, e_given: Array, v_given: Array | None, e_rate: Array | None, guess: Array | None,
+        within: float, depth: int = 0,
+    ) -> Array | None:  # fmt: skip
         x, c = x_given.copy(), self.c
         x_old, e_old = self.x, self.e_given
         if guess is not None:
@@ -187,10 +177,45 @@ class Kinematics(ConstraintMatrices):
         self.sweep.follow(x_old, self.e)
         if way is None:
             way = self._distance(x_given, e_given - e_old)
-        jumps = 0.0 if depth else way / LARGEST_JUMP
-        pieces = int(np.ceil(jumps)) if 2.0 < jumps <= MOST_PIECES else 2
-        self._approach(x_given, e_given, within, pieces, depth + 1)
+        if depth == 0 and way > LARGEST_JUMP and self.skip_turns(x_given, e_given, within):
+            return self._solve(x_given, e_given, v_given, e_rate, None, within)
+        jumps = 0.0 if depth else self._distance(x_given, e_given - self.e_given) / LARGEST_JUMP
+        self._approach(x_given, e_given, within, max(2, int(np.ceil(jumps))), depth + 1)
         return self._solve(x_given, e_given, v_given, e_rate, None, within, depth + 1)
+
+    def skip_turns(self, x_given: Array, e_given: Array, within: float = CONVERGED) -> bool:
+        """Go by whole periods as near as possible to given values; False where none could be left out."""
+        nx, scale = len(self.x), np.concatenate((self.scale, self.mechanism.deformation_scale))
+        rows = np.concatenate((np.setdiff1d(np.arange(nx), self.c), nx + self.h))
+        known = max(CONVERGED, self.rounding(x_given, e_given[self.h]))
+
+        def ahead() -> tuple[Array, Array]:
+            first, way = np.concatenate((self.x, self.e_given)) / scale, np.zeros(len(scale))
+            way[rows] = (np.concatenate((x_given, e_given)) / scale - first)[rows]
+            return first, way
+
+        def go(first: Array, way: Array, guess: Array | None, depth: int) -> Array:
+            given = (first + way) * scale
+            self._solve(given[:nx], given[nx:], None, None, guess, within, depth)
+            return np.concatenate((self.x, self.e)) / scale
+
+        first, way = ahead()
+        if self.period is None or not self.period.divides(way, known):
+            self.period = followed(way, lambda part: go(first, part * way, None, 1), known)
+            if self.period is None:
+                return False
+            first, way = ahead()
+        n = self.period.times(way)
+        x_old, e_old, given_old = self.x, self.e, self.e_given
+        target = np.concatenate((x_old, e_old)) / scale + n * self.period.shift
+        if n:
+            self.start_at(target[:nx] * self.scale, target[nx:] * scale[nx:])
+            with suppress(AnalysisError):
+                if largest(go(first, n * self.period.way, self.x, MAX_DEPTH) - target) <= abs(n) * known:
+                    return True
+            self.start_at(x_old, e_old)
+            self.e_given, self.period = given_old, None
+        return False
 
     def _accept(self) -> None:
         self.e = self.sweep.e.copy()
@@ -205,15 +230,18 @@ class Kinematics(ConstraintMatrices):
             self._solve(x, e, None, None, None, within, depth)
 
     def _jump(self, a: Array, b: Array) -> float:
-        """Largest scaled difference of two configurations, without what all nodes go the same way along an axis: such a
-        translation deforms no element."""
+        """Largest scaled difference of two configurations, without what joined nodes go the same way along an axis:
+        such a translation deforms no element."""
         d = (b - a) / self.scale
         size = largest(d)
-        positions = self.numbering.positions
-        if size <= FARTHEST_GUESS or not len(positions):
+        if size <= FARTHEST_GUESS:
             return size
-        moved = d[positions]
-        d[positions] -= np.maximum(moved.min(axis=0), 0.0) + np.minimum(moved.max(axis=0), 0.0)
+        k = self.numbering.translations
+        moved, k = d[k >= 0], k[k >= 0]
+        low, high = np.full((2, len(d)), np.inf)
+        np.minimum.at(low, k, moved)
+        np.minimum.at(high, k, -moved)
+        d[self.numbering.translations >= 0] -= (np.maximum(low, 0.0) - np.maximum(high, 0.0))[k]
         return largest(d)
 
     def _distance(self, x_given: Array, e: Array) -> float:

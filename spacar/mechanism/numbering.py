@@ -201,6 +201,24 @@ class Numbering:
         return self.x_places.take(_with_role(self.roles, "position"), 0)[:, : 2 if self.planar else 3]
 
     @cached_property
+    def translations(self) -> Index:
+        """(nx,) number of the translation along an axis, of position nodes that elements join, that a coordinate takes
+        part in; -1 of orientations and warping."""
+        part = np.arange(len(self.roles))
+        position = self.roles == ROLES.index("position")
+        joined = [rows.nodes[:, position[rows.nodes[0]]] for rows in self.types]
+        before = part[:0]
+        while not np.array_equal(before, part):
+            before = part.copy()
+            for nodes in joined:
+                if nodes.shape[1] > 1:
+                    np.minimum.at(part, nodes, part[nodes].min(axis=1)[:, None])
+            part = part[part]
+        found, axes = np.full(self.nx, -1), self.positions.shape[1]
+        found[self.positions] = axes * np.unique(part[position], return_inverse=True)[1][:, None] + np.arange(axes)
+        return found
+
+    @cached_property
     def holonomic(self) -> bool:
         """True when no deformation exists as a rate only."""
         return not any([rows.kind.slips for rows in self.types])

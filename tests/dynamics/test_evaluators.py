@@ -50,7 +50,6 @@ def test_every_protocol(name):
     same(b.x, a.x)
     same(b.xd, a.xd)
     same(b.e, a.e, 1.0)
-    same(b.e_given, a.e_given, 1.0)
     assert compiled.condition() == pytest.approx(general.condition(), rel=1e-8)
     assert compiled.position_matrix().rcond() == pytest.approx(general.position_matrix().rcond(), rel=1e-8)
     for evaluator in (general, compiled):  # its sweeps and factors are those of the state

@@ -11,6 +11,7 @@ import pytest
 
 import spacar
 from spacar import Deck
+from spacar.kinematics.kinematics import Kinematics
 
 ENGINES = pytest.mark.parametrize("compiled", [True, False])
 RADII = [(0.05, 0.0499), (0.0499, 0.05), (0.05, 0.05 - 1e-9), (0.2, 0.05), (0.1, -0.1), (0.1, 0.1)]
@@ -88,3 +89,53 @@ def test_released_hinge_and_screw(turns: float, compiled: bool) -> None:
     np.testing.assert_allclose(r.element(2, 1), angle * r.t, rtol=0, atol=1e-12 * abs(angle))
     moved = np.hypot(r.node(3, 2) - 0.3, r.node(3, 3) - 0.4)
     np.testing.assert_allclose(moved, 0.01 * abs(angle) * r.t, rtol=0, atol=1e-13 * abs(angle))
+
+
+def geared(ratio: float) -> list[tuple]:
+    """A belt that turns `ratio` times as far drives a slider-crank."""
+    return [
+        ("PLBELT", 1, 1, 2, 3, 4, 0.1 * ratio, 0.1), ("X", 3, 1.0), ("PLRBEAM", 2, 3, 4, 5), ("X", 5, 1.15),
+        ("PLBEAM", 3, 5, 6, 7, 8), ("X", 7, 1.6), ("FIX", 1), ("FIX", 3), ("FIX", 7, 2), ("INPUTX", 2),
+    ]  # fmt: skip
+
+
+DRIVEN = {
+    "four-bar": [("PLBEAM", 1, 1, 2, 3, 4), ("PLBEAM", 2, 3, 5, 6, 7), ("PLBEAM", 3, 6, 8, 9, 10), ("X", 3, 0.0, 0.1),
+                 ("X", 6, 0.4, 0.3), ("X", 9, 0.35, 0.0), ("FIX", 1), ("FIX", 9), ("INPUTX", 2)],
+    "belt of three turns": geared(1.0 / 3.0),
+    "belt without a period": geared(np.sqrt(0.5)),
+    "belt around a moving centre": arm(0.2, 0.1, "INPUTX"),
+    "screw": [("HINGE", 1, 2, 4, 0.0, 0.6, 0.8), ("SCREW", 2, 1, 2, 3, 4, 0.0, 0.6, 0.8, 0.01), ("FIX", 1), ("FIX", 2),
+              ("X", 3, 0.0, 0.3, 0.4), ("INPUTE", 1, 1), ("RLSE", 2, 1, 5, 6)],
+    "hinge": [("HINGE", 1, 1, 2, 0.0, 0.0, 1.0), ("RBEAM", 2, 3, 2, 4), ("FIX", 1), ("FIX", 3), ("INPUTE", 1, 1),
+              ("X", 3, 0.0, 0.0, 0.0), ("X", 4, 1.0, 0.2, 0.3)],
+}  # fmt: skip
+
+
+@ENGINES
+@pytest.mark.parametrize("name", DRIVEN)
+def test_outputs_that_are_many_turns_apart(name: str, compiled: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are those of a run with forty outputs a turn, to the rounding of 200 rad; only a period is followed."""
+    keyword, number = next(row[:2] for row in DRIVEN[name] if row[0].startswith("INPUT"))
+    positions, newton = [], Kinematics._newton
+
+    def counted(self: Kinematics, *arguments: object) -> object:
+        positions.append(1)
+        return newton(self, *arguments)
+
+    monkeypatch.setattr(Kinematics, "_newton", counted)
+
+    def outputs(n: int, turns: float = 30.3) -> spacar.Result:
+        motion = [(keyword, number, 1, 0.0, -2 * np.pi, 0.0), ("TIMESTEP", turns, n)]
+        return spacar.run(1, Deck.build(DRIVEN[name], motion), compiled=compiled)
+
+    fine = outputs(1212)
+    positions.clear()
+    far = outputs(3)
+    for variable in ("x", "e", "xdd"):
+        of_fine = np.array(fine[variable])[::404]
+        np.testing.assert_allclose(far[variable], of_fine, rtol=0, atol=1e-11 * max(1.0, np.abs(of_fine).max()))
+    if "without" not in name:
+        positions.clear()
+        assert np.isfinite(outputs(3, 1e5 + 0.3)["x"][-1]).all()
+        assert len(positions) <= 150
