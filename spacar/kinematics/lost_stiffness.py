@@ -1,9 +1,10 @@
 """Released beam deformations without any stress law: a hinge or a slider in the model, often by mistake.
 
 A warning when a mode of a beam or tube is released (RLSE) and neither ESTIFF, EDAMP nor ESIG gives it a stress,
-although the motion can change it. It cannot when the fixed deformations determine it (`self_stress`), as after the
-cut of a redundant rigid frame. No warning either for measuring elements (a massless beam with all modes released and
-no coefficient at all), with USERSIG (its function may give the stress), and for files without a dynamics block.
+although the motion can change it. It cannot where all nodes are fixed, or when the fixed deformations determine it
+(`self_stress`), as after the cut of a redundant rigid frame. No warning either for measuring elements (a massless beam
+with all modes released and no coefficient at all), with USERSIG (its function may give the stress), and for files
+without a dynamics block.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from spacar.errors import Message
 from spacar.kinematics.advice import SMALL, coefficient, full_deck
 from spacar.kinematics.self_stress import redundancies
 from spacar.mechanism.mechanism import Mechanism
+from spacar.mechanism.rigid_parts import fixed_nodes
 
 BEAMS = tuple(t.keyword for t in ELEMENT_TYPES.values() if t.shape == "beam")
 LARGEST = 1000
@@ -85,8 +87,10 @@ def _modes(given: tuple[int, ...], keyword: str) -> tuple[int, ...]:
 def _can_change(mechanism: Mechanism, pairs: list[tuple[int, int]]) -> set[tuple[int, int]]:
     """Those of the deformations that the fixed ones leave free, at the reference configuration."""
     n = mechanism.numbering
-    fixed = np.arange(n.e_class["fixed"].stop)
-    if len(fixed) > LARGEST:
+    fixed, held = np.arange(n.e_class["fixed"].stop), fixed_nodes(n)
+    moving = {number for number, _, nodes in n.elements if not held[list(nodes)].all()}
+    pairs = [pair for pair in pairs if pair[0] in moving]
+    if len(fixed) > LARGEST or not pairs:
         return set(pairs)
     places = [n.e_index(*pair) for pair in pairs]
     held = redundancies(mechanism, np.concatenate((fixed, places)))[len(fixed) :]
