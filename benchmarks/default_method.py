@@ -1,6 +1,6 @@
 """The default method against the fastest code: processor time and right-hand sides at the ERROR of the file.
 
-python benchmarks/default_method.py [--general] [MODEL ...]
+python benchmarks/default_method.py [--general] [MODEL | FILE ...]
 
 Regret: time of INTEGRAT -1 over the least of codes 0, 155, 853, 553, 595 (a code is stopped at LIMIT times the least so
 far, or at LONGEST). Whole runs from the deck to the last frame in memory, the least of three below a second.
@@ -122,7 +122,7 @@ def main(words: list[str]) -> None:
     print(f"| model | {' | '.join(map(str, CODES))} | default | regret |\n|{'---|' * (len(CODES) + 3)}")
     regrets = []
     for name in names or MODELS:
-        deck = parse_deck(MODELS[name], mode=1)
+        deck = parse_deck(MODELS[name], mode=1) if name in MODELS else spacar.read_deck(name, 1)
         found: dict[int, tuple[float, int]] = {}
         for code in (595, 155, 0, 853, 553):
             least = min((seconds for seconds, _ in found.values()), default=LONGEST)

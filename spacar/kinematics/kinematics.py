@@ -29,8 +29,8 @@ iteration fails, or ends farther than 0.8 model lengths or rad from where it beg
 most 10 times; what joined nodes go the same way along an axis is no distance. Where the prediction already goes
 farther, the way is divided at once, and of many turns whole periods are left out (`whole_turns`). A way that is shorter
 than delta is not divided: its ends are one position to rounding. At a dead point delta is what rounding knows of the
-given values, and sqrt(delta) of the model what it knows of the position; two iterates that meet the constraints to delta
-there, without being single roots, end the iteration, as those that follow only wander in that range.
+given values, and sqrt(delta) of the model what it knows of the position; two iterates that meet the constraints there
+to delta, without being single roots, end the iteration, as those that follow only wander in that range.
 """
 
 from __future__ import annotations
