@@ -182,3 +182,52 @@ static int band_positive(double *a, int n, int w)
     }
     return 1;
 }
+
+/* The diagonal of the inverse by selected_inverse.py, in the order of the band; row pivots[j] was exchanged with j. OK
+   or NO_MEMORY. */
+static int spacar_band_inverse(const double *a, int n, int b, const int *pivots, double *diagonal)
+{
+    const int top = 2 * b, height = 3 * b + 1, width = 3 * b < n - 1 ? 3 * b : n - 1, size = 2 * width + 2;
+    double *store = calloc((size_t)size * size + 2 * size, sizeof(double));
+    if (!store) return NO_MEMORY;
+    double *column = store + (size_t)size * size, *restrict line = column + size;
+    int at = size; /* place of row and column j + 1 */
+    for (int j = n - 1; j >= 0; j--, at--) {
+        const int rest = width < n - 1 - j ? width : n - 1 - j, below = b < rest ? b : rest;
+        const double *factors = a + (size_t)j * height + top + 1, d = factors[-1];
+        if (at == 0) {
+            at = size - width;
+            for (int i = 0; i < width; i++)
+                memcpy(store + (size_t)(at + i) * size + at, store + (size_t)i * size, sizeof(double) * width);
+        }
+        double *first = store + (size_t)(at - 1) * size + at - 1, product = 1.0;
+        memset(line, 0, sizeof(double) * rest);
+        for (int k = 0; k < rest; k++) {
+            const double *row = first + (size_t)(k + 1) * size + 1;
+            const double u = k < top ? factors[(size_t)(k + 1) * height - k - 2] : 0.0; /* of row j */
+            quad sum = {0.0};
+            int i = 0;
+            for (; i + 4 <= below; i += 4) sum += *(const quad *)(row + i) * *(const quad *)(factors + i);
+            double z = sum[0] + sum[1] + sum[2] + sum[3];
+            for (; i < below; i++) z += row[i] * factors[i];
+            column[k] = -z;
+            product -= u * column[k];
+            if (u != 0.0) for (int c = 0; c < rest; c++) line[c] -= u * row[c];
+        }
+        first[0] = product / d;
+        for (int k = 0; k < rest; k++) {
+            first[(size_t)(k + 1) * size] = column[k];
+            first[k + 1] = line[k] / d;
+        }
+        const int p = pivots[j] - j;
+        for (int k = 0; p && k <= rest; k++) {
+            double *row = first + (size_t)k * size, kept = row[0];
+            row[0] = row[p];
+            row[p] = kept;
+        }
+        if (j + width < n) diagonal[j + width] = first[(size_t)width * (size + 1)]; /* out of reach of exchanges */
+    }
+    for (int i = 0; i < width; i++) diagonal[i] = store[(size_t)(at + i) * (size + 1)];
+    free(store);
+    return OK;
+}

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from spacar.compiled.library import address_of, element_functions, engine
 from spacar.elements.family import GUARD, Configuration, Family, Internal, Trouble
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stream import Run
+
+if TYPE_CHECKING:
+    from spacar.linear_systems.banded import BandedSystem
 
 FACTS = (
     "n_coordinates", "n_deformations", "slips", "position_rows", "constant_gradient", "constant_mass", "has_mass",
@@ -49,6 +52,17 @@ def with_compiled_elements(mechanism: Mechanism) -> Mechanism:
         family = compiled_family(b.family) if b.family.n_deformations or b.family.has_mass else b.family
         batches.append(b if family is b.family else b._replace(family=family))
     return replace(mechanism, batches=tuple(batches))
+
+
+def band_inverse(system: BandedSystem) -> Array:
+    """Diagonal of the inverse of a matrix with a symmetric pattern, in the order of its band (band.c)."""
+    lu, diagonal = np.ascontiguousarray(system.lu.T), np.empty(system.n)
+    pivots = system.pivots.astype(np.int32)
+    if element_functions().band_inverse(
+        address_of(lu), system.n, system.lower, address_of(pivots), address_of(diagonal)
+    ):
+        raise MemoryError
+    return diagonal
 
 
 def compiled_family(family: Family) -> Family:

@@ -15,7 +15,7 @@ static int definite_pattern(const Equilibrium *q, Own *w)
     if (status == OK) status = band_order(&graph, rank);
     if (status == OK) {
         const int b = w->definite_b = band_width(&graph, rank);
-        w->definite_known = b < q->widest_definite || q->nf <= q->dense ? 1 : -1;
+        w->definite_known = 1;
         w->definite_band = cleared(&w->memory, (size_t)q->nf * (b + 1), sizeof(double));
         w->definite_size = cleared(&w->memory, q->nf, sizeof(double));
         if (!w->definite_band || !w->definite_size) status = NO_MEMORY;

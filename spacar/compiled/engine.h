@@ -213,7 +213,6 @@ typedef struct {
     double size, parts[2], hold;
     double floor, singular, no_digits, spread, first_ratio, later_ratio, jump, symmetric, guess_forces, guess_lengths,
         weight, safe;
-    int64_t widest_definite;
     /* what an iteration has to reach, from where, and what comes out */
     double forces, lengths, correction, tolerance;
     /* out: x, sigma, right, rounding; (limit) */
@@ -279,4 +278,5 @@ typedef struct {
     F(int, equilibrium_point, (Equilibrium *q)) \
     F(int, equilibrium_factor, (Equilibrium *q)) \
     F(double, equilibrium_sign, (const Equilibrium *q)) \
-    F(int, equilibrium_definite, (Equilibrium *q))
+    F(int, equilibrium_definite, (Equilibrium *q)) \
+    F(int, band_inverse, (const double *a, int n, int b, const int *pivots, double *diagonal))

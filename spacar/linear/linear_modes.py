@@ -103,7 +103,7 @@ def state_space_matrices(run: Run) -> Iterator[Sequence[Frame]]:
 @dataclass(frozen=True)
 class LinearizedSolution:
     """A stored stationary solution with its linearization L, for large systems the sparse tangent instead, or their
-    coefficients `sparse` where there is no such tangent; L and the tangent where modes take less work with the tangent.
+    coefficients `sparse` where there is no such tangent.
 
     `wanted`: number of lowest modes; `reduced`: no dense matrices at any step of the run.
     """
@@ -132,12 +132,9 @@ def _stored_system(run: Run, may_move: bool) -> StoredSystem:
     return StoredSystem(run, sparse, wanted, may_move)
 
 
-def stationary(
-    run: Run, few: int | None = None, store: StoredSystem | None = None
-) -> Iterator[LinearizedSolution]:
-    """The stored stationary solutions, in the form that `spacar.linear.form` decides. `few`: so many lowest modes are
-    looked for, whatever the file asks for. A `store` in sparse form makes the linearizations itself.
-    """
+def stationary(run: Run, store: StoredSystem | None = None) -> Iterator[LinearizedSolution]:
+    """The stored stationary solutions, in the form that `spacar.linear.form` decides. A `store` in sparse form makes
+    the linearizations itself."""
     from spacar.compiled.compiled_elements import mechanism_of
 
     mechanism, settings = mechanism_of(run), run.mechanism.settings
@@ -145,7 +142,6 @@ def stationary(
     run.n_frames = settings.stored_levels
     solver = StationarySolver(mechanism, run.report)
     descriptor = store is not None and store.sparse
-    reducible = store is None and solver.sparse
     wanted = settings.modes or n.nddof
     large = store is None and form.stores_sparse(n.nddof, settings, settings.modes or 0)
     moving = large and not solver.sparse and run.mode.number == 7 and not len(n.twist_rates)
@@ -158,10 +154,6 @@ def stationary(
             " computed, no reduced matrices and no transfer functions; --modes N or MODES N changes the number, 0 asks"
             " for everything"
         )
-    few = few or wanted
-    by_tangent = reducible and (reduced or form.computes_sparse(n.nddof, few, solver.sparse_tangent))
-    if by_tangent and not reduced:
-        run.report.add(f"the {few} lowest of {n.nddof} modes are computed with the sparse tangent: less work")
     output = TransferOutput(run)
     limits: Limits | None = None
     for stored, (level, iterations) in enumerate(solver.stored(LoadProgram(settings))):
@@ -199,11 +191,8 @@ def stationary(
         frame.lost = {**frame.lost, **_doubts(L)}
         _store_matrices(frame, L, dynamics)
         frame = output.add(frame, dynamics, L)
-        helping = solver.sparse_tangent() if by_tangent else None
-        if helping is not None:
-            helping.sigma = state.sigma
-        yield LinearizedSolution(frame, dynamics, L, helping, wanted, reduced)
-    if by_tangent:
+        yield LinearizedSolution(frame, dynamics, L, None, wanted, reduced)
+    if reduced and not moving:
         run.report.add(f"storage of the sparse tangent: {solver.sparse_tangent().storage}")
 
 
@@ -227,7 +216,7 @@ def _say_doubtful_inertia(run: Run, solution: LinearizedSolution) -> None:
     """Warn of motions whose inertia is rounding of the reduced mass matrix, if modes come from it, at the first step.
     """
     L, dynamic = solution.L, run.mechanism.numbering.dynamic
-    if L is None or solution.tangent is not None or not len(dynamic) or solution.frame.t:
+    if L is None or not len(dynamic) or solution.frame.t:
         return
     M = selected(L.m0, dynamic, dynamic)
     masses = L.M.diagonal()

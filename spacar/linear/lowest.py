@@ -79,7 +79,12 @@ def sparse_compliances(tangent: SparseTangent) -> Array:
     from spacar.linear_systems.selected_inverse import inverse_diagonal
 
     if isinstance(system, BandedSystem):
-        out[tangent.F] = inverse_diagonal(system)[: tangent.nf]
+        if any(b.family.compiled for b in tangent.elastic):
+            from spacar.compiled.compiled_elements import band_inverse
+
+            out[tangent.F] = inverse_diagonal(system, band_inverse)[: tangent.nf]
+        else:
+            out[tangent.F] = inverse_diagonal(system)[: tangent.nf]
         return out
     diagonal = system.inverse_diagonal() if isinstance(system, CondensedSystem) else None
     if diagonal is not None:
@@ -118,12 +123,10 @@ def _shift(tangent: SparseTangent, wanted: int) -> tuple[float, RefinedOperator]
 def _squared(tangent: SparseTangent, square: float) -> RefinedOperator:
     """op = (K_x + s^2 M)^-1 M, refined when asked for."""
     system = tangent.factor({**STATIC, "mass": square})
-    M, F = tangent.assembled(("mass",)), tangent.F
+    M = tangent.assembled(("mass",))
 
     def operator(x: Array, refined: bool = False) -> Array:
-        force = np.zeros_like(x)
-        force[F] = M @ x[F]
-        return tangent.displacement(system, force, refined)
+        return tangent.displacement(system, M @ x, refined)
 
     return operator
 
@@ -138,22 +141,23 @@ def _undamped(
     theta, x = dominant(operator, start_block(tangent, wanted), wanted, tangent.dynamics.numbering.nddof)
     if symmetric:
         x = real_vectors(theta, x)
-        theta = rayleigh(x, tangent.times(("mass",), x), operator(x, refined=True))
+        theta = rayleigh(x, tangent.assembled(("mass",)) @ x, operator(x, refined=True))
     squares = 1.0 / theta - square
     squares[lost_pairs(operator, theta, x, squares, "omega^2", report)] = np.nan
     return squares, x
 
 
 def _quadratic(tangent: SparseTangent, s: float, wanted: int, report: Report) -> tuple[Array, Array]:
-    """lambda and displacement shapes of the damped, gyroscopic or unsymmetric system; 2 x wanted of them."""
+    """lambda and displacement shapes of the damped, gyroscopic or unsymmetric system; 2 x wanted of them. Solutions are
+    refined, as for `_undamped` without symmetry."""
     system = tangent.factor({**STATIC, "mass": s * s, "flow": s}, damping=s)
     n = tangent.dynamics.numbering.nx
+    M, C = tangent.assembled(("mass",)), tangent.assembled(("flow",)) + tangent.viscous()
     size = s / np.sqrt(SHIFT)  # x is multiplied by a typical frequency, so that both halves compare
 
     def operator(z: Array) -> Array:
         x, v = z[:n] / size, z[n:]
-        force = tangent.times(("mass",), v + s * x) + tangent.times(("flow",), x) + tangent.viscous(x)
-        following = -tangent.displacement(system, force)
+        following = -tangent.displacement(system, M @ (v + s * x) + C @ x, refined=True)
         return np.vstack((size * following, x + s * following))
 
     rank = 2 * tangent.dynamics.numbering.nddof
@@ -176,8 +180,8 @@ def is_symmetric_loading(tangent: SparseTangent) -> bool:
         return True  # second derivatives of the deformations are
     a, b = np.zeros((2, tangent.dynamics.numbering.nx))
     a[tangent.F], b[tangent.F] = np.random.default_rng(1).standard_normal((2, tangent.nf))
-    left, right = (float(u @ tangent.times(LOADING, v[:, None])[:, 0]) for u, v in ((a, b), (b, a)))
-    size = float(np.abs(a) @ np.abs(tangent.times(LOADING, np.abs(b)[:, None])[:, 0]))
+    G = tangent.assembled(LOADING)
+    left, right, size = float(a @ (G @ b)), float(b @ (G @ a)), float(np.abs(a) @ np.abs(G @ np.abs(b)))
     return abs(left - right) <= SYMMETRIC * max(size, 1e-300)
 
 

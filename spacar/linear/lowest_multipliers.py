@@ -11,7 +11,6 @@ warning. Doubtful pairs are treated as in `spacar.linear.lowest`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -57,10 +56,7 @@ def lowest_buckling(tangent: SparseTangent, report: Report, wanted: int = WANTED
             unknowns = _Unknowns(tangent, None)
         shift, system = _shifted(tangent)
         report.add(SINGULAR_K0)
-    G, coupling = tangent.assembled(LOADING), unknowns.coupling
-
-    def loading(z: Array) -> Array:
-        return _bordered(tangent, G, unknowns, coupling, z)
+    loading = unknowns.bordered(tangent.assembled(LOADING))
 
     def solve(force: Array, refined: bool = False) -> Array:
         x, b = unknowns.split(force)
@@ -79,25 +75,22 @@ def lowest_extra_load(
     """
     from scipy.sparse import coo_array
 
-    sigma, place = tangent.sigma, tangent.place
+    sigma = tangent.sigma
     system = tangent.factor(STATIC)
     present, added = _Unknowns(tangent, sigma, s1, True), _Unknowns(tangent, s1, sigma, True)
     tangent.sigma = s1
     G = tangent.assembled(("geometric",))
     tangent.sigma = sigma
-    rows, columns = place[moments[0]], place[moments[1]]
-    keep = (rows >= 0) & (columns >= 0)
-    own = coo_array((moments[2][keep], (rows[keep], columns[keep])), G.shape).tocsr()
-    G = G - own
-
-    def loading(z: Array) -> Array:
-        return _bordered(tangent, G, added, added.coupling, z)
+    rows, columns, values = moments
+    values = values * ((tangent.place[rows] >= 0) & (tangent.place[columns] >= 0))
+    loading = added.bordered(G - coo_array((values, (rows, columns)), G.shape).tocsr())
+    c, turned = present.coupling, present.coupling.T.tocsr()
 
     def solve(force: Array, refined: bool = False) -> Array:
         """[K + c0 c0^T/k, c0; c0^T, k]: without b, K is left, which has them eliminated."""
         fx, fb = present.split(force)
-        x = tangent.displacement(system, fx - present.push(present.coupling, fb) / present.size, refined)
-        return np.vstack((x, (fb - present.pull(present.coupling, x)) / present.size))
+        x = tangent.displacement(system, fx - c @ fb / present.size, refined)
+        return np.vstack((x, (fb - turned @ x) / present.size))
 
     symmetric = is_symmetric_loading(tangent) and not len(moments[2])
     return _modes(tangent, added, solve, loading, symmetric, 0.0, wanted, report)
@@ -106,7 +99,7 @@ def lowest_extra_load(
 class _Unknowns:
     """Unknowns b (m,) beside the coordinates.
 
-    `coupling` (nf, m) is c sqrt(size/k), `size` the stiffness of every b, `part` (m,) is 1 where the element has
+    `coupling` (nx, m) is c sqrt(size/k), `size` the stiffness of every b, `part` (m,) is 1 where the element has
     eliminated its unknown. `eliminated`: take only these.
     """
 
@@ -115,9 +108,9 @@ class _Unknowns:
     ) -> None:
         from scipy.sparse import csr_array, hstack
 
-        self.nx, self.F, self.size = tangent.dynamics.numbering.nx, tangent.F, tangent.flexibility.size
+        self.nx, self.size = tangent.dynamics.numbering.nx, tangent.flexibility.size
         found = [] if sigma is None else element_unknowns(tangent.dynamics, sigma, other)
-        blocks, parts = [csr_array((tangent.nf, 0))], [np.zeros(0)]
+        blocks, parts = [csr_array((self.nx, 0))], [np.zeros(0)]
         for u in found:
             keep = np.flatnonzero(u.eliminated) if eliminated else np.arange(len(u.stiffness))
             if len(keep):
@@ -130,50 +123,40 @@ class _Unknowns:
     def split(self, z: Array) -> tuple[Array, Array]:
         return z[: self.nx], z[self.nx :]
 
-    def push(self, c: Any, b: Array) -> Array:
-        """c b, over all coordinates."""
-        out = np.zeros((self.nx, *b.shape[1:]), b.dtype)
-        out[self.F] = c @ b
-        return out
+    def bordered(self, G: Any) -> Any:
+        """[G + c part c^T/size, c; c^T, 0] in compressed rows, G (nx, nx)."""
+        from scipy.sparse import block_array, diags_array
 
-    def pull(self, c: Any, x: Array) -> Array:
-        """c^T x."""
-        return np.asarray(c.T @ x[self.F])
+        c = self.coupling
+        part = diags_array(self.part / self.size)
+        return block_array([[G + c @ part @ c.T, c], [c.T, None]], format="csr") if self.m else G
 
 
 def _columns(tangent: SparseTangent, rows: Index, values: Array) -> Any:
-    """(nf, m) with a column for every element."""
+    """(nx, m) with a column for every element, rows F only."""
     from scipy.sparse import coo_array
 
-    i, j = tangent.place[rows], np.broadcast_to(np.arange(rows.shape[1]), rows.shape)
-    keep = i >= 0
-    return coo_array((values[keep], (i[keep], j[keep])), (tangent.nf, rows.shape[1])).tocsr()
-
-
-def _bordered(tangent: SparseTangent, G: Any, unknowns: _Unknowns, c: Any, z: Array) -> Array:
-    """[G + c part c^T/size, c; c^T, 0] z."""
-    x, b = unknowns.split(z)
-    pulled = unknowns.pull(c, x)
-    force = unknowns.push(c, unknowns.part[:, None] * pulled / unknowns.size + b)
-    force[tangent.F] += G @ x[tangent.F]
-    return np.vstack((force, pulled))
+    columns = np.broadcast_to(np.arange(rows.shape[1]), rows.shape)
+    keep = tangent.place[rows] >= 0
+    return coo_array((values[keep], (rows[keep], columns[keep])), (len(tangent.place), rows.shape[1])).tocsr()
 
 
 def _modes(
-    tangent: SparseTangent, unknowns: _Unknowns, solve: RefinedOperator, loading: Callable[[Array], Array],
-    symmetric: bool, shift: float, wanted: int, report: Report,
+    tangent: SparseTangent, unknowns: _Unknowns, solve: RefinedOperator, loading: Any, symmetric: bool, shift: float,
+    wanted: int, report: Report,
 ) -> BucklingModes:  # fmt: skip
     wanted = min(wanted, tangent.dynamics.numbering.nddof)
 
     def operator(z: Array) -> Array:
-        return -solve(loading(z))
+        return -solve(loading @ z, refined=not symmetric)
 
     start = start_block(tangent, wanted)
     start = np.vstack((start, np.zeros((unknowns.m, start.shape[1]))))
     values, vectors = dominant(operator, start, wanted, tangent.dynamics.numbering.nddof + unknowns.m)
     if symmetric:
         z = real_vectors(values, vectors)
-        theta = rayleigh(z, loading(z), -solve(loading(z), refined=True))
+        force = loading @ z
+        theta = rayleigh(z, force, -solve(force, refined=True))
     else:
         # a double value is known to half of the digits
         real = np.abs(values.imag) <= np.sqrt(backward_error.rounding(len(vectors))) * np.abs(values)

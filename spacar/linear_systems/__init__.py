@@ -1,12 +1,14 @@
 """Square linear systems with a fixed pattern, assembled from element entries and solved many times.
 
 The pattern is a list of (row, column) pairs, repeated pairs add up. The storage is chosen once per model:
-dense when the system is small, banded (reverse Cuthill-McKee ordering, LAPACK gbsv) when the band is narrow, else
-condensed where the matrix has the mixed form of structures (`condensed`), or sparse (SuperLU). Measured in
-benchmarks/linear_systems.py; theory-system.md section 2.3 gives the rule.
+dense when the system is small, banded (reverse Cuthill-McKee ordering, LAPACK gbsv) where that takes less time than
+the other form: condensed where the matrix has the mixed form of structures (`condensed`), else sparse (SuperLU).
+Measured in benchmarks/linear_systems.py; theory-system.md section 2.3 gives the rule.
 """
 
 from __future__ import annotations
+
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +18,21 @@ from spacar.linear_systems.linear_system import DenseSystem, LinearSystem, Singu
 __all__ = ["DENSE_LIMIT", "LinearSystem", "SingularMatrixError", "assemble", "is_dense"]
 
 DENSE_LIMIT = 60  # unknowns; below, NumPy's dense solver is faster than any ordering
-BAND_LIMIT = 100  # 3 * half bandwidth + 1
+# Nanoseconds of a factorization and fifty solutions: n h (BAND[0] + BAND[1] h) of n unknowns with a band of h
+# diagonals; of the other forms these and those of every unknown
+BAND, SPARSE, CONDENSED = (43.0, 8e-3), (0.0, 4380.0), (8e6, 7500.0)
 
 
 def is_dense(n: int) -> bool:
     """Whether a system of n unknowns is stored dense, unless another storage is forced."""
     return n <= DENSE_LIMIT
+
+
+def widest_band(n: int, mixed: bool) -> float:
+    """Diagonals, with those of exchanges, from which band storage of n unknowns takes longer than the other form."""
+    least, each = CONDENSED if mixed else SPARSE
+    linear, square = BAND
+    return (sqrt(linear**2 + 4.0 * square * (least / max(n, 1) + each)) - linear) / (2.0 * square)
 
 
 def assemble(
@@ -45,7 +56,7 @@ def assemble(
         return SparseSystem(n, rows, columns)
     row_rank, column_rank = order(n, rows, columns)
     lower, upper = bandwidths(row_rank[rows], column_rank[columns])
-    if kind == "banded" or 2 * lower + upper + 1 < BAND_LIMIT:
+    if kind == "banded" or 2 * lower + upper + 1 < widest_band(n, nf is not None):
         return BandedSystem(n, row_rank, column_rank, rows, columns, lower, upper)
     return SparseSystem(n, rows, columns) if nf is None else _condensed(n, rows, columns, nf)
 

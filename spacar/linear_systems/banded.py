@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.linalg.lapack import dgbtrf, dgbtrs
 
@@ -20,6 +22,7 @@ class BandedSystem:
         self.n, self.lower, self.upper = n, lower, upper
         self.height = 2 * lower + upper + 1
         self.rows, self.columns, self.entries = rows, columns, np.zeros(0)
+        self._A: Any = None  # of the last entries, when it is asked for
         i, j = row_rank[rows], column_rank[columns]
         self.flat = j * self.height + (lower + upper + i - j)  # Fortran order of the (height, n) band array
         self.row_order = np.argsort(row_rank)
@@ -28,7 +31,7 @@ class BandedSystem:
         self._parity = 0.0  # of both orders; 0: not needed yet
 
     def factor(self, entries: Array) -> None:
-        self.entries = entries
+        self.entries, self._A = entries, None
         band = np.bincount(self.flat, entries, self.height * self.n).reshape(self.n, self.height).T
         self.lu, self.pivots, info = dgbtrf(band, self.lower, self.upper, overwrite_ab=True)
         if info != 0:
@@ -45,9 +48,10 @@ class BandedSystem:
         Algorithms, SIAM 2002, theorem 12.3)."""
         from scipy.sparse import coo_array
 
-        A = coo_array((self.entries, (self.rows, self.columns)), (self.n, self.n)).tocsr()
+        if self._A is None:
+            self._A = coo_array((self.entries, (self.rows, self.columns)), (self.n, self.n)).tocsr()
         z = self.solve(b)
-        return np.asarray(z + self.solve(b - A @ z))
+        return np.asarray(z + self.solve(b - self._A @ z))
 
     def solve_transposed(self, b: Array) -> Array:
         x, _ = dgbtrs(self.lu, self.lower, self.upper, b[self.column_order], self.pivots, trans=1)

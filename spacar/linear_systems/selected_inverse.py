@@ -21,6 +21,7 @@ closed. It costs about as much as the factorization.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
@@ -31,13 +32,20 @@ from spacar.arrays import Array, Index
 from spacar.linear_systems.banded import BandedSystem
 
 
-def inverse_diagonal(system: BandedSystem) -> Array:
+def inverse_diagonal(system: BandedSystem, by: Callable[[BandedSystem], Array] | None = None) -> Array:
     """(n,) of the inverse of the factored matrix: the row of an unknown and the column of the equation of equal number.
+
+    by   what finds it in the order of the band, in the place of the loop below (the same in C)
 
     Raises ValueError when rows and columns are not in the same order, as they are with a symmetric pattern.
     """
     if not np.array_equal(system.row_rank, system.column_rank):
         raise ValueError("rows and columns are not in the same order")
+    return (by or _by_window)(system)[system.row_rank]
+
+
+def _by_window(system: BandedSystem) -> Array:
+    """In the order of the band."""
     n, lower, top = system.n, system.lower, system.lower + system.upper
     lu, pivots = np.ascontiguousarray(system.lu.T), system.pivots  # column j of the band as row j
     width = min(top + lower, n - 1)
@@ -72,7 +80,7 @@ def inverse_diagonal(system: BandedSystem) -> Array:
             diagonal[leaves] = store[at + width, at + width]
     for i in range(min(width, n)):
         diagonal[i] = store[at + i, at + i]
-    return diagonal[system.row_rank]
+    return diagonal
 
 
 def selected_inverse(L: Any, d: Array, rows: Index, columns: Index) -> Array:

@@ -29,7 +29,6 @@ from spacar.stationary.tangent import STATIC, SparseTangent
 EPS = float(np.finfo(float).eps)
 SAFE = 16.0
 WEIGHT = 100.0  # springs of the constraints over the largest stiffness, each times the square of its length
-WIDEST = 100  # diagonals above the main one, from which band storage does not pay
 
 
 def stiffness_of(C: Flexibility, b: Batch, e_scale: Array) -> tuple[Array | None, Array]:
@@ -86,7 +85,6 @@ class DefiniteStiffness:
         rank, _ = order(n, self._rows, self._columns)
         i, j = rank[self._rows], rank[self._columns]
         self._width = bandwidths(i, j)[0]
-        self.applies = self._width < WIDEST
         self._lower = np.flatnonzero(i >= j)
         self._flat = (j * (self._width + 1) + i - j)[self._lower]
 

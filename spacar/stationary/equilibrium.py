@@ -18,10 +18,10 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.dynamics.loaded_mechanism import constant_gravity, gravity_field
 from spacar.kinematics.kinematics import LARGEST_JUMP
-from spacar.linear_systems import BAND_LIMIT, DENSE_LIMIT
+from spacar.linear_systems import DENSE_LIMIT, widest_band
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import Mechanism
-from spacar.stationary.definite import SAFE, WEIGHT, WIDEST
+from spacar.stationary.definite import SAFE, WEIGHT
 from spacar.stationary.level_evaluator import ArrayEquilibrium, LevelEvaluator, StaticEquilibrium
 from spacar.stationary.loading import LoadLevel, is_tube
 from spacar.stationary.newton import (
@@ -75,13 +75,12 @@ class CompiledEquilibrium:
         self.c = c = structure("Equilibrium")(
             ctypes.addressof(groups), *map(address_of, self._keep[:5]), None, address_of(self.arrays.branch),
             address_of(self.arrays.e), n.nx, n.ne, self.nf, len(groups), first, xs.start, count, es.start,
-            es.stop - es.start, self.heavy, BAND_LIMIT, DENSE_LIMIT,
+            es.stop - es.start, self.heavy, int(widest_band(self.nf + self.ne, True)), DENSE_LIMIT,
         )  # fmt: skip
         c.x, c.sigma, c.out, c.sizes = map(address_of, own)
         c.floor, c.singular, c.no_digits, c.spread = FLOOR, SINGULAR, NO_DIGITS, SPREAD
         c.first_ratio, c.later_ratio, c.jump, c.symmetric = FIRST_RATIO, LATER_RATIO, LARGEST_JUMP, SYMMETRIC
         c.guess_forces, c.guess_lengths, c.weight, c.safe = FORCES, LENGTHS, WEIGHT, SAFE
-        c.widest_definite = WIDEST
         self.address = ctypes.c_void_p(ctypes.addressof(c))
         if self._call.equilibrium_begin(self.address):
             raise NotCompiled

@@ -197,14 +197,6 @@ class SparseTangent:
         """Of the static problem, for `entries(STATIC)`."""
         return self._system(tuple(STATIC))
 
-    def factor_entries(self, fill: float) -> tuple[float, bool]:
-        """Entries of the factors of the static problem, or an estimate, `fill` times those of the matrix; and is it
-        condensed?"""
-        system = self.static_system()
-        if system.kind == "banded":
-            return float(system.n * cast("BandedSystem", system).height), False
-        return fill * len(self.pattern(tuple(STATIC))[0]), system.kind == "condensed"
-
     @property
     def storage(self) -> str:
         """How its matrices are stored and factored."""
@@ -247,31 +239,24 @@ class SparseTangent:
         return SparseSystem(self.nf + self.ne, mass.rows, mass.columns).assembled(mass.values())
 
     def assembled(self, names: tuple[str, ...]) -> Any:
-        """Sum of parts (nf, nf) over F, in compressed rows."""
+        """Sum of parts (nx, nx) in compressed rows, rows and columns F only."""
         from scipy.sparse import coo_array
 
         values = np.concatenate([self.parts[k].values() for k in names])
-        rows = np.concatenate([self.parts[k].rows for k in names])
-        columns = np.concatenate([self.parts[k].columns for k in names])
-        return coo_array((values, (rows, columns)), (self.nf, self.nf)).tocsr()
+        rows, columns = (
+            self.F[np.concatenate([getattr(self.parts[k], which) for k in names])] for which in ("rows", "columns")
+        )
+        return coo_array((values, (rows, columns)), (len(self.place), len(self.place))).tocsr()
 
-    def times(self, names: tuple[str, ...], x: Array) -> Array:
-        """Sum of parts times x (nx, k), rows and columns F only."""
-        out = np.zeros_like(x)
-        out[self.F] = self.assembled(names) @ x[self.F]
-        return out
+    def viscous(self) -> Any:
+        """V^T S_d V (nx, nx) in compressed rows."""
+        from scipy.sparse import coo_array
 
-    def viscous(self, x: Array) -> Array:
-        """V^T S_d V x of displacements (nx, k)."""
-        sweep = self.dynamics.sweep
-        out = np.zeros_like(x)
-        for k in range(x.shape[1]):
-            e, sigma = sweep.rate(x[:, k]), np.zeros(self.ne)
-            for b in self.elastic:
-                active = self.active[b.index]
-                sigma[b.e] = active * np.einsum("abn,bn->an", b.family.stiffness()[1], active * e[b.e])
-            out[self.F, k] = sweep.rate_transposed(sigma)[self.F]
-        return out
+        s = self.dynamics.sweep
+        V = coo_array((s.v_entries, (s.v_rows, s.v_columns)), (self.ne, len(self.place))).tocsr()
+        S = [(b.family.stiffness()[1] * (a := self.active[b.index])[:, None] * a).ravel() for b in self.elastic]
+        places = self.flexibility.rows, self.flexibility.columns
+        return V.T @ coo_array((np.concatenate([NONE, *S]), places), (self.ne, self.ne)).tocsr() @ V
 
     # -- values of the parts ------------------------------------------------------------------------------------
     def _geometric(self) -> Array:

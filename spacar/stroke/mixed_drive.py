@@ -69,7 +69,7 @@ class MixedDrive:
             right[t.nf + row] = size
         else:
             x[row] = 1.0
-            right[: t.nf] = -free.times(tuple(STATIC), x[:, None])[t.F, 0]
+            right[: t.nf] = -(free.assembled(tuple(STATIC)) @ x)[t.F]
             right[t.nf :] = -size * t.flexibility.coupled * d.sweep.rate(x)
         found = system.solve(right)
         x[t.F] = found[: t.nf]
@@ -77,7 +77,7 @@ class MixedDrive:
         if self.drive.deformation:
             slope = -float(sigma[row])
         else:
-            force = free.times(tuple(STATIC), x[:, None])[:, 0] + d.sweep.rate_transposed(sigma)
+            force = free.assembled(tuple(STATIC)) @ x + d.sweep.rate_transposed(sigma)
             slope = float(force[row])
         return self._forces(node).T @ x, slope, x
 
@@ -87,7 +87,7 @@ class MixedDrive:
         return Frequencies.of(found.values, found.motions)
 
     def momenta(self, motions: Array) -> Array:
-        return self._tangents[True].times(("mass",), motions)
+        return np.asarray(self._tangents[True].assembled(("mass",)) @ motions)
 
     def buckling(self, free: bool, wanted: int, told: Report) -> BucklingModes:
         return lowest_buckling(self._tangents[free], told, wanted)

@@ -15,6 +15,8 @@ from spacar_cli.main import main
 from spacar_formats.compliance import node_compliance
 
 import spacar
+from spacar.compiled.compiled_elements import band_inverse
+from spacar.compiled.library import why_off
 from spacar.deck import parse_deck
 from spacar.errors import UsageError
 from spacar.linear import form
@@ -148,9 +150,10 @@ def test_sparse_and_dense_linearization(moving, monkeypatch):
         np.testing.assert_allclose(a, b, atol=1e-12 * max(np.abs(b).max(), 1e-300), rtol=0.0, err_msg=name)
 
 
+@pytest.mark.parametrize("by", [None, *([] if why_off() else [band_inverse])])
 @pytest.mark.parametrize(("n", "lower", "upper"), [(1, 0, 0), (40, 1, 1), (60, 3, 7), (150, 9, 2), (30, 29, 29)])
-def test_diagonal_of_the_inverse_of_a_band(n, lower, upper):
-    """Against the inverse itself; exchanges of rows in every second step, as the diagonal is small."""
+def test_diagonal_of_the_inverse_of_a_band(n, lower, upper, by):
+    """In NumPy and C, against the inverse itself; exchanges of rows in every second step, as the diagonal is small."""
     rng = np.random.default_rng(n)
     i, j = np.nonzero(np.ones((n, n)))
     inside = (i - j <= lower) & (j - i <= upper)
@@ -161,7 +164,7 @@ def test_diagonal_of_the_inverse_of_a_band(n, lower, upper):
     A = np.zeros((n, n))
     A[i, j] = v
     inverse = np.linalg.inv(A)
-    error = np.abs(inverse_diagonal(system) - np.diag(inverse))
+    error = np.abs(inverse_diagonal(system, by) - np.diag(inverse))
     assert error.max() <= 1e-15 * n * np.linalg.cond(A) * np.abs(inverse).max()
 
 

@@ -13,15 +13,16 @@ from spacar.stationary.tangent import SparseTangent
 
 def frame(
     seed: int, spatial: bool, ratio: float = 1.0, rigid: float = 0.0, held: bool = True,
-    cells: tuple[int, ...] = (), noise: float = 0.15,
+    cells: tuple[int, ...] = (), noise: float = 0.15, warping: bool = False,
 ) -> Deck:  # fmt: skip
     """A grid of cells with moved nodes; stiffness between 1 and `ratio`, a part `rigid` of the members
-    without any deformation, in trees. `held`: clamped at one end, else free in space."""
+    without any deformation, in trees. `held`: clamped at one end, else free in space. `warping`: of spatial members."""
     rng = np.random.default_rng(seed)
     cells = cells or ((3, 2, 1) if spatial else (3, 3))
     nodes = list(np.ndindex(*(k + 1 for k in cells)))
     number = {at: 2 * k + 1 for k, at in enumerate(nodes)}
-    keyword = "BEAM" if spatial else "PLBEAM"
+    keyword = "BEAMW" if warping else "BEAM" if spatial else "PLBEAM"
+    own = [lambda p: p, lambda p: p + 1, *([lambda p: 1000 + p] if warping else [])]  # nodes of a place
     lines, properties, element = [], [], 0
     root = {at: (0,) * len(cells) if held and at[0] == 0 else at for at in nodes}  # of the rigid body of a node
     for at in nodes:
@@ -32,7 +33,8 @@ def frame(
             element += 1
             p, q = number[at], number[to]
             side = " ".join(("0. 1. 0.", "0. 0. 1.", "1. 0. 0.")[axis : axis + 1]) if spatial else ""
-            lines.append(f"{keyword} {element} {p} {p + 1} {q} {q + 1} {side}")
+            ends = " ".join(str(node(k)) for k in (p, q) for node in own)
+            lines.append(f"{keyword} {element} {ends} {side}")
             properties.append(f"EM {element} 0.1" + (" 1e-4" if spatial else ""))
             a, b = root[at], root[to]
             if a != b and rng.random() < rigid:  # rigid members close no loops
@@ -42,14 +44,16 @@ def frame(
                 s = ratio ** rng.random()
                 lines.append(f"RLSE {element}")
                 stiffness = (1e3 * s, s, 1.5 * s, 1.5 * s) if spatial else (1e3 * s, s)
+                stiffness += (0.0, 0.0, 0.1 * s) * warping
                 properties.append(f"ESTIFF {element} " + " ".join(f"{v:.8g}" for v in stiffness))
     for at in nodes:
         place = np.array(at) + noise * rng.standard_normal(len(at))
         lines.append(f"X {number[at]} " + " ".join(f"{v:.6f}" for v in place))
         if held and at[0] == 0:
-            lines += [f"FIX {number[at]}", f"FIX {number[at] + 1}"]
+            lines += [f"FIX {node(number[at])}" for node in own]
         elif root[at] == at:
-            lines += [f"DYNX {number[at]}", f"DYNX {number[at] + 1}" + (" 2 3 4" if spatial else "")]
+            parts = ["", " 2 3 4" if spatial else "", ""]
+            lines += [f"DYNX {node(number[at])}{part}" for node, part in zip(own, parts, strict=False)]
     return parse_deck("\n".join([*lines, "END", "HALT", *properties, "END", "END", ""]), mode=7)
 
 

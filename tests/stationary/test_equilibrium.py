@@ -208,7 +208,7 @@ def test_what_has_no_form_in_c_is_left_to_python(monkeypatch):
     assert not taken(spatial.replace("XF 5 3. 2. 1.", "XF 6 0.1 0.2 0.3"))  # a moment follows the orientation
     assert not taken(TEXTS["prescribed"].replace("INPUTX 5 2 0.15 0. 0.", "INPUTX 5 2 0.15 1. 0."))  # motion
     assert taken(TEXTS["long"])
-    monkeypatch.setattr(equilibrium, "BAND_LIMIT", 20)
+    monkeypatch.setattr(equilibrium, "widest_band", lambda n, mixed: 20.0)
     assert not taken(TEXTS["long"])
     assert taken(TEXTS["cantilever"])  # dense in Python
 
