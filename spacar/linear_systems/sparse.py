@@ -1,4 +1,9 @@
-"""Sparse storage for meshes and tree-like mechanisms whose band is wide: SuperLU with COLAMD ordering."""
+"""Sparse storage for meshes and tree-like mechanisms whose band is wide: SuperLU.
+
+A symmetric pattern has a symmetric minimum degree order, and rows are exchanged where the diagonal is below PIVOT of
+its column: a lattice of 520 beams in mixed form has 0.37 million entries in its factors instead of 2.5 with COLAMD,
+which remains for other patterns and where exchanges have cost digits.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +15,9 @@ from scipy.sparse.linalg import splu
 
 from spacar.arrays import Array, Index
 from spacar.linear_systems.linear_system import SingularMatrixError, parity
+from spacar.linear_systems.sparse_factors import EPS, SAFE, SYMMETRIC
+
+PIVOT = 0.1
 
 
 class SparseSystem:
@@ -28,6 +36,9 @@ class SparseSystem:
         self.nnz = int(np.count_nonzero(new))
         self.indices = i[new].astype(np.int32)
         self.indptr = np.concatenate(([0], np.cumsum(np.bincount(j[new], minlength=n)))).astype(np.int32)
+        turned = csc_matrix((np.ones(self.nnz), self.indices, self.indptr), (n, n)).tocsr()
+        symmetric = np.array_equal(turned.indptr, self.indptr) and np.array_equal(turned.indices, self.indices)
+        self._forms = [SYMMETRIC | {"diag_pivot_thresh": PIVOT}, SAFE] if symmetric else [SAFE]
 
     def assembled(self, entries: Array) -> Any:
         """The matrix, in compressed columns."""
@@ -35,10 +46,23 @@ class SparseSystem:
         return csc_matrix((values, self.indices, self.indptr), (self.n, self.n))
 
     def factor(self, entries: Array) -> None:
-        try:
-            self.lu = splu(self.assembled(entries))
-        except RuntimeError as error:
-            raise SingularMatrixError(f"matrix of order {self.n} is singular ({error})") from None
+        A = self.assembled(entries)
+        for form in self._forms:
+            try:
+                self.lu = splu(A, **form)
+            except RuntimeError as error:
+                if form is SAFE:
+                    raise SingularMatrixError(f"matrix of order {self.n} is singular ({error})") from None
+                continue
+            if form is SAFE or self._loses_nothing(A):
+                return
+
+    def _loses_nothing(self, A: Any) -> bool:
+        """Is the backward error of a solution rounding?"""
+        b = np.where(np.arange(self.n) % 2, -1.0, 1.0)
+        z = self.lu.solve(b)
+        bound = float(np.max(abs(A) @ np.abs(z) + 1.0))
+        return float(np.max(np.abs(A @ z - b))) <= self.n * EPS * bound
 
     def solve(self, b: Array) -> Array:
         return np.asarray(self.lu.solve(b))
