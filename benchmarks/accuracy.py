@@ -382,7 +382,8 @@ def meshes(names: list[str]) -> None:
             over = seconds / best[target] if np.isfinite(best[target]) else np.nan
             ratios.append((error / target, found.estimate / error, over))
             print(f"| {name} | {target:.0e} | {error:.1e} | {found.estimate:.1e} | {error / target:.2g} "
-                  f"| {found.runs} to {max(found.pieces.values(), default=1)} beams | {seconds:.3g} | {found.cost:.2f} | {over:.2f} | |",
+                  f"| {found.runs} to {max(found.pieces.values(), default=1)} beams | {seconds:.3g} | {found.cost:.2f} "
+                  f"| {over:.2f} | |",
                   flush=True)  # fmt: skip
     told(ratios)
 

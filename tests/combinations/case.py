@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -170,6 +170,19 @@ def drawn(spec: Spec, folder: Path, refused: list[tuple[str, Spec]] | None = Non
         if (case := found.case(folder, refused)) is not None:
             return found, case
     raise AssertionError(f"{spec}: no model")
+
+
+def alike(*runs: Callable[[], Any]) -> list[Any] | None:
+    """The results; None where all runs go beyond the theory for the same reason. Raises SpacarError where some do."""
+    found, refused = [], []
+    for run in runs:
+        try:
+            found.append(run())
+        except SpacarError as error:
+            refused.append(error)
+    if refused and (found or len({e.code for e in refused}) > 1 or refused[0].code not in BEYOND):
+        raise refused[0]
+    return None if refused else found
 
 
 def worst(found: Sequence[Found]) -> Found:
