@@ -241,7 +241,7 @@ class Kinematics(ConstraintMatrices):
         low, high = np.full((2, len(d)), np.inf)
         np.minimum.at(low, k, moved)
         np.minimum.at(high, k, -moved)
-        d[self.numbering.translations >= 0] -= (np.maximum(low, 0.0) - np.maximum(high, 0.0))[k]
+        d[self.numbering.translations >= 0] -= np.maximum(low[k], 0.0) - np.maximum(high[k], 0.0)
         return largest(d)
 
     def _distance(self, x_given: Array, e: Array) -> float:
