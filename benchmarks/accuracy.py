@@ -381,10 +381,9 @@ def meshes(names: list[str]) -> None:
             error = case.error(case.of(result))
             over = seconds / best[target] if np.isfinite(best[target]) else np.nan
             ratios.append((error / target, found.estimate / error, over))
-            print(f"| {name} | {target:.0e} | {error:.1e} | {found.estimate:.1e} | {error / target:.2g} "
-                  f"| {found.runs} to {max(found.pieces.values(), default=1)} beams | {seconds:.3g} | {found.cost:.2f} "
-                  f"| {over:.2f} | |",
-                  flush=True)  # fmt: skip
+            pieces = f"{found.runs} to {max(found.pieces.values(), default=1)} beams"
+            print(f"| {name} | {target:.0e} | {error:.1e} | {found.estimate:.1e} | {error / target:.2g} | {pieces} "
+                  f"| {seconds:.3g} | {found.cost:.2f} | {over:.2f} | |", flush=True)  # fmt: skip
     told(ratios)
 
 

@@ -64,6 +64,7 @@ LARGEST_JUMP = 0.8  # rad or model lengths between two configurations
 FARTHEST_GUESS = 0.5 * LARGEST_JUMP  # from farther Newton's method could end at another solution
 MAX_DEPTH = 10
 MOST_PREDICTED = 10.0 * LARGEST_JUMP  # a first-order prediction that goes farther says nothing
+MOST_PIECES = 50_000  # that are followed; a stage of a step that is much too long may be at any distance
 
 
 class Unplaced(Exception):
@@ -177,10 +178,12 @@ class Kinematics(ConstraintMatrices):
         self.sweep.follow(x_old, self.e)
         if way is None:
             way = self._distance(x_given, e_given - e_old)
-        if depth == 0 and way > LARGEST_JUMP and self.skip_turns(x_given, e_given, within):
+        prescribed = depth == 0 and not self.numbering.nkddof
+        if prescribed and way > LARGEST_JUMP and self.skip_turns(x_given, e_given, within):
             return self._solve(x_given, e_given, v_given, e_rate, None, within)
         jumps = 0.0 if depth else self._distance(x_given, e_given - self.e_given) / LARGEST_JUMP
-        self._approach(x_given, e_given, within, max(2, int(np.ceil(jumps))), depth + 1)
+        pieces = int(np.ceil(jumps)) if 2.0 < jumps <= MOST_PIECES else 2
+        self._approach(x_given, e_given, within, pieces, depth + 1)
         return self._solve(x_given, e_given, v_given, e_rate, None, within, depth + 1)
 
     def skip_turns(self, x_given: Array, e_given: Array, within: float = CONVERGED) -> bool:
@@ -202,13 +205,11 @@ class Kinematics(ConstraintMatrices):
         first, way = ahead()
         if self.period is None or not self.period.divides(way, known):
             self.period = followed(way, lambda part: go(first, part * way, None, 1), known)
-            if self.period is None:
-                return False
             first, way = ahead()
-        n = self.period.times(way)
+        n = 0 if self.period is None else self.period.times(way)
         x_old, e_old, given_old = self.x, self.e, self.e_given
-        target = np.concatenate((x_old, e_old)) / scale + n * self.period.shift
-        if n:
+        if self.period is not None and n:
+            target = np.concatenate((x_old, e_old)) / scale + n * self.period.shift
             self.start_at(target[:nx] * self.scale, target[nx:] * scale[nx:])
             with suppress(AnalysisError):
                 if largest(go(first, n * self.period.way, self.x, MAX_DEPTH) - target) <= abs(n) * known:
@@ -234,7 +235,7 @@ class Kinematics(ConstraintMatrices):
         such a translation deforms no element."""
         d = (b - a) / self.scale
         size = largest(d)
-        if size <= FARTHEST_GUESS:
+        if size <= FARTHEST_GUESS or not size < np.inf:
             return size
         k = self.numbering.translations
         moved, k = d[k >= 0], k[k >= 0]
