@@ -22,7 +22,7 @@ from spacar.linear import backward_error
 from spacar.linear.eigenmodes import Modes, arranged
 from spacar.linear.graded import EPS, TEN_DIGITS, Factors, eigenvalues, graded_modes, keeps_digits
 from spacar.linear_systems import DENSE_LIMIT
-from spacar.linearization.matrices import Linearization, assembled_state_matrix, require_mass, selected
+from spacar.linearization.matrices import MASSLESS, Linearization, assembled_state_matrix, require_mass, selected
 
 Complex = NDArray[np.complex128]
 FindFactors = Callable[[], Factors | None]
@@ -221,9 +221,7 @@ def symmetric_pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Arr
     and some more, if none of them is negative."""
     diagonal = np.diag(M)
     if np.any(diagonal <= 0.0):
-        raise AnalysisError(
-            "singular mass matrix: a degree of freedom carries no mass; add XM or EM", "dynamics.singular-mass"
-        )
+        raise AnalysisError(MASSLESS, "dynamics.singular-mass")
     scale = 1.0 / np.sqrt(diagonal)
     product = scale[:, None] * scale
     try:

@@ -9,8 +9,9 @@ import numpy as np
 
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
-from spacar.dynamics.mass_check import linearized_doubt
+from spacar.dynamics.mass_check import linearized_doubt, require_regular_mass
 from spacar.dynamics.motion_equations import Accelerations
+from spacar.dynamics.saddle_point import SaddlePoint
 from spacar.errors import AnalysisError
 from spacar.forward.motion import motion
 from spacar.frame import Frame
@@ -278,7 +279,13 @@ def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
     else:
         assert solution.L is not None
         rows, static = chosen_rows(solution.L, solution.dynamics), run.mechanism.numbering.twist_rates
-        modes = vibration_modes(solution.L, *rows, run.report, static, solution.wanted)
+        try:
+            modes = vibration_modes(solution.L, *rows, run.report, static, solution.wanted)
+        except AnalysisError as error:
+            if error.code == "dynamics.singular-mass":  # who carries no mass, by name
+                saddle = SaddlePoint(run.mechanism, solution.dynamics.sweep)
+                require_regular_mass(run.mechanism, saddle, run.header["condition"])
+            raise
     store = solution.frame.matrices
     if solution.reduced:
         store.update(vibration_motions(modes))

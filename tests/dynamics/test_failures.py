@@ -78,11 +78,12 @@ def test_singular_mass_names_the_motion() -> None:
         assert words in str(error)
 
 
-def test_dependent_masses_are_found_too() -> None:
+@pytest.mark.parametrize("mode", [1, 7])
+def test_dependent_masses_are_found_too(mode) -> None:
     """One mass for two degrees of freedom: both have inertia, their difference has none."""
     rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 2, 3), ("X", 2, 1.0), ("X", 3, 2.0), ("FIX", 1), ("FIX", 2, 2),
             ("FIX", 3, 2), ("DYNE", 1), ("DYNE", 2)]  # fmt: skip
-    error = failure(Deck.build(rows, [("XM", 3, 1.0), ("TIMESTEP", 1.0, 10)]))
+    error = failure(Deck.build(rows, [("XM", 3, 1.0), ("TIMESTEP", 1.0, 10)]), mode)
     assert error.code == "dynamics.singular-mass"
     assert "elongation" in str(error)
 
