@@ -94,10 +94,9 @@ def with_flow(mechanism: Mechanism, loads: Loads) -> Mechanism:
         return mechanism
     batches = []
     for batch in mechanism.batches:
-        change = getattr(batch.family, "with_flow", None)
-        if change is not None:
+        if is_tube(batch):
             flow = np.array([loads.flow.get(int(n), 0.0) for n in batch.family.numbers])
-            batch = batch._replace(family=change(flow))
+            batch = batch._replace(family=batch.family.with_flow(flow))  # type: ignore[attr-defined]
         batches.append(batch)
     return replace(mechanism, batches=tuple(batches))
 

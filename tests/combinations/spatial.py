@@ -9,17 +9,19 @@ import numpy as np
 from spacar.errors import SpacarError
 
 from .case import GENERAL, NOTHING, Case, Found
-from .model import Axial, Element, Model, Node, Place, Tensor, Vector
+from .model import Axial, Element, Model, Node, Place, Row, Tensor, Vector
 
-KINDS = {"PLBEAM": "BEAM", "PLTRUSS": "TRUSS", "PLTOR": "HINGE", "PLRBEAM": "RBEAM", "PLPINBOD": "PINBODY"}
-MODES = {"PLBEAM": (1, 5, 6), "PLTRUSS": (1,), "PLTOR": (1,), "PLRBEAM": (1, 2), "PLPINBOD": (1, 2)}
-OUT = {"PLBEAM": (2, 3, 4), "PLTRUSS": (), "PLTOR": (2, 3), "PLRBEAM": (3,), "PLPINBOD": (3,)}
+KINDS = {"PLBEAM": "BEAM", "PLTRUSS": "TRUSS", "PLTOR": "HINGE", "PLRBEAM": "RBEAM", "PLPINBOD": "PINBODY",
+         "PLTUBE": "TUBE"}  # fmt: skip
+BEAMS = ("PLBEAM", "PLTUBE")
+MODES = dict.fromkeys(BEAMS, (1, 5, 6)) | {"PLTRUSS": (1,), "PLTOR": (1,), "PLRBEAM": (1, 2), "PLPINBOD": (1, 2)}
+OUT = dict.fromkeys(BEAMS, (2, 3, 4)) | {"PLTRUSS": (), "PLTOR": (2, 3), "PLRBEAM": (3,), "PLPINBOD": (3,)}
 
 
 def as_spatial(case: Case) -> Found:
     """Positions, velocities, accelerations and forces of position nodes, stresses in the plane."""
     angle = case.model.has("ADEFORM") or case.model.options.get("beams") == "angle"
-    rotary = any(case.model.types[r[1]] == "PLBEAM" and any(r[3:]) for r in case.model.rows("EM"))
+    rotary = any(case.model.types[r[1]] in BEAMS and rotary_inertia(r) for r in case.model.rows("EM"))
     model = spatial(case.model)
     if model is None or (angle and rotary):  # consistent there, lumped in space (docs/decisions.md)
         return NOTHING
@@ -44,7 +46,12 @@ def as_spatial(case: Case) -> Found:
 
 def sign(keyword: str, mode: Any) -> Any:
     """e5, e6 of BEAM are -e2, -e3 of PLBEAM; `mode` counts from 0."""
-    return np.where((mode > 0) & (keyword == "PLBEAM"), -1.0, 1.0)
+    return np.where((mode > 0) & (keyword in BEAMS), -1.0, 1.0)
+
+
+def rotary_inertia(r: Row) -> float:
+    """That of a statement EM of a planar beam or tube."""
+    return (*r[7:], 0.0)[0] if len(r) > 5 else (*r[3:], 0.0)[0]
 
 
 def spatial(model: Model) -> Model | None:
@@ -66,9 +73,13 @@ def spatial(model: Model) -> Model | None:
         r = tuple(flat(v) for v in r)
         if r[0] in KINDS:
             e: Element = r[1]
-            y = [Vector(normal(model, r))] if r[0] in ("PLBEAM", "PLRBEAM") else []
-            new = (KINDS[r[0]], *r[1:], *y) if r[0] != "PLTOR" else ("HINGE", *r[1:], Axial((0.0, 0.0, 1.0)))
-            return [new, *([("RLSE", e, *OUT[r[0]])] if OUT[r[0]] else [])]
+            released = [("RLSE", e, *OUT[r[0]])] if OUT[r[0]] else []
+            if r[0] == "PLTUBE":
+                (px, py), (qx, qy) = (directions(model, r, angle) for angle in (*r[6:], 0.0, 0.0)[:2])
+                return [("TUBE", *r[1:6], py), ("ORTUBE", e, px, qx, qy), *released]
+            more = [Axial((0.0, 0.0, 1.0))] if r[0] == "PLTOR" else []
+            more = [directions(model, r, 0.0)[1]] if r[0] in ("PLBEAM", "PLRBEAM") else more
+            return [(KINDS[r[0]], *r[1:], *more), *released]
         if block == 3:
             return [(*r[:3], MODES[types[r[2]]][r[3] - 1]) if isinstance(r[2], Element) else r]
         if r[0] == "FIX":
@@ -88,12 +99,14 @@ def spatial(model: Model) -> Model | None:
             values = [0.0] * 6
             for m, v in zip(MODES[types[r[1]]], r[2:], strict=False):
                 values[m - 1] = float(v * sign(types[r[1]], m - 1))
-            return [(*r[:2], *values[: {"PLBEAM": 6, "PLTRUSS": 1}.get(types[r[1]], 3)])]
+            return [(*r[:2], *values[: {"PLBEAM": 6, "PLTUBE": 6, "PLTRUSS": 1}.get(types[r[1]], 3)])]
         if r[0] == "XM" and r[1] in turning:
             return [("XM", r[1], Tensor((1.0, 0.0, 0.0, 1.0, 0.0, r[2])))]
         if r[0] == "EM" and types[r[1]] in ("PLBEAM", "PLRBEAM") and len(r) > 3:
             return [(*r[:3], 0.1, 0.1, r[3], 0.0)]
-        if r[0] in ("ESTIFF", "EDAMP") and types[r[1]] == "PLBEAM":
+        if r[0] == "EM" and types[r[1]] == "PLTUBE" and len(r) > 7:
+            return [(*r[:7], 0.1, 0.1, r[7], 0.0)]
+        if r[0] in ("ESTIFF", "EDAMP") and types[r[1]] in BEAMS:
             _, ei, *shear = (*r[2:], 0.0)[: len(r[2:])] if len(r) > 3 else (r[2], 0.0)
             return [(*r[:3], 1.0, 1.0, ei, *((0.0, *shear) if shear and r[0] == "ESTIFF" else ()))]
         if r[0] == "ORPINBOD" and len(r) == 3:
@@ -110,9 +123,11 @@ def spatial(model: Model) -> Model | None:
     return other.more(1, *extra)
 
 
-def normal(model: Model, r) -> list[float]:
-    """The axis turned to the left: y' of a planar element."""
+def directions(model: Model, r: Row, angle: float) -> tuple[Vector, Vector]:
+    """Of the axis of a planar element at the start, turned by the angle, and the normal to its left, which is y'."""
     places = {s[1]: s[2] for s in model.rows("X", block=1)}
     zero = Place((0.0, 0.0))
-    d = np.subtract(places.get(r[4], zero), places.get(r[2], zero))
-    return [float(-d[1]), float(d[0]), 0.0]
+    x = np.subtract(places.get(r[4], zero), places.get(r[2], zero))
+    c, s = np.cos(angle), np.sin(angle)
+    a, b = float(c * x[0] - s * x[1]), float(s * x[0] + c * x[1])
+    return Vector((a, b, 0.0)), Vector((-b, a, 0.0))

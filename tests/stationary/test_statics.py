@@ -143,31 +143,34 @@ END
     assert np.allclose(x(parts), total, rtol=0, atol=1e-11)
 
 
-def test_flow_in_a_tube():
+@pytest.mark.parametrize(
+    ("tube", "y", "modes", "law"), [("PLTUBE", "", "2 3", "0. 1."), ("TUBE", "0. 1. 0.", "5 6", "0. 1. 1. 1.")]
+)
+def test_flow_in_a_tube(tube, y, modes, law):
     """DELOMF: the end is the state under the total mass flow, with a jet at the free end."""
-    text = """
-PLTUBE 1 1 2 3 4
-PLTUBE 2 3 4 5 6
+
+    def run(flow: str, more: str) -> np.ndarray:
+        text = f"""
+{tube} 1 1 2 3 4 {y}
+{tube} 2 3 4 5 6 {y}
 X 3 0.5 0.
 X 5 1. 0.
 FIX 1
 FIX 2
-DYNE 1 2 3
-DYNE 2 2 3
+DYNE 1 {modes}
+DYNE 2 {modes}
 END
 HALT
 EM 1 1. 0.5 {flow}
 EM 2 1. 0.5 {flow} 1. 2
-ESTIFF 1 0. 1.
-ESTIFF 2 0. 1.
+ESTIFF 1 {law}
+ESTIFF 2 {law}
 XF 5 0. 0.3
 {more}
 END
 END
 """
-
-    def run(flow: str, more: str) -> np.ndarray:
-        return spacar.run(7, parse_deck(text.format(flow=flow, more=more), mode=7))["x"][-1]
+        return spacar.run(7, parse_deck(text, mode=7))["x"][-1]
 
     total = run("0.9", "ITERSTEP 20 4 1e-12")
     assert np.allclose(run("0.3", "DELOMF 1 0.6\nDELOMF 2 0.6\nITERSTEP 20 4 1e-12 1 2"), total, rtol=0, atol=1e-10)

@@ -7,6 +7,7 @@ those of `fluid`.
 
 from __future__ import annotations
 
+import copy
 from functools import cached_property
 
 import numpy as np
@@ -46,6 +47,14 @@ class SpatialTube(SpatialBeam):
 
     def parameters(self) -> Array:
         return np.vstack((super().parameters(), self.fluid.parameters(self.length)))
+
+    def with_flow(self, flow: Array) -> SpatialTube:
+        """The same tubes with the mass flow rates `flow` (n,) [kg/s] (DELOMF adds to those of EM)."""
+        other = copy.copy(self)
+        other.fluid = self.fluid._replace(flow=np.asarray(flow))
+        other.fluid.check(self.keyword)
+        vars(other).pop("line", None)
+        return other
 
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> SpatialBeamConfiguration:
         c = super().strain(x, branch, e, V)
