@@ -191,6 +191,7 @@ RELATIONS: dict[str, Relation] = {
     "reordered": Relation(transformed("reordered"), ALL),
     "turned": Relation(transformed("turned"), ALL),
     "exchanged": Relation(transformed("exchanged"), ALL),
+    "quartered": Relation(transformed("quartered"), ALL),
     "engines": Relation(engines, ALL),
     "starts": Relation(starts, tuple(m for m in (*MOTION, *STILL) if m != 3)),
     "other units": Relation(other_units, (*MOTION, *STILL)),

@@ -6,6 +6,7 @@ A transformation gives the other model and a `Back`: what of its result is what 
 from __future__ import annotations
 
 import random
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -26,6 +27,8 @@ EXCHANGED = {
     "TUBE": (1, 2, -4, -3, 6, 5), "BEAMW": (1, 2, -4, -3, 6, 5, -8, -7), "PLBELT": (1,), "TRUSS": (1,), "PLTRUSS": (1,),
 }  # fmt: skip
 """Which deformation (from 1) with which sign is the one of the first model after p and q are exchanged."""
+QUARTER = {k: (1, 2, -5, -6, 3, 4) for k in ("BEAM", "TUBE")} | {"BEAMW": (1, 2, -5, -6, 3, 4, 7, 8)}
+"""The same when z' takes the place of y'."""
 POSITIONS = ("FIX", "INPUTX", "DYNX", "KINX")
 
 
@@ -252,35 +255,18 @@ def exchanged(model: Model, rng: random.Random) -> tuple[Model, Back]:
         kinds -= {"HINGE"}
         chosen = {e for e, k in model.types.items() if k in kinds}
 
-    def order(e: int) -> tuple[int, ...]:
-        return EXCHANGED[model.types[e]]
-
-    def row(r: Row, block: int) -> list[Row]:
-        if len(r) < 2 or not isinstance(r[1], Element) or r[1] not in chosen:
-            if block == 3 and len(r) == 4 and isinstance(r[2], Element) and r[2] in chosen:
-                return [(*r[:3], abs(order(r[2])[r[3] - 1]))]
-            return [r]
+    def statement(r: Row) -> Row:
         if r[0] in ELEMENT_TYPES:
-            return [swapped(r)]
+            return swapped(r)
         if r[0] == "ORTUBE":
             p, q, _y = r[2:]
             own = next(s for s in model.blocks[0] if s[:2] == ("TUBE", r[1]))
-            return [(*r[:2], negative(q), negative(p), own[6])]
-        if r[0] in ("ESIG", "DELESIG"):
-            return [(*r[:2], *(np.sign(k) * (*r[2:], *[0.0] * 8)[abs(k) - 1] if k else 0.0 for k in order(r[1])))]
-        if r[0] in ("RLSE", "DYNE", "INPUTE", "KINE") and block == 1:
-            return [(*r[:2], *(abs(order(r[1])[m - 1]) or m for m in r[2:]))]
-        if r[0] in ("STARTDE", "INPUTE", "DELINPE", "MEE"):
-            k = order(r[1])[r[2] - 1]
-            values = r[3:] if r[0] == "MEE" else tuple(np.sign(k) * v for v in r[3:])
-            return [(*r[:2], abs(k), *values)]
+            return (*r[:2], negative(q), negative(p), own[6])
         if r[0] == "TRE":
-            return [(*r[:2], type(r[2])(np.sign(order(r[1])[0]) * r[2]))]
+            return (*r[:2], type(r[2])(np.sign(EXCHANGED[model.types[r[1]]][0]) * r[2]))
         if r[0] == "EM":
-            return [(*r[:2], *exchanged_mass(model.types[r[1]], r[2:]))]
-        if r[0] == "DELOMF":
-            return [(*r[:2], Flow(-r[2]))]
-        return [r]
+            return (*r[:2], *exchanged_mass(model.types[r[1]], r[2:]))
+        return (*r[:2], Flow(-r[2])) if r[0] == "DELOMF" else r
 
     def end_of_tube(r: Row, block: int) -> list[Row]:
         """y' at q of a curved tube becomes that of p."""
@@ -289,17 +275,74 @@ def exchanged(model: Model, rng: random.Random) -> tuple[Model, Back]:
             return [(*r[:6], *y, *r[7:])] if y else [r]
         return [r]
 
+    order = {e: EXCHANGED[model.types[e]] for e in chosen}
+    return with_order(model, order, statement).mapped(end_of_tube), Back(modes={k: EXCHANGED[k] for k in kinds})
+
+
+def quartered(model: Model, rng: random.Random) -> tuple[Model, Back]:
+    """z' of every spatial beam where y' was: what belonged to one plane of bending belongs to the other one."""
+    places = {r[1]: r[2] for r in model.rows("X", block=1)}
+    zero = Place((0.0,) * 3)
+    kinds = set(model.types.values()) & set(QUARTER)
+    kinds -= {model.types[r[1]] for r in model.rows("BEAMSEC")}  # sides of a section are not exchanged here
+    chosen = {e: QUARTER[k] for e, k in model.types.items() if k in kinds}
+
+    def statement(r: Row) -> Row:
+        if r[0] in ELEMENT_TYPES:
+            n = len(ELEMENT_TYPES[r[0]].nodes)
+            line = next((s[2] for s in model.rows("ORTUBE") if s[1] == r[1]), None)
+            if line is None:
+                line = np.subtract(places.get(r[2 + n // 2], zero), places.get(r[2], zero))
+            return (*r[: 2 + n], Vector(np.cross(line, r[2 + n]).tolist()), *r[3 + n :])
+        if r[0] == "ORTUBE":
+            return (*r[:4], Vector(np.cross(r[3], r[4]).tolist()))
+        if r[0] in ("ESTIFF", "EDAMP"):
+            v = [*r[2:]]
+            v[2:4] = v[3], v[2]
+            if len(v) > 5:
+                v[4:6] = v[5], v[4]
+            return (*r[:2], *v)
+        if r[0] == "EM":
+            v = [*r[2:]]
+            for i in (i for i, value in enumerate(v) if isinstance(value, Pitch)):
+                v[i - 2 : i + 1] = v[i - 1], v[i - 2], Pitch(-v[i])
+            return (*r[:2], *v)
+        return r
+
+    return with_order(explicit(model), chosen, statement), Back(modes={k: QUARTER[k] for k in kinds})
+
+
+def with_order(model: Model, order: dict[int, tuple[int, ...]], statement: Callable[[Row], Row]) -> Model:
+    """Deformations of these elements in another order and sense; `statement` of rows that are not about one of them."""
+
+    def row(r: Row, block: int) -> list[Row]:
+        if len(r) < 2 or not isinstance(r[1], Element) or r[1] not in order:
+            if block == 3 and len(r) == 4 and isinstance(r[2], Element) and r[2] in order:
+                return [(*r[:3], abs(order[r[2]][r[3] - 1]))]
+            return [r]
+        own = order[r[1]]
+        if r[0] in ("ESIG", "DELESIG"):
+            values = dict.fromkeys(range(1, 1 + len(own)), 0.0)
+            values |= {abs(k): float(np.sign(k)) * v for k, v in zip(own, r[2:], strict=False) if k}
+            return [(*r[:2], *values.values())]
+        if r[0] in ("RLSE", "DYNE", "INPUTE", "KINE") and block == 1:
+            return [(*r[:2], *(abs(own[m - 1]) or m for m in r[2:]))]
+        if r[0] in ("STARTDE", "INPUTE", "DELINPE", "MEE"):
+            k = own[r[2] - 1]
+            values = r[3:] if r[0] == "MEE" else tuple(np.sign(k) * v for v in r[3:])
+            return [(*r[:2], abs(k), *values)]
+        return [statement(r)]
+
     def about(p: Any) -> Any:
-        if isinstance(p.owner, Node) or p.owner not in chosen:
+        if isinstance(p.owner, Node) or p.owner not in order:
             return p
-        k = order(p.owner)[p.index - 1]
+        k = order[p.owner][p.index - 1]
         sign = float(np.sign(k))
         if isinstance(p, Drive):
             return replace(p, index=abs(k), z0=sign * p.z0, a=sign * p.a)
         return p.turned(abs(k), sign)
 
-    other = model.mapped(row, pushes=tuple(map(about, model.pushes)), drives=tuple(map(about, model.drives)))
-    return other.mapped(end_of_tube), Back(modes={k: EXCHANGED[k] for k in kinds})
+    return model.mapped(row, pushes=tuple(map(about, model.pushes)), drives=tuple(map(about, model.drives)))
 
 
 def swapped(r: Row) -> Row:
