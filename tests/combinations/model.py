@@ -90,6 +90,10 @@ class Drive:
     a: float
     w: float
 
+    def turned(self, index: int, sign: float, shift: float = 0.0) -> Drive:
+        """The same of another coordinate: z -> sign z + shift."""
+        return replace(self, index=index, z0=sign * self.z0 + shift, a=sign * self.a)
+
 
 @dataclass(frozen=True)
 class Model:

@@ -57,10 +57,11 @@ def rotary_inertia(r: Row) -> float:
 def spatial(model: Model) -> Model | None:
     """None where an element has no counterpart, or a prescribed angle is no polynomial of an Euler parameter."""
     types, roles = model.types, model.roles
-    if set(types.values()) - set(KINDS) or model.pushes or model.drives:
-        return None
     turning = {n for n, role in roles.items() if role == "orientation"}
-    if any(r[1] in turning for r in model.rows("INPUTX", "DYNX", "STARTDX", "DELINPX", "XF", "DELXF")):
+    told = (*model.pushes, *model.drives)
+    if set(types.values()) - set(KINDS) or any(isinstance(p.owner, Node) and p.owner in turning for p in told):
+        return None
+    if any(r[1] in turning for r in model.rows("INPUTX", "DYNX", "STARTDX", "DELINPX")):
         return None
     out_of_plane = {n: (3,) if role == "position" else (2, 3) for n, role in roles.items()}
 
@@ -100,6 +101,8 @@ def spatial(model: Model) -> Model | None:
             for m, v in zip(MODES[types[r[1]]], r[2:], strict=False):
                 values[m - 1] = float(v * sign(types[r[1]], m - 1))
             return [(*r[:2], *values[: {"PLBEAM": 6, "PLTUBE": 6, "PLTRUSS": 1}.get(types[r[1]], 3)])]
+        if r[0] in ("XF", "DELXF") and r[1] in turning:
+            return [(*r[:2], Axial((0.0, 0.0, float(r[2]))))]
         if r[0] == "XM" and r[1] in turning:
             return [("XM", r[1], Tensor((1.0, 0.0, 0.0, 1.0, 0.0, r[2])))]
         if r[0] == "EM" and types[r[1]] in ("PLBEAM", "PLRBEAM") and len(r) > 3:
@@ -118,7 +121,13 @@ def spatial(model: Model) -> Model | None:
             return [(*r, 0.0)]
         return [r]
 
-    other = model.mapped(row)
+    def lifted(p):
+        if isinstance(p.owner, Node):
+            return p
+        keyword = types[p.owner]
+        return p.turned(MODES[keyword][p.index - 1], float(sign(keyword, p.index - 1)))
+
+    other = model.mapped(row, pushes=tuple(map(lifted, model.pushes)), drives=tuple(map(lifted, model.drives)))
     extra = [("FIX", Node(n), *which) for n, which in out_of_plane.items()]
     return other.more(1, *extra)
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from spacar.deck import ELEMENT_TYPES
 
-from .model import Axial, Drive, Element, Ends, Flow, Model, Node, Pitch, Place, Push, Row, Side, Tensor, Vector
+from .model import Axial, Element, Ends, Flow, Model, Node, Pitch, Place, Row, Side, Tensor, Vector
 
 MIRRORED = {
     "PLBEAM": (1, -1, -1), "PLTUBE": (1, -1, -1), "PLTOR": (-1,), "BEAM": (1, -1, -1, -1, 1, 1), "PLWHEEL": (-1, 1),
@@ -154,8 +154,8 @@ def moved(model: Model, turn: np.ndarray, shift: np.ndarray) -> tuple[Model, Bac
             return [with_signs(r, MIRRORED.get(model.types[r[1]], (1,) * 8))]
         return [r]
 
-    pushes = tuple(turned_push(p, coordinate, model, sense) for p in model.pushes)
-    drives = tuple(turned_drive(p, coordinate, model, sense) for p in model.drives)
+    pushes = tuple(turned_function(p, coordinate, model, sense) for p in model.pushes)
+    drives = tuple(turned_function(p, coordinate, model, sense) for p in model.drives)
     other = explicit(model).mapped(row, pushes=pushes, drives=drives)
     signs = {k: tuple(s * m if s else 0 for m, s in enumerate(v, 1)) for k, v in MIRRORED.items()}
     free = {k: v for k, v in signs.items() if 0 in v} if sense > 0 else signs
@@ -169,20 +169,12 @@ def with_signs(r: Row, signs: tuple[int, ...]) -> Row:
     return (*r[:3], *(signs[r[2] - 1] * v for v in r[3:]))
 
 
-def turned_push(p: Push, coordinate: Any, model: Model, sense: int) -> Push:
+def turned_function(p: Any, coordinate: Any, model: Model, sense: int) -> Any:
+    """What a user function says about a node or an element."""
     if isinstance(p.owner, Node):
         return p.turned(*coordinate(p.owner, p.index))
     sign = MIRRORED.get(model.types[p.owner], (1,) * 8)[p.index - 1] if sense < 0 else 1
     return p.turned(p.index, sign)
-
-
-def turned_drive(d: Drive, coordinate: Any, model: Model, sense: int) -> Drive:
-    index, sign, shift = d.index, 1.0, 0.0
-    if isinstance(d.owner, Node):
-        index, sign, shift = coordinate(d.owner, d.index)
-    elif sense < 0:
-        sign = MIRRORED.get(model.types[d.owner], (1,) * 8)[d.index - 1]
-    return replace(d, index=index, z0=sign * d.z0 + shift, a=sign * d.a)
 
 
 def explicit(model: Model) -> Model:
@@ -337,10 +329,7 @@ def with_order(model: Model, order: dict[int, tuple[int, ...]], statement: Calla
         if isinstance(p.owner, Node) or p.owner not in order:
             return p
         k = order[p.owner][p.index - 1]
-        sign = float(np.sign(k))
-        if isinstance(p, Drive):
-            return replace(p, index=abs(k), z0=sign * p.z0, a=sign * p.a)
-        return p.turned(abs(k), sign)
+        return p.turned(abs(k), float(np.sign(k)))
 
     return model.mapped(row, pushes=tuple(map(about, model.pushes)), drives=tuple(map(about, model.drives)))
 
