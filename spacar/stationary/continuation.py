@@ -1,24 +1,22 @@
 """From load level to load level along the equilibrium path (theory-system.md 6.3).
 
-A level starts from the polynomial through up to four earlier states of the same loading, else from the last one. A part
-of a load step whose iteration does not contract is halved, down to 1/1024 of the step, and doubled again after parts
-that were easy. After every part the negative eigenvalues of the tangent stiffness are counted, at the solution. When
-the number has changed the state may be one of another branch: the part is repeated in smaller ones, down to 1/256 of
-the step. What remains then is a critical state that the path really passes; the walk says so and stays on its branch.
-Large systems (a count costs five to fifty iterations) are counted at the start and at stored levels, and in between
-where the sign of the determinant, which comes with the factorization of the last iterate, says that the number has
-become odd or even; two eigenvalues that change their signs in one part are seen at the next stored level.
+A level starts from the polynomial through up to four earlier states of the same loading, else from the last one. A
+part of a load step whose iteration does not contract is halved, down to 1/1024 of the step, and doubled again after
+parts that were easy. After every part the negative eigenvalues of the tangent stiffness are counted. When their number
+has changed the state may be one of another branch: the part is repeated in smaller ones, down to 1/256 of the step.
+What remains is a critical state that the path really passes; a warning says so. Large systems (a count costs five to
+fifty iterations) are counted at the start and at stored levels, and in between where the sign of the determinant,
+which comes with the last factorization, says that the number has become odd or even.
 
-A prediction that overshoots a limit point may lie where another branch, stable too, attracts the iteration. So a part
-that moves much faster than the one before (or is the first) is walked back: the iteration at the level before must lead
-from the new state to the old one, otherwise the part is halved.
+A prediction that overshoots a limit point may lie where another branch, stable too, attracts the iteration. So from a
+part that moves much faster than the one before (or is the first) the iteration at the level before must lead back.
 
 A start that is held by fading forces and not stable is a guess, which may lead to another unstable state. Then the path
 is followed back to the largest holding force, where the stable branch begins, and along this.
 
-Where parts become too small the path may turn: it is followed by arc length. At a limit point of growing loads the walk
-ends with an error, unless ITERSTEP position 7 asks to go on to where the path reaches the level; at one of fading
-forces the start is given up. Under prescribed displacement alone it goes on, and says so: the file asks for that state.
+Where parts become too small the path may end in a fork, beyond which a damped motion leads (`relaxed`), or it turns: it
+is followed by arc length. A limit point of growing loads is an error, unless ITERSTEP position 7 asks to go on; at one
+of fading forces the start is given up. Under prescribed displacement alone the path is followed, with a warning.
 """
 
 from __future__ import annotations
@@ -32,18 +30,18 @@ from spacar.errors import Report
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.arc_length import Arrived, LimitPoint, at_limit, follow, given_up, unsupported
-from spacar.stationary.level_evaluator import LevelEvaluator, StaticEquilibrium
+from spacar.stationary.level_evaluator import StaticEquilibrium
 from spacar.stationary.loading import LoadLevel, loads_grow
-from spacar.stationary.newton import Converged, Demand, Known, predicted
+from spacar.stationary.newton import Converged, Demand, Known, predicted, relaxed
 from spacar.stationary.singular import FreeMotion
 from spacar.stationary.stability import Stability, critical_motion, is_regular
 from spacar.stationary.stationary_equations import Astray, Iterate, Prescribed, StationaryEquations, Tangent
 
 REMEMBERED = 4  # states that the prediction uses: a cubic polynomial
-FASTER = 2.0  # change of x over that of the loading, against the part before, from which a part is walked back
+FASTER = 2.0  # change of x over that of the loading, against the part before, from which the iteration must lead back
 ELSEWHERE = 0.1  # of the motion of a part: states that differ by more are not the same
 RETURNED = 0.02  # of the motion of a part: last correction on the way back; it leaves an error of three times that
-WIDE = 0.01  # model lengths or rad: shorter parts are not walked back
+WIDE = 0.01  # model lengths or rad: shorter parts need not
 SMALLEST_PART = 1.0 / 1024.0
 CRITICAL_PART = 1.0 / 256.0  # of a load step, in which a critical state is looked for
 STILL = 1e-6  # model lengths or rad: parts that move less (a straight column at its critical load) keep their branch
@@ -97,7 +95,7 @@ class Continuation:
                 demand = Demand.of(self.limit, self.tolerance, target.store and following == 1.0)
                 if part < 1.0:  # where parts are cut a limit may be near, beyond which there is only what nearly fits
                     demand = demand.exactly()
-                steps = self._advance(reached, level, demand)
+                steps = self._advance(reached, level, demand, part <= SMALLEST_PART)
                 crossed = self._count(level.store)
             except (Astray, SingularMatrixError) as failure:
                 reason, crossed, steps = failure, False, 0
@@ -165,13 +163,13 @@ class Continuation:
             self.statics.load(level)
 
     # -- one part -------------------------------------------------------------------------------------------------
-    def _advance(self, reached: LoadLevel, level: LoadLevel, demand: Demand) -> int:
-        """Newton's iteration at the level from the prediction, then from the last state; the number of iterations."""
+    def _advance(self, reached: LoadLevel, level: LoadLevel, demand: Demand, ended: bool) -> int:
+        """Newton's iteration at the level; the number of iterations. `ended`: where the path may end."""
         e = self.evaluator
         self.statics.load(level)
         branch = e.branch.copy()
         reason: Exception = Astray("no start")
-        for start in self._starts(level.path):
+        for start in self._starts(level.path, ended):
             e.branch[:] = branch
             try:
                 known = start()
@@ -220,19 +218,22 @@ class Continuation:
         change = largest((last.x - before.x) / self.evaluator.scale)
         return moved * (last.path - before.path) <= FASTER * change * (level.path - last.path)
 
-    def _starts(self, path: float) -> list[Callable[[], Known]]:
+    def _starts(self, path: float, ended: bool) -> list[Callable[[], Known]]:
         """Where Newton's iteration may begin, the best first: the prediction, the last state, the last configuration
-        with stresses that balance the new loads (what has no stiffness but that of its stresses needs them)."""
+        with stresses that balance the new loads (needed without other stiffness), what a damped motion comes to."""
         last, e = self.path[-1], self.evaluator
         n = e.mechanism.numbering
 
-        def balanced() -> Known:
-            return Known(path, last.x, _balanced(e, last.x, last.sigma))
+        def balanced(x: Array = last.x) -> Known:
+            q = e.equations
+            return Known(path, x, q.balanced(q.point(x, last.sigma, e.given)))
 
         def placed() -> Known:
             e.place()
-            x = e.dynamics.kinematics.x
-            return Known(path, x, _balanced(e, x, last.sigma))
+            return balanced(e.dynamics.kinematics.x)
+
+        def moved() -> Known:
+            return Known(path, *relaxed(e.equations, e.tangent, last.x, last.sigma, e.given))
 
         if not n.holonomic:
             return [balanced, lambda: last]
@@ -242,6 +243,8 @@ class Continuation:
         others = [lambda: last, balanced]
         if not self._arbitrary and self.stable is not None and self.stable.zero:
             others.reverse()  # a motion without stiffness: the old stresses give it none against the new loads
+        if ended and e.plain and e.unknowns <= LARGE and not (self._guess or e.fading_force is not None):
+            others.append(moved)
         return [*first, *others]
 
     def _accept(self, path: float, found: Converged) -> None:
@@ -392,8 +395,3 @@ class Continuation:
                 pass
             e.branch[:] = branch
         raise Astray("no state before the turn")
-
-
-def _balanced(e: LevelEvaluator, x: Array, sigma: Array) -> Array:
-    q = e.equations
-    return q.balanced(q.point(x, sigma, e.given))

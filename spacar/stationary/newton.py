@@ -20,6 +20,7 @@ end the iteration.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import isfinite, prod
 from typing import NamedTuple
@@ -48,6 +49,7 @@ FORCES = 1e-9  # out-of-balance work / work of the forces in it
 LENGTHS = 1e-11  # incompatibility / model length, or rad
 CORRECTION = 1e-7  # last correction / model length, or rad: the next one would be of the size of its square
 PASSING_FORCES, PASSING_LENGTHS, PASSING_CORRECTION = 1e-4, 1e-7, 1e-3  # at a state that is no result
+RELAXATIONS = 10.0 ** -np.arange(0.0, 12.0, 0.5)  # damping of a length over the stiffness, step by step
 FIRST_RATIO, LATER_RATIO, LINEAR_RATIO = 0.6, 0.75, 0.98  # of two corrections, at most
 
 
@@ -227,6 +229,30 @@ def newton(
         if path.ended(p):
             return Converged(p, len(path.sizes), path.noise, regular)
         dx = np.zeros_like(x)
+
+
+def relaxed(
+    q: StationaryEquations, tangent: Tangent, x: Array, sigma: Array, given: Prescribed
+) -> tuple[Array, Array]:
+    """x (nx,), sigma (ne,) where a motion from x without inertia, which a viscous damping of all coordinates slows
+    down, comes to: linearly implicit Euler with growing steps (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35
+    (1998) 508-523). It finds the path that goes on where another one ends, as of a slack chain that is pulled tight.
+    """
+    damping = q.flexibility.size * (q.free_scale.max() / q.free_scale) ** 2
+    diagonal = np.arange(q.nf)
+    dx = np.zeros_like(x)
+    dx[q.P] = (given.x - x)[q.P]
+    for factor in RELAXATIONS:
+        p = q.point(x, sigma, given)
+        with suppress(SingularMatrixError):
+            tangent.factor(p)
+        matrix = tangent.dense()
+        matrix[diagonal, diagonal] += factor * damping
+        z = np.linalg.solve(matrix, p.right - tangent.along(dx))
+        dx[q.F] = z[: q.nf]
+        q.d.sweep.follow(p.x, q.d.sweep.e)
+        x, sigma, dx = p.x + dx, p.sigma + q.flexibility.size * z[q.nf :], np.zeros_like(x)
+    return x, sigma
 
 
 def _correct(q: StationaryEquations, tangent: Tangent, p: Iterate, dx: Array, first: bool) -> tuple[Array, float, bool]:

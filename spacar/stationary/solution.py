@@ -42,7 +42,7 @@ class StationarySolution:
 
 @dataclass
 class StationarySolver:
-    """Walks through load levels. At a level that is stored `dynamics` is placed at the solution and `solution`
+    """Goes through load levels. At a level that is stored `dynamics` is placed at the solution and `solution`
     describes it; `iterations` is their number at the last level.
 
     Raises AnalysisError 'statics.no-convergence', 'statics.limit-point' or 'statics.no-solution'.
@@ -65,7 +65,7 @@ class StationarySolver:
         self._idle = e.plain and not m.loads.present and not e.whole.shift(m)
         self.iterations = 0
         self._said: Stability | None = None
-        self._walk: Continuation | None = None
+        self._continuation: Continuation | None = None
         self._firm = True
         self._failed = False  # in one order of the loading?
 
@@ -88,10 +88,10 @@ class StationarySolver:
 
         Raises SingularMatrixError.
         """
-        assert self._walk is not None
+        assert self._continuation is not None
         e = self._evaluator
         tangent = e.tangent if e.tangent.exact else MovingTangent(e.equations, without_n0=False)
-        tangent.factor(self._walk.point)
+        tangent.factor(self._continuation.point)
         return e.equations, tangent
 
     @property
@@ -123,35 +123,35 @@ class StationarySolver:
 
     def solve(self, target: LoadLevel) -> None:
         """Go to a load level. Raises AnalysisError as the class says."""
-        walk = self._begun(target)
+        continuation = self._begun(target)
         idle = self._idle and target.additional == 0.0
-        if idle and walk.level.path > 0.0 and not target.store:
+        if idle and continuation.level.path > 0.0 and not target.store:
             self.iterations = 0
             return
         if not self.mechanism.numbering.nddof and not target.store:
             return  # `Kinematics` itself divides the way to the prescribed values
-        if idle and walk.is_exact and self._evaluator.fading_force is None:
-            walk.stay(target)
+        if idle and continuation.is_exact and self._evaluator.fading_force is None:
+            continuation.stay(target)
         else:
             try:
-                walk.advance(target)
+                continuation.advance(target)
             except AnalysisError as failure:
-                walk = self._in_other_order(failure, target)
-        self.iterations = walk.iterations
+                continuation = self._in_other_order(failure, target)
+        self.iterations = continuation.iterations
         if target.store:
-            self._place(walk.point, target)
+            self._place(continuation.point, target)
 
     def _begun(self, first: LoadLevel) -> Continuation:
         """The path so far. It begins with no loading, but with all of the initial loading where the start has motions
         without stiffness then, which the loading may give them, and is no equilibrium."""
-        if self._walk is None:
+        if self._continuation is None:
             n, e = self.mechanism.numbering, self._evaluator
-            self._walk = walk = self._begin(first, False)
-            self._firm = walk.is_firm
+            self._continuation = continuation = self._begin(first, False)
+            self._firm = continuation.is_firm
             placed = self._is_placed or e.fading_force is not None
             if n.holonomic and n.nddof and not self._idle and not self._firm and placed:
-                self._walk = self._begin(first, True)
-        return self._walk
+                self._continuation = self._begin(first, True)
+        return self._continuation
 
     def _begin(self, first: LoadLevel, whole: bool) -> Continuation:
         """The path from the start values. Where these are no equilibrium, forces hold them that fade on the way to the
@@ -194,8 +194,8 @@ class StationarySolver:
             raise failure
         self._failed, whole, said = True, not e.whole_from_start, failure
         try:
-            self._walk = walk = self._begin(target, whole)
-            walk.advance(target)
+            self._continuation = continuation = self._begin(target, whole)
+            continuation.advance(target)
         except AnalysisError as again:
             said = failure if whole else again
             if whole and failure.code == "statics.no-solution":  # of a motion that the loading may hold
@@ -207,18 +207,18 @@ class StationarySolver:
                     f"warning: the growing loading could not be followed ({failure.code}): the solution was found from"
                     " the start, held in balance under the whole loading by forces that fade; there may be others"
                 )
-            return walk
+            return continuation
         start, reference = e.y[: n.nddof], self._reference_values
         if not held or (start == reference).all():
             raise said from None
         start[:] = reference
-        self._walk = walk = self._begin(target, False)
-        walk.advance(target)
+        self._continuation = continuation = self._begin(target, False)
+        continuation.advance(target)
         self.report.add(
             f"warning: the start values (STARTDX, STARTDE) do not lead to a solution ({failure.code}): this one was"
             " found from the reference configuration; there may be others"
         )
-        return walk
+        return continuation
 
     @property
     def _reference_values(self) -> Array:
@@ -255,8 +255,8 @@ class StationarySolver:
 
     def _say_stability(self, level: LoadLevel) -> None:
         """Report where stored states become unstable, critical, or stable again."""
-        assert self._walk is not None
-        now, said = self._walk.stable, self._said
+        assert self._continuation is not None
+        now, said = self._continuation.stable, self._said
         self._said = now
         if now is None or not now.exact:
             return
@@ -264,13 +264,13 @@ class StationarySolver:
             return
         e = self._evaluator
         if now.critical:
-            motion = critical_motion(e.equations, e.tangent, self._walk.point, negative=False)
+            motion = critical_motion(e.equations, e.tangent, self._continuation.point, negative=False)
             self.report.add(
                 f"warning: the solution at {level} is critical to working precision: a motion has no stiffness"
                 + (f", it is largest at {motion}" if motion else "")
             )
         elif now.negative:
-            motion = critical_motion(e.equations, e.tangent, self._walk.point, negative=True)
+            motion = critical_motion(e.equations, e.tangent, self._continuation.point, negative=True)
             self.report.add(
                 f"warning: the solution at {level} is an unstable equilibrium: the tangent stiffness has {now}"
                 + (f", the motion is largest at {motion}" if motion else "")

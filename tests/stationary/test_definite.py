@@ -77,5 +77,5 @@ def test_large_models_are_counted_only_where_nothing_is_proved(monkeypatch):
     solver = StationarySolver(m, Report())
     for level in LoadProgram(m.settings):
         solver.solve(level)
-    assert solver._walk is not None
-    assert str(solver._walk.stable) == "0 negative eigenvalues"
+    assert solver._continuation is not None
+    assert str(solver._continuation.stable) == "0 negative eigenvalues"

@@ -37,7 +37,7 @@ def test_both_forms_are_the_derivative_of_the_residual(name, monkeypatch):
     mechanism = build(parse_deck(MODELS[name], mode=7), 7)
     solver = StationarySolver(mechanism, Report())
     list(solver.stored(LoadProgram(mechanism.settings)))
-    e, p = solver._evaluator, solver._walk.point
+    e, p = solver._evaluator, solver._continuation.point
     q = e.equations
     p = q.point(p.x, p.sigma, e.given)
     small = MovingTangent(q, without_n0=False)

@@ -177,6 +177,34 @@ END
     assert not np.allclose(run("0.", "ITERSTEP 20 4 1e-12"), total, rtol=0, atol=1e-4)
 
 
+@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize("steps", [1, 2, 7])
+@pytest.mark.parametrize(("offset", "pulled"), [(1e-4, 0.001), (1e-4, 0.5), (0.02, 0.05), (0.2, 0.5)])
+def test_a_slack_chain_that_is_pulled_tight(offset, pulled, steps, compiled):
+    """A rigid and an elastic bar, straight from where their lengths are used up: N = EA/l (distance - 2 l). Its slack
+    path ends there, in a fork whose other branch has no stiffness before."""
+    text = f"""
+PLTRUSS 1 1 2
+PLTRUSS 2 2 3
+X 2 1. {offset}
+X 3 2. 0.
+FIX 1
+FIX 3 2
+INPUTX 3 1
+DYNE 2 1
+END
+HALT
+ESTIFF 2 40.
+INPUTX 3 1 {2.0 + pulled}
+ITERSTEP 60 {steps} 1e-12
+END
+END
+"""
+    length = (1.0 + offset**2) ** 0.5
+    force = spacar.run(8, parse_deck(text, mode=8), compiled=compiled).element(2, variable="sig")[-1]
+    assert force == pytest.approx(40.0 / length * (2.0 + pulled - 2.0 * length), rel=1e-9)
+
+
 def test_singular_stiffness():
     """A free-free beam without load rests; a load on its rigid motion has no stationary solution."""
     free = cantilever(4, 0.0).replace("FIX 1\nFIX 2\n", "DYNX 1\nDYNX 2\n")
