@@ -46,6 +46,16 @@ class BucklingModes:
         """The margin against the loads as they act; infinite when no multiplier is positive."""
         return float(self.multipliers[self.multipliers > 0.0].min(initial=np.inf))
 
+    def filled(self, n: int) -> BucklingModes:
+        """n of them at every load step: where fewer loads have an effect infinite multipliers, their modes nan."""
+        more = max(n - len(self.multipliers), 0)
+
+        def wider(A: Array) -> Array:
+            return np.hstack((A, np.full((len(A), more), np.nan)))
+
+        motions = None if self.motions is None else wider(self.motions)
+        return BucklingModes(np.append(self.multipliers, np.full(more, np.inf)), wider(self.modes), motions)
+
     def first(self, n: int) -> BucklingModes:
         """The n lowest multipliers with the first n rows of their modes, of norm 1 again.
 

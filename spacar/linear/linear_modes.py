@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.dynamics.mass_check import linearized_doubt, require_regular_mass
@@ -33,6 +35,7 @@ from spacar.linear.stored_system import StoredSystem, buckling_motions, sparse_m
 from spacar.linear_systems import SingularMatrixError
 from spacar.linearization.coefficients import Coefficients, coefficients
 from spacar.linearization.matrices import Linearization, linearize, selected
+from spacar.mechanism.numbering import Numbering
 from spacar.stationary import LoadLevel, LoadProgram, StationarySolver
 from spacar.stationary.tangent import SparseTangent
 from spacar.stream import Run
@@ -184,6 +187,9 @@ def stationary(run: Run, store: StoredSystem | None = None) -> Iterator[Lineariz
         if reduced or singular:
             tangent = solver.sparse_tangent()
             tangent.sigma, tangent.last_step = state.sigma, stored + 1 == settings.stored_levels
+            if not reduced:
+                _store_matrices(frame, None, dynamics)
+                frame = output.add(frame, dynamics, Unknown.of(n))
             yield LinearizedSolution(frame, dynamics, None, tangent, wanted, reduced)
             continue
         L = linearize(dynamics, state.xdd, state.sigma)
@@ -238,8 +244,7 @@ def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: floa
         return False  # doubtful but not singular; the warning was given where the state was found
     run.report.add(
         f"warning: at {level} the degrees of freedom do not determine the motion of {matrix.undetermined()} (a dead"
-        " point): no matrices and no transfer functions are stored for this step; choose other degrees of freedom to"
-        " have them"
+        " point): matrices and transfer functions are nan in this step; choose other degrees of freedom to have them"
     )
     return True
 
@@ -249,13 +254,28 @@ def _doubts(L: Linearization) -> dict[int, str]:
     return {-1 - i: sentence for i, sentence in enumerate(L.doubts)}
 
 
-def _store_matrices(frame: Frame, L: Linearization, dynamics: Dynamics) -> None:
-    q, s = chosen_rows(L, dynamics)
+def _store_matrices(frame: Frame, L: Linearization | None, dynamics: Dynamics) -> None:
+    """Of no L: nan."""
+    q, s = chosen_rows(dynamics.numbering)
     if not len(q):
         return
     for names, rows, columns in (MASS_AND_DAMPING, q, q), (STIFFNESS, q, s), (("ak0",), s, q), (("bk0",), s, s):
         for name in names:
-            frame.matrices[name] = selected(getattr(L, name), rows, columns)
+            nothing = np.full((len(rows), len(columns)), np.nan)
+            frame.matrices[name] = nothing if L is None else selected(getattr(L, name), rows, columns)
+
+
+class Unknown(NamedTuple):
+    """Transfer functions at a dead point, nan."""
+
+    W: Array
+    We: Array
+    G: Array
+    Ge: Array
+
+    @classmethod
+    def of(cls, n: Numbering) -> Unknown:
+        return cls(*(np.full((rows, columns), np.nan) for columns in (n.ndof, n.nkdof) for rows in (n.nx, n.ne)))
 
 
 def _store_tangent(solution: LinearizedSolution) -> None:
@@ -278,7 +298,7 @@ def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
         modes = lowest_modes(system, n.nkddof, n.nx, run.report, min(solution.wanted, n.nddof))
     else:
         assert solution.L is not None
-        rows, static = chosen_rows(solution.L, solution.dynamics), run.mechanism.numbering.twist_rates
+        rows, static = chosen_rows(run.mechanism.numbering), run.mechanism.numbering.twist_rates
         try:
             modes = vibration_modes(solution.L, *rows, run.report, static, solution.wanted)
         except AnalysisError as error:
@@ -326,7 +346,7 @@ def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = Tru
     if not len(dynamic):
         run.report.add("no dynamic degrees of freedom: there are no load multipliers")
         return
-    tangent, L = solution.tangent, solution.L
+    tangent, L, n = solution.tangent, solution.L, min(solution.wanted, len(dynamic))
     try:
         if tangent is not None:
             modes = lowest_buckling(tangent, run.report, solution.wanted)
@@ -340,9 +360,8 @@ def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = Tru
         if required:
             raise
         run.report.add(f"warning: no load multipliers, they are stored as nan: {error}")
-        n = min(solution.wanted, len(dynamic))
         modes = BucklingModes(np.full(n, np.nan), np.full((len(dynamic), n), np.nan))
-    n = min(solution.wanted, len(modes.multipliers))
+    modes = modes.filled(n)
     frame.matrices["lmult"], frame.matrices["bmode"] = modes.multipliers[:n], modes.modes[:, :n]
     if solution.reduced:
         frame.matrices.update(buckling_motions(modes, run.mechanism.numbering.nx))

@@ -74,7 +74,7 @@ def state_space(
 ) -> StateSpace:
     """Matrices for the given signals. `everything` takes all rows of q as states (mode 3)."""
     n = dynamics.numbering
-    q, s = chosen_rows(L, dynamics, everything)
+    q, s = chosen_rows(dynamics.numbering, everything)
     require_mass(L, q)
     A = state_matrix(L, q, s)
     P = _prescribed(dynamics, inputs)

@@ -88,7 +88,7 @@ class StoredSystem:
     def add(self, frame: Frame, L: Linearization, dynamics: Dynamics) -> None:
         """A, B, C, D and the matrices of the same equations."""
         ss = state_space(dynamics, L, self.inputs, self.outputs)
-        q, s = chosen_rows(L, dynamics)
+        q, s = chosen_rows(dynamics.numbering)
         if self.inputs and len(q):
             n = dynamics.numbering
             frame.matrices["b0"] = (L.m0[np.ix_(q, q)] @ ss.B[len(s) :]).reshape(n.nddof, len(self.inputs))
@@ -122,7 +122,7 @@ class IdleInputs:
     def see(self, dynamics: Dynamics, L: Linearization) -> None:
         """Note which inputs act at this linearization."""
         n = dynamics.numbering
-        q, _ = chosen_rows(L, dynamics)
+        q, _ = chosen_rows(dynamics.numbering)
         self.has_states = self.has_states or bool(len(q))
         rows = {("INX", int(i)): k for k, i in enumerate(n.q_x)}
         rows |= {("INE", int(i)): len(n.q_x) + k for k, i in enumerate(n.q_e)}

@@ -33,6 +33,7 @@ from spacar.errors import AnalysisError
 from spacar.kinematics.transfer import configuration_transfer, deformation_transfer, velocity_transfer
 from spacar.linear_systems.linear_system import Matrix, dense, is_zero_matrix, zero_matrix
 from spacar.linearization.coefficients import Coefficients, coefficients
+from spacar.mechanism.numbering import Numbering
 
 
 @dataclass(frozen=True)
@@ -177,9 +178,8 @@ def _kinematic(dynamics: Dynamics, W: Array, We: Array, Z: Matrix, Ze: Matrix) -
     return np.vstack((np.eye(n.ndof), W[xk], We[ek])), bk0
 
 
-def chosen_rows(L: Linearization, dynamics: Dynamics, everything: bool = False) -> tuple[Index, Index]:
+def chosen_rows(n: Numbering, everything: bool = False) -> tuple[Index, Index]:
     """Rows of q and of s that are states: the dynamic ones (and the kinematic ones), or all of them (mode 3)."""
-    n = dynamics.numbering
     q = np.arange(n.ndof) if everything else n.dynamic
     return q, np.concatenate((q, np.arange(n.ndof, n.nkdof))) if n.nk else q
 

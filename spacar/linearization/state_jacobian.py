@@ -32,7 +32,7 @@ def state_jacobian(
     dynamics = evaluator.numpy_evaluator()
     found = dynamics.accelerate(t, dynamics.place(t, y, within))
     L = linearize(dynamics, found.xdd, found.sigma, t=t)
-    return state_matrix(L, *chosen_rows(L, dynamics)), F_t
+    return state_matrix(L, *chosen_rows(dynamics.numbering)), F_t
 
 
 def depends_on_time(model: LoadedMechanism) -> bool:

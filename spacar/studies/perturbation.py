@@ -71,7 +71,7 @@ def perturbation(deck: Deck, substeps: int = 1, **options: Any) -> Result:
         F[k, :, 0] = dynamics.rhs(time, rest)
         found = dynamics.accelerate(time, dynamics.place(time, rest))
         L = linearize(dynamics, found.xdd, found.sigma, t=time)
-        A[k] = state_matrix(L, *chosen_rows(L, dynamics))
+        A[k] = state_matrix(L, *chosen_rows(dynamics.numbering))
     data = TimeVarying(deck.source, t, A=A, B=F, C=np.zeros((len(t), 0, len(z0))))
     z = simulate_ltv(data, np.ones((len(t), 1)), z0=z0).z
     shown = Dynamics(mechanism)

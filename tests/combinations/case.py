@@ -147,13 +147,15 @@ class Spec:
         return OPTIONS[self.option].change(model, random.Random(name))
 
     def case(self, folder: Path, refused: list[tuple[str, Spec]] | None = None) -> Case | None:
-        """None where the model is badly conditioned or goes beyond its theory; then `refused` gets the code."""
+        """None where the model is badly conditioned, comes to a dead point or goes beyond its theory; then `refused`
+        gets the code."""
         model = self.model()
         if model is None:
             return None
         case = Case(model, folder, random.Random(self.seed))
         try:
-            return case if case.positions < CONDITION and case.values else None
+            dead = any(np.isnan(f.matrices.get("k0", 0.0)).any() for f in case.base.frames)
+            return case if case.positions < CONDITION and case.values and not dead else None
         except SpacarError as error:
             if error.code not in BEYOND:
                 raise AssertionError(f"{error.code}: {error}\n{model.text()}") from error

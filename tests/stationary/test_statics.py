@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from spacar_formats.loadsbd import loadsbd, loadsbm
 
 import spacar
 from spacar.deck import parse_deck
@@ -183,7 +184,24 @@ END
 def test_a_slack_chain_that_is_pulled_tight(offset, pulled, steps, compiled):
     """A rigid and an elastic bar, straight from where their lengths are used up: N = EA/l (distance - 2 l). Its slack
     path ends there, in a fork whose other branch has no stiffness before."""
-    text = f"""
+    length = (1.0 + offset**2) ** 0.5
+    text = chain(offset, pulled, steps)
+    force = spacar.run(8, parse_deck(text, mode=8), compiled=compiled).element(2, variable="sig")[-1]
+    assert force == pytest.approx(40.0 / length * (2.0 + pulled - 2.0 * length), rel=1e-9)
+
+
+def test_a_dead_point_on_the_way(tmp_path):
+    """The tight chain is at a dead point of its elongation: matrices of these load steps are nan in the result file."""
+    text = chain(0.2, 0.0, 1).replace("ITERSTEP 60 1 1e-12", "DELINPX 3 1 0.05\nITERSTEP 60 1 1e-12 1 3")
+    result = spacar.run(10, parse_deck(text, mode=10))
+    result.save(tmp_path / "chain")
+    for values in (result["k0"], loadsbm(tmp_path / "chain")["k0"], loadsbd(tmp_path / "chain")["dx"][:, :1]):
+        assert np.isnan(values).ravel().tolist() == [False, True]
+    assert np.isfinite(result["eigval"]).all()
+
+
+def chain(offset: float, pulled: float, steps: int) -> str:
+    return f"""
 PLTRUSS 1 1 2
 PLTRUSS 2 2 3
 X 2 1. {offset}
@@ -195,14 +213,12 @@ DYNE 2 1
 END
 HALT
 ESTIFF 2 40.
+XM 2 1.
 INPUTX 3 1 {2.0 + pulled}
 ITERSTEP 60 {steps} 1e-12
 END
 END
 """
-    length = (1.0 + offset**2) ** 0.5
-    force = spacar.run(8, parse_deck(text, mode=8), compiled=compiled).element(2, variable="sig")[-1]
-    assert force == pytest.approx(40.0 / length * (2.0 + pulled - 2.0 * length), rel=1e-9)
 
 
 def test_singular_stiffness():
