@@ -13,24 +13,21 @@ accurate to rounding, while V and so the velocity are those of a configuration t
 integrator may ask for less in intermediate states, or for more, so that this difference does not disturb its error
 estimates. There are at most 20 iterations; a correction that makes the residual grow is halved, at most 5 times.
 
-Rounding sets how small corrections and residuals can become. The numbers that enter a deformation are coordinates and
-deformations; with s = max(1, |x_i|/scale_i, |e_i|/scale_i) the scaled residual is known to
-
-    delta = 64 eps s
-
-(64: a few dozen operations make a deformation of a spatial beam). A correction that follows one below 1e-11 or delta is
-as small as rounding allows and passes always. With an ill-conditioned matrix D' a residual of delta makes corrections
-up to |D'^-1| delta, which may stay above both: two residuals below delta one after the other are therefore accepted as
-well, if the position is determined. It is not near a double root (a dead point), where the residual is eps while the
-position is wrong by sqrt(eps): `spacar.kinematics.constraint_condition`.
+Rounding sets how small corrections and residuals can become. With s = max(1, |x_i|/scale_i, |e_i|/scale_i) the scaled
+residual is known to delta = 64 eps s (a few dozen operations make a deformation of a spatial beam). A correction that
+follows one below 1e-11 or delta is as small as rounding allows and passes always. With an ill-conditioned matrix D' a
+residual of delta makes corrections up to |D'^-1| delta, which may stay above both: two residuals below delta one after
+the other are therefore accepted as well, if the position is determined. It is not near a double root (a dead point),
+where the residual is eps while the position is wrong by sqrt(eps): `spacar.kinematics.constraint_condition`.
 
 D(x) = e has several solutions (a rigid beam may point to either side), so a target is reached continuously: when an
 iteration fails, or ends farther than 0.8 model lengths or rad from where it began, the way to the target is halved, at
 most 10 times; what joined nodes go the same way along an axis is no distance. Where the prediction already goes
-farther, the way is divided at once, and of many turns whole periods are left out (`whole_turns`). A way that is shorter
-than delta is not divided: its ends are one position to rounding. At a dead point delta is what rounding knows of the
-given values, and sqrt(delta) of the model what it knows of the position; two iterates that meet the constraints there
-to delta, without being single roots, end the iteration, as those that follow only wander in that range.
+farther, the way is divided at once, and of many turns whole periods are left out (`whole_turns`); so is that from the
+reference configuration if the determinant of D' changes its sign. A way that is shorter than delta is not divided: its
+ends are one position to rounding. At a dead point delta is what rounding knows of the given values, and sqrt(delta) of
+the model what it knows of the position; two iterates that meet the constraints there to delta, without being single
+roots, end the iteration, as those that follow only wander in that range.
 """
 
 from __future__ import annotations
@@ -64,6 +61,7 @@ LARGEST_JUMP = 0.8  # rad or model lengths between two configurations
 FARTHEST_GUESS = 0.5 * LARGEST_JUMP  # from farther Newton's method could end at another solution
 MAX_DEPTH = 10
 MOST_PREDICTED = 10.0 * LARGEST_JUMP  # a first-order prediction that goes farther says nothing
+FIRST_PIECES = 64  # of the way from a reference configuration that has another sign of the determinant
 MOST_PIECES = 50_000  # that are followed; a stage of a step that is much too long may be at any distance
 
 
@@ -98,6 +96,7 @@ class Kinematics(ConstraintMatrices):
         self.target = self.e_given  # of the last iteration
         self.iterations = 0  # Newton iterations of the last position
         self.period: Period | None = None  # of the given values
+        self._sign = 0.0  # of the determinant at the reference configuration, until the first position is found
 
     # -- position -----------------------------------------------------------------------------------------------
     def move(self, x_given: Array, e_given: Array) -> None:
@@ -121,6 +120,7 @@ class Kinematics(ConstraintMatrices):
         self._accept()
         with suppress(SingularMatrixError):  # then without a prediction: the iteration will say what is singular
             self.refactor()
+            self._sign = self.position_system.determinant_sign() if len(self.c) else 0.0
 
     def position(self, x_given: Array, e_given: Array) -> None:
         """Solve D_h(x) = e_h from the present configuration; leaves V and its factorization at the solution."""
@@ -162,27 +162,26 @@ class Kinematics(ConstraintMatrices):
                 self._approach(x_given, e_given, within, int(np.ceil(ahead / LARGEST_JUMP)), 1)
                 return self._solve(x_given, e_given, v_given, e_rate, None, within, 1)
         self._factored = self._waiting = False
-        way: float | None = None
+        elsewhere, sign, self._sign = False, self._sign, 0.0
         try:
             velocity = self._newton(x, e_given, v_given, e_rate, within)
-            jump = self._jump(x_old, x)
-            if jump <= LARGEST_JUMP or depth == MAX_DEPTH:
+            near = self._jump(x_old, x) <= LARGEST_JUMP
+            elsewhere = near and sign != 0.0 and self.position_system.determinant_sign() != sign
+            if not elsewhere and (near or depth == MAX_DEPTH):
                 self.e_given = e_given
                 self._accept()
                 return velocity
         except Unplaced as failure:
-            way = self._distance(x_given, e_given - e_old)
-            if depth == MAX_DEPTH or (guess is None and way <= self.rounding(x_old, e_given[self.h])):
+            still = self._distance(x_given, e_given - e_old) <= self.rounding(x_old, e_given[self.h])
+            if depth == MAX_DEPTH or (guess is None and still):
                 raise failure.explain() from None
         self.x, self._factored = x_old, False
         self.sweep.follow(x_old, self.e)
-        if way is None:
-            way = self._distance(x_given, e_given - e_old)
-        prescribed = depth == 0 and not self.numbering.nkddof
-        if prescribed and way > LARGEST_JUMP and self.skip_turns(x_given, e_given, within):
+        far = depth == 0 and self._distance(x_given, e_given - e_old) > LARGEST_JUMP
+        if far and not self.numbering.nkddof and self.skip_turns(x_given, e_given, within):
             return self._solve(x_given, e_given, v_given, e_rate, None, within)
         jumps = 0.0 if depth else self._distance(x_given, e_given - self.e_given) / LARGEST_JUMP
-        pieces = int(np.ceil(jumps)) if 2.0 < jumps <= MOST_PIECES else 2
+        pieces = FIRST_PIECES if elsewhere else int(np.ceil(jumps)) if 2.0 < jumps <= MOST_PIECES else 2
         self._approach(x_given, e_given, within, pieces, depth + 1)
         return self._solve(x_given, e_given, v_given, e_rate, None, within, depth + 1)
 
@@ -387,7 +386,7 @@ def largest(values: Array) -> float:
     return float(np.abs(values).max()) if len(values) else 0.0
 
 
-# The module of explanations is imported when an iteration has failed: a run that goes well does not need it.
+# imported when an iteration has failed: a run that goes well does not need it
 def _position_failure(*about: Any) -> AnalysisError:
     from spacar.kinematics.failure import position_failure
 
