@@ -6,14 +6,12 @@
    Methods for Sparse Matrices", chapters 5 and 10). A later factorization has no choice; it returns its largest
    multiplier, and above GROWTH, or when that is not a number, the order has to be chosen again.
 
-   Row k of the factors, in the order of the pivots, begins at row_at[k] with its multipliers, whose columns are
-   ascending, then come the pivot and from upper_at[k] on the rest of the row. `updates` are the places that are
-   changed, in the order in which elimination reaches them, so that nothing is looked up and nothing is copied, as
-   long as they are at most STORED times the numbers of the factors; where elimination fills more, the place of every
-   column in its row is looked up in `place`. */
+   Row k of the factors, in the order of the pivots, begins at row_at[k] with its multipliers, then come the pivot and
+   from upper_at[k] on the rest of the row, columns ascending. What is behind the pivot of a row goes into another row
+   in runs of neighbouring places (`runs`), few and long where rows have nearly the same columns. */
 
 static const double THRESHOLD = 0.1, GROWTH = 100.0;
-enum { STORED = 8, SEARCHED = 256 }; /* SEARCHED: entries of columns among which a pivot is chosen */
+enum { SEARCHED = 256 }; /* entries of columns among which a pivot is chosen */
 
 typedef struct {
     /* kept: the order stays, another one is made beside it; even: sign of the permutations */
@@ -26,8 +24,8 @@ typedef struct {
     double *entry_weight;
     Memory order;                       /* what has the order, and the factors in it */
     int *row_at, *upper_at;             /* (n + 1), (n) */
-    int *factor_column, *updates;       /* columns of the factors, as pivots; places in them, NULL: too many */
-    int *place;                         /* (n) of the columns of one row */
+    int *factor_column;                 /* of the factors, as pivots */
+    int *runs;                          /* place and length, in the order in which elimination takes them */
     real *factors, *inverse, *work;     /* `inverse` of the pivots */
 } Sparse;
 
@@ -220,47 +218,65 @@ static int parity(Memory *work, const int *order, int n)
     return sign;
 }
 
+static int ascending(const void *a, const void *b) { return *(const int *)a - *(const int *)b; }
+
+/* The runs of a row behind its pivot in another row, whose columns have these places: their number, and they themselves
+   into `to` unless it is NULL. */
+static size_t runs_in(const Sparse *s, int above, const int *place, int *to)
+{
+    size_t n = 0;
+    const int *column = s->factor_column;
+    for (int u = s->upper_at[above], end = s->row_at[above + 1]; u < end; n++) {
+        const int first = u, at = place[column[u]];
+        while (u < end && place[column[u]] == at + u - first) u++;
+        if (to) { to[2 * n] = at; to[2 * n + 1] = u - first; }
+    }
+    return n;
+}
+
 /* The places of all numbers of the factors, and which of them are changed when. `step` (n): the pivot of a column;
    `work` is for work. OK or NO_MEMORY. */
 static int lay_out(Memory *work, Sparse *s, const List *lower, const List *upper, const int *step)
 {
     const int n = s->n;
-    int at = 0, *place = s->place = cleared(&s->order, n, sizeof(int));
-    size_t changes = 0;
+    int at = 0;
     for (int k = 0; k < n; k++) {
-        const List *low = &lower[s->row_order[k]]; /* steps in the order of elimination, so ascending */
         s->row_at[k] = at;
-        s->upper_at[k] = at + low->n + 1;
-        at += low->n + 1 + upper[k].n;
-        for (int j = 0; j < low->n; j++) changes += upper[low->index[j]].n;
+        s->upper_at[k] = at + lower[s->row_order[k]].n + 1; /* steps in the order of elimination, so ascending */
+        at = s->upper_at[k] + upper[k].n;
     }
     s->row_at[n] = at;
     s->factor_column = cleared(&s->order, at, sizeof(int));
     s->factors = cleared(&s->order, at, sizeof(real));
-    const int stored = changes <= (size_t)STORED * at;
-    s->updates = stored ? cleared(&s->order, changes, sizeof(int)) : NULL;
-    /* entries of a row, and one behind another */
-    int *first = cleared(work, n + s->n_entries, sizeof(int)), *next = first + n;
-    if (!place || !s->factor_column || !s->factors || (stored && !s->updates) || !first) return NO_MEMORY;
+    /* places of the columns of a row; entries of a row, and one behind another */
+    int *place = cleared(work, 2 * (size_t)n + s->n_entries, sizeof(int)), *first = place + n, *next = first + n;
+    if (!s->factor_column || !s->factors || !place) return NO_MEMORY;
     for (int i = 0; i < n; i++) first[i] = -1;
     for (int k = s->n_entries - 1; k >= 0; k--) { next[k] = first[s->row[k]]; first[s->row[k]] = k; }
-    int *update = s->updates, entry = 0;
-    for (int k = 0; k < n; k++) {
-        const int i = s->row_order[k];
-        const List *low = &lower[i];
-        int *column = s->factor_column + s->row_at[k];
-        for (int j = 0; j < low->n; j++) *column++ = low->index[j];
-        *column++ = k;
-        for (int j = 0; j < upper[k].n; j++) *column++ = step[upper[k].index[j]];
-        for (int f = s->row_at[k]; f < s->row_at[k + 1]; f++) place[s->factor_column[f]] = f;
-        for (int j = 0; stored && j < low->n; j++) {
-            const int above = low->index[j];
-            for (int f = s->upper_at[above]; f < s->row_at[above + 1]; f++) *update++ = place[s->factor_column[f]];
-        }
-        for (int e = first[i]; e >= 0; e = next[e], entry++) {
-            s->entry_place[entry] = place[step[s->column[e]]];
-            s->entry_source[entry] = s->source[e];
-            s->entry_weight[entry] = s->weight[i];
+    size_t count = 0;
+    for (int store = 0, entry = 0; store < 2; store++) {
+        if (store && !(s->runs = cleared(&s->order, 2 * count, sizeof(int)))) return NO_MEMORY;
+        int *to = s->runs;
+        for (int k = 0; k < n; k++) {
+            const int i = s->row_order[k];
+            const List *low = &lower[i];
+            int *column = s->factor_column + s->row_at[k];
+            if (!store) {
+                memcpy(column, low->index, sizeof(int) * low->n);
+                column[low->n] = k;
+                for (int j = 0; j < upper[k].n; j++) column[low->n + 1 + j] = step[upper[k].index[j]];
+                qsort(column + low->n + 1, upper[k].n, sizeof(int), ascending);
+            }
+            for (int f = s->row_at[k]; f < s->row_at[k + 1]; f++) place[s->factor_column[f]] = f;
+            for (int j = 0; j < low->n; j++) {
+                const size_t found = runs_in(s, low->index[j], place, store ? to : NULL);
+                if (store) to += 2 * found; else count += found;
+            }
+            for (int e = first[i]; store && e >= 0; e = next[e], entry++) {
+                s->entry_place[entry] = place[step[s->column[e]]];
+                s->entry_source[entry] = s->source[e];
+                s->entry_weight[entry] = s->weight[i];
+            }
         }
     }
     s->planned = 1;
@@ -335,23 +351,26 @@ static int plan(Sparse *s, const real *values, int lane, double most)
     return status;
 }
 
-/* Numbers in the chosen order, row by row; the largest multiplier, not a number after a pivot that is zero. */
-static real factor_in_order(Sparse *s, const real *values)
+/* Numbers in the chosen order, row by row; the largest multiplier, not a number after a pivot that is zero. Runs are
+   short: loops over them cost more when the compiler makes vectors of them. */
+__attribute__((optimize("no-tree-vectorize"))) static real factor_in_order(Sparse *s, const real *values)
 {
     real *f = s->factors, growth = EVERY(0.0), zero = EVERY(0.0);
-    const int *to = s->updates;
+    const int *run = s->runs;
     memset(f, 0, sizeof(real) * s->row_at[s->n]);
     for (int m = 0; m < s->n_entries; m++) f[s->entry_place[m]] += values[s->entry_source[m]] * s->entry_weight[m];
     for (int k = 0; k < s->n; k++) {
         const int pivot = s->upper_at[k] - 1;
-        if (!to) for (int m = s->row_at[k]; m < s->row_at[k + 1]; m++) s->place[s->factor_column[m]] = m;
         for (int m = s->row_at[k]; m < pivot; m++) {
-            const int j = s->factor_column[m], end = s->row_at[j + 1];
+            const int j = s->factor_column[m];
             const real l = f[m] * s->inverse[j];
             f[m] = l;
             growth = lanes_larger(growth, l);
-            if (to) for (int u = s->upper_at[j]; u < end; u++) f[*to++] -= l * f[u];
-            else for (int u = s->upper_at[j]; u < end; u++) f[s->place[s->factor_column[u]]] -= l * f[u];
+            for (const real *u = f + s->upper_at[j], *last = f + s->row_at[j + 1]; u < last; run += 2) {
+                real *to = f + run[0];
+                int count = run[1];
+                do *to++ -= l * *u++; while (--count);
+            }
         }
         s->inverse[k] = 1.0 / f[pivot];
         zero += s->inverse[k] * 0.0;
