@@ -13,7 +13,7 @@ fixed or prescribed deformation cannot act, because equilibrium alone determines
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import isfinite
 from typing import Any, TypeVar
@@ -22,6 +22,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.deck import Deck, Statement
+from spacar.deck.rewrite.divide import split_motion
 from spacar.errors import BY_USERS, AnalysisError, type_and_text
 from spacar.mechanism.mechanism import DriveState, Polynomial, Rows, SolverSettings, UserForces, UserSignal
 from spacar.mechanism.numbering import Numbering
@@ -299,7 +300,8 @@ def _anew(law: Law) -> Law:
 
 @dataclass(frozen=True)
 class UserDrive:
-    """Prescribed motion from a user function; inputs that it does not mention follow `base`."""
+    """Prescribed motion from a user function; inputs that it does not mention follow `base`. What it says of a beam
+    that is divided in the run (`parts`) is divided as INPUTE is."""
 
     function: Callable[..., Any]
     name: str
@@ -307,6 +309,7 @@ class UserDrive:
     base: Polynomial
     interval: float  # output step [s], turns the time into a step number
     breaks: tuple[float, ...] = ()
+    parts: Mapping[int, tuple[int, ...]] = field(default_factory=dict)
 
     @classmethod
     def load(
@@ -314,7 +317,7 @@ class UserDrive:
     ) -> UserDrive:
         interval = settings.duration / settings.n_steps if settings.duration and settings.n_steps else 1.0
         function = load_function(deck, statement)
-        return cls(function, str(statement.values[0]), numbering, base, interval, function.breaks)
+        return cls(function, str(statement.values[0]), numbering, base, interval, function.breaks, deck.divided)
 
     def anew(self, base: Polynomial) -> UserDrive:
         """The same for another case, see `UserLaw.anew`. Raises InputError."""
@@ -326,8 +329,25 @@ class UserDrive:
         x = np.array([base.x, base.xd, base.xdd])
         e = np.array([base.e, base.ed, base.edd])
         self._fill(x, self.numbering.x_index, "input coordinate", self.numbering.x_class["input"], "x", x_rows, t)
-        self._fill(e, self.numbering.e_index, "input deformation", self.numbering.e_class["input"], "e", e_rows, t)
+        inputs = self.numbering.e_class["input"]
+        self._fill(e, self.numbering.e_index, "input deformation", inputs, "e", self._divided(e_rows), t)
         return DriveState(*x, *e)
+
+    def _divided(self, rows: Any) -> Any:
+        """Rows about the deformations of divided beams as rows about those of their parts."""
+        if not self.parts:
+            return rows
+        found, beams = [], dict[int, dict[int, tuple[float, ...]]]()
+        for row in rows if rows is not None else ():
+            if len(row) == 5 and row[0] in self.parts:
+                beams.setdefault(int(row[0]), {})[int(row[1])] = tuple(map(float, row[2:]))
+            else:
+                found.append(row)
+        for beam, given in beams.items():
+            parts = self.parts[beam]
+            for mode, motions in split_motion(self.numbering.keyword[beam], given, 3, len(parts)).items():
+                found += [[part, mode, *motion] for part, motion in zip(parts, motions, strict=True)]
+        return found
 
     def _fill(
         self, target: Array, find: Callable[[int, int], int], kind: str, place: slice, what: str, rows: Any, t: float

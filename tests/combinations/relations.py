@@ -152,6 +152,8 @@ def divisions(case: Case) -> Found:
         if error.code not in BEYOND:
             raise
         return NOTHING  # beyond its theory with the masses that divided beams need, or without its start
+    if finer.divided.keys() & {int(d.owner) for d in case.model.drives if isinstance(d.owner, transformations.Element)}:
+        return NOTHING  # what a function says of a beam is about its first part where the parts are written down
     text = replace(spacar.parse_deck(finer.to_text(), mode=case.model.mode), path=finer.path)
     nodes = [{k: v for k, v in quantities(case.model, r).items() if k[0] == "node"} for r in (four, again)]
     same = case.same(quantities(case.model, a), quantities(case.model, case.result(text)))

@@ -123,6 +123,38 @@ def test_inputs_that_userinp_does_not_mention_follow_their_statement(tmp_path: P
     np.testing.assert_allclose(r.node(4, 1), 0.1 + 2 * r.t + 0.25 * r.t**2, atol=1e-14)
 
 
+def test_userinp_about_a_divided_beam(tmp_path: Path) -> None:
+    """What a function prescribes of a beam is divided among its parts as INPUTE is."""
+    text = """
+PLBEAM 1 1 2 3 4
+X 3 1. 0.
+FIX 1
+FIX 2
+INPUTE 1 2 3
+END
+HALT
+XM 3 1.
+ESTIFF 1 0. 1.
+{motion}
+TIMESTEP 0.1 2
+END
+END
+"""
+    (tmp_path / "bend.py").write_text(
+        "def bend(t, n):\n    return t, [[1, 2, 0.1 + 0.2*t, 0.2, 0.], [1, 3, -0.05 - 0.3*t, -0.3, 0.]], []\n"
+    )
+
+    def run(motion: str) -> spacar.Result:
+        path = tmp_path / "model.dat"
+        path.write_text(text.format(motion=motion))
+        return spacar.run(1, path, elements=3)
+
+    stated, by_function = run("INPUTE 1 2 0.1 0.2\nINPUTE 1 3 -0.05 -0.3"), run("USERINP bend")
+    for name in ("x", "xd", "xdd", "e", "sig"):
+        assert by_function[name] == pytest.approx(stated[name], rel=1e-12, abs=1e-12)
+    assert abs(stated.node(3)[-1, 1]) > 0.01
+
+
 def test_userinp_with_a_jump_in_the_acceleration(tmp_path: Path) -> None:
     """Constant force from t = 1/3 on a mass that follows a prescribed hinge freely: exact to the tolerance."""
     body = """

@@ -127,7 +127,7 @@ class _Division:
         width = MOTIONS[s.keyword]
         values = {mode: o.reals(2, width) for mode, o in of.items()}
         found = []
-        for mode, rows in _split_motion(self.keywords[beam], values, width, len(parts)).items():
+        for mode, rows in split_motion(self.keywords[beam], values, width, len(parts)).items():
             by = of.get(mode, s)
             kept = parts[:-1] if self.modes[beam].get(mode) == "RLSE" else parts  # the last one follows
             found += [made(by, part, mode, *row) for part, row in zip(kept, rows, strict=False)]
@@ -242,8 +242,8 @@ def split_pair(e_p: Vector, e_q: Vector, n: int) -> tuple[list[Vector], list[Vec
     return at_p, at_q
 
 
-def _split_motion(keyword: str, given: dict[int, Vector], width: int, n: int) -> dict[int, list[Vector]]:
-    """mode -> motion of each of the n parts."""
+def split_motion(keyword: str, given: dict[int, Vector], width: int, n: int) -> dict[int, list[Vector]]:
+    """mode -> motion of each of the n parts; given: mode -> that of the beam."""
     zero, torsion = (0.0,) * width, TORSION[keyword]
     result = {}
     if 1 in given:
