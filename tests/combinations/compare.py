@@ -55,6 +55,7 @@ def scales(found: Iterable[dict], stiffness: float) -> dict[str, float]:
 def stiffness_of(model: Model) -> float:
     """Largest coefficient of the model (lengths are of order one)."""
     values = [abs(float(v)) for r in model.rows("ESTIFF", "ESIG") for v in r[2:]] + [abs(p.k) for p in model.pushes]
+    values += [r[2] * v for r in model.rows("MATERIAL") for s in model.rows("SECTION") for v in s[3:]]
     return max(values, default=0.0)
 
 
