@@ -4,7 +4,8 @@ R. Lehoucq, D. Sorensen, C. Yang, ARPACK Users' Guide, SIAM 1998. For the operat
 matrix times another one, it is the method of Lanczos with full orthogonalization, which needs no definite matrix. From
 one start vector it finds one vector of a repeated eigenvalue. So what was found, with the orthonormal basis Q, is
 taken out of the operator, op - Q Q^T op, whose other eigenvalues are the same, and the largest ones of what is left are
-asked for, from another vector, until none is as large as the wanted ones. Values and vectors are those of Q^T op Q.
+asked for, from another vector, until none is as large as the wanted ones, which rough values tell where it is clear.
+Values and vectors are those of Q^T op Q.
 
 Where a block of vectors contains the whole range of the operator its eigenvalues are those of a small matrix at once.
 """
@@ -33,7 +34,8 @@ Shifted = TypeVar("Shifted", bound=Operator)
 
 CONVERGED = 1e-10  # |op(v) - theta v| / |theta| of the Ritz vectors v of norm 1
 SUFFICIENT = 1e-8  # accepted when it does not get better
-ROUGH = 1e-2  # for the choice of a shift
+ROUGH = 1e-2  # for the choice of a shift, and to see whether anything is left
+CLEARLY = 10.0  # times that: what a value has to be smaller by
 RESTARTS = 20
 NOTHING = 1e-13  # theta below this fraction of the largest is zero
 ALIKE = 1e-7  # relative: what is left is not larger than the smallest wanted one
@@ -57,6 +59,10 @@ def dominant(
     theta, z = np.zeros(0, complex), np.zeros((len(start), 0), complex)
     least, count = 0.0, wanted
     for first in range(start.shape[1]):
+        if least and within != ROUGH:
+            left, _ = _arnoldi(operator, Q, start[:, first], 1, ROUGH)
+            if (np.abs(left) < (1.0 - CLEARLY * ROUGH) * least).all():
+                break
         found, vectors = _arnoldi(operator, Q, start[:, first], count, within)
         new = np.abs(found) > (1.0 + ALIKE) * least
         if not len(found) and len(theta) < wanted:
@@ -88,6 +94,8 @@ def with_shift(
         before, shift = shift, better(dominant(operator, start, wanted, rank, ROUGH)[0], shift)
         if 0.1 < shift / before < 10.0:
             return before, operator
+        if shift > before:  # whose values of theta are known by so small a shift
+            break
     return shift, made(shift)
 
 
@@ -102,7 +110,7 @@ def _arnoldi(operator: Operator, Q: Array, start: Array, count: int, within: flo
         return np.asarray(image - Q @ (Q.T @ image))
 
     A, v0 = LinearOperator((n, n), matvec=without, dtype=float), without(start)
-    for width, limit in (20, within), (60, max(within, SUFFICIENT)):
+    for width, limit in (8 if within == ROUGH else 20, within), (60, max(within, SUFFICIENT)):
         basis = min(max(2 * count + 2, width), n - 1)
         try:
             found, vectors = eigs(A, count, v0=v0, ncv=basis, tol=limit, maxiter=RESTARTS)
