@@ -132,22 +132,14 @@ def cantilever(n):
     return "\n".join([*rows, "GRAVITY 0. -1.", "TIMESTEP 0.9 9", "END END", ""])
 
 
-@pytest.mark.parametrize(("n", "expected"), [(2, False), (32, True)])
-def test_stiff_models_get_implicit_methods(n, expected):
-    """The highest frequency grows with n^2: 32 elements would take more than 10,000 explicit steps."""
-    from spacar.studies.runs.tolerance_ladder import stiff
-
-    assert stiff(spacar.frames(1, parse_deck(cantilever(n), mode=1))) is expected
-
-
 @pytest.mark.slow
 def test_the_accuracy_of_a_stiff_model():
-    """Radau of three tolerances against an explicit run that resolves every frequency."""
+    """Runs that change to Radau against an explicit run that resolves every frequency."""
     deck = parse_deck(cantilever(24).replace("TIMESTEP 0.9 9", "TIMESTEP 1.8 9"), mode=1)
     result = spacar.run(1, deck, accuracy=1e-3, variables=["x[49,2]"], mesh=False)
     found = result.header["accuracy"]
     exact = spacar.run(1, deck, integrator=853, rtol=1e-6, atol=1e-7).node(49, 2)
-    assert {a.integrator for a in found.attempts} == {553, 595}
+    assert any("INTEGRAT 595" in line for line in result.report)
     assert np.abs(result.node(49, 2) - exact).max() / np.ptp(exact) <= 1e-3
 
 

@@ -15,26 +15,25 @@ Where the reference does not reach the target within its part of the budget, the
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 
 import numpy as np
 
 from spacar.calls import frames
 from spacar.deck.rewrite.refine import flexible_beams
 from spacar.errors import SpacarError
+from spacar.integrators.methods import AUTOMATIC
 from spacar.mechanism.element_batches import by_angles
 from spacar.studies.policies.mesh import divisible
-from spacar.studies.policies.reference_run import best_reference, massless, run_of
+from spacar.studies.policies.reference_run import massless, reference, run_of
 from spacar.studies.policies.trade import Entry, Reference, assess, recommend, row_error
 from spacar.studies.runs.error_norm import distance
 from spacar.studies.runs.record import Computed
 from spacar.studies.runs.rows import Row
 from spacar.studies.runs.setting import Job, Setup, Trade, run_setup
-from spacar.studies.runs.tolerance_ladder import stiff
 
-METHODS, STIFF_METHODS = (155, 853, 0), (595, 553)
+METHODS = (AUTOMATIC, 155, 853, 0, 595, 553)  # the first of them gives the others their limit of time
 FINEST = {True: 64, False: 16}  # elements in the place of a beam, at most: stationary modes, motions
 LOOSEST, DECADES = 1e-2, 2  # tolerances: from here to so many decades below the target
 FOR_REFERENCE, FOR_SETTINGS = 0.6, 0.9  # parts of the budget, from its begin
@@ -119,21 +118,16 @@ class TradeSearch:
         self.skipped += sum(map(len, ladders))
         return best
 
-    def ladders(self, models: Iterable[Setup]) -> list[list[Setup]]:
+    def ladders(self, models: Sequence[Setup]) -> list[list[Setup]]:
         """Settings of each method and model from cheap to dear; of each measure of beams in the stationary modes."""
         if self.trade.stationary:
-            models = list(models)
             measures = dict.fromkeys((model.measure, model.beams) for model in models)
             return [[model for model in models if (model.measure, model.beams) == m] for m in measures]
-        flexible = bool(flexible_beams(self.trade.deck))
         lowest = int(np.floor(np.log10(self.goal))) - DECADES
         tolerances = [10.0**k for k in range(int(np.log10(LOOSEST)), max(lowest, -12) - 1, -1)]
-        found = []
-        for model in models:
-            hard = stiff(run_of(self.trade, model))
-            codes = (*(STIFF_METHODS if hard else ()), *METHODS, *((595,) if flexible and not hard else ()))
-            found += [[replace(model, integrator=code, tolerance=t) for t in tolerances] for code in codes]
-        return found
+        return [
+            [replace(model, integrator=code, tolerance=t) for t in tolerances] for code in METHODS for model in models
+        ]
 
 
 def search(trade: Trade, target: float, budget: float, tick: Tick = lambda _what, _left: None) -> TradeSearch:
@@ -146,7 +140,7 @@ def search(trade: Trade, target: float, budget: float, tick: Tick = lambda _what
     if why:
         beams, found.undivided = (), found.undivided | dict.fromkeys(beams, why)
     tick("the reference", found.left(FOR_REFERENCE))
-    found.reference, meshes = best_reference(trade, run, beams, target, partial(found.left, FOR_REFERENCE))
+    found.reference, meshes = reference(trade, run, beams, target, found.left(FOR_REFERENCE))
     error = found.reference.error
     found.goal = target if error <= ROOM * target else 2.0 * error
     found.climb(found.ladders([*_rigid(trade), *(_models(found, meshes) if beams else [Setup()])]))

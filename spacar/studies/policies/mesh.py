@@ -25,14 +25,14 @@ import numpy as np
 from spacar.deck.rewrite.refine import divisible_beams, with_pieces
 from spacar.errors import AnalysisError
 from spacar.frame import Frame
-from spacar.integrators.methods import METHODS
+from spacar.integrators.methods import AUTOMATIC
 from spacar.mechanism import Mechanism, build
 from spacar.stream import Run
 from spacar.studies.runs.error_norm import distance
 from spacar.studies.runs.mesh_ladder import Found, difference, extrapolated, stalled
 from spacar.studies.runs.quantities import Quantity
 from spacar.studies.runs.record import Attempt, Computed, compute
-from spacar.studies.runs.tolerance_ladder import EXPENSIVE, STIFF, TIGHTEST, ToleranceLadder
+from spacar.studies.runs.tolerance_ladder import TIGHTEST, ToleranceLadder
 from spacar.studies.runs.user_nodes import UserNodes
 
 GROUPS = {True: 12, False: 4}  # most groups that are divided one by one: stationary solutions, motions
@@ -68,8 +68,7 @@ class MeshSearch:
     variables: tuple[Quantity, ...] = ()
     meshes: list[Computed] = field(default_factory=list)
     attempts: list[Attempt] = field(default_factory=list)
-    end: float = np.inf  # as in `ToleranceLadder`, and the next
-    most_steps: float = EXPENSIVE
+    end: float = np.inf  # as in `ToleranceLadder`
     in_time: float | None = None  # error that the integration may have; None: the settings of the file
 
     def __post_init__(self) -> None:
@@ -86,9 +85,7 @@ class MeshSearch:
         if self.run.mode.stationary:
             found = compute(run, Attempt(0, None), self.variables, view=view, shown=given, end=self.end)
         else:
-            ladder = ToleranceLadder(
-                run, self.variables, self.attempts, view, given, hold=True, end=self.end, most_steps=self.most_steps
-            )
+            ladder = ToleranceLadder(run, self.variables, self.attempts, view, given, hold=True, end=self.end)
             found = self._integrated(ladder, own)
         found.pieces = pieces
         self.meshes.append(found)
@@ -96,15 +93,13 @@ class MeshSearch:
 
     def _integrated(self, ladder: ToleranceLadder, own: Computed | None) -> Computed:
         """The motion of one mesh, with the error of its integration: measured in the mesh of the user; finer ones
-        get the method and the tolerance that was enough there, so that most of this error is common to all."""
+        get the tolerance that was enough there, so that most of this error is common to all."""
         if own is None:
             return ladder.measured()[0] if self.in_time is None else ladder.climb(self.in_time)[0]
-        code, tolerance = own.attempt.integrator, own.attempt.tolerance
+        tolerance = own.attempt.tolerance
         if tolerance is None:  # that of the file; its fixed steps say nothing about finer meshes
             tolerance = max(min(own.error, UNMEASURED), TIGHTEST)
-        if (code in STIFF) != (ladder.methods == STIFF) or not METHODS[code].variable_step:
-            code = ladder.methods[-1]
-        found = ladder.compute(code, tolerance)
+        found = ladder.compute(AUTOMATIC, tolerance)
         found.error = own.error
         return found
 

@@ -1,11 +1,10 @@
 """The reference of a trade within a time: the ladder of tolerances, or of meshes, that `--accuracy` climbs, to JUDGE of
-the target. Where vibrations that the implicit methods pass over keep that from it, once more with explicit ones.
+the target.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 
 import numpy as np
 
@@ -17,45 +16,24 @@ from spacar.studies.policies.mesh import MeshSearch
 from spacar.studies.policies.trade import Reference
 from spacar.studies.runs.record import Computed
 from spacar.studies.runs.setting import Setup, Trade, variant
-from spacar.studies.runs.tolerance_ladder import EXPENSIVE, ToleranceLadder
+from spacar.studies.runs.tolerance_ladder import ToleranceLadder
 
-STEPS = (EXPENSIVE, 30 * EXPENSIVE)  # of stability, up to which methods are explicit, one after the other
-JUDGE, ENOUGH = 0.1, 0.3  # error of the reference over the target: asked for, and enough to be a judge
-LEAST = 1.0  # seconds that must be left for the second
+JUDGE = 0.1  # error of the reference over the target
 
 
-def best_reference(
-    trade: Trade, run: Run, beams: tuple[int, ...], target: float, left: Callable[[], float]
+def reference(
+    trade: Trade, run: Run, beams: tuple[int, ...], target: float, seconds: float
 ) -> tuple[Reference, list[Computed]]:
-    """The reference, and the meshes from coarse to fine that it was extrapolated from; `left` is the time for it [s].
+    """The reference, and the meshes from coarse to fine that it was extrapolated from.
 
     Raises AnalysisError when there is none within the time.
     """
-    best: tuple[Reference, list[Computed]] | None = None
-    for steps in STEPS:
-        try:
-            found = _reached(trade, run, beams, JUDGE * target, time.process_time() + left(), steps)
-        except AnalysisError:
-            if best is None:
-                raise
-            break
-        if best is None or found[0].error < best[0].error:
-            best = found
-        if best[0].error <= ENOUGH * target or trade.stationary or left() < LEAST:
-            break
-    assert best is not None
-    return best
-
-
-def _reached(
-    trade: Trade, run: Run, beams: tuple[int, ...], target: float, end: float, steps: float
-) -> tuple[Reference, list[Computed]]:
-    """With explicit methods up to so many steps, up to the processor time `end`. Raises AnalysisError."""
+    target, end = JUDGE * target, time.process_time() + seconds
     if not beams:
-        last, before = ToleranceLadder(run, trade.variables, end=end, most_steps=steps).climb(target)
+        last, before = ToleranceLadder(run, trade.variables, end=end).climb(target)
         text = f"methods {before.attempt} and {last.attempt} differ by {last.attempt.difference:.2e}"
         return Reference(last.found.values, last.found.amplitude, last.error, text, last.found.names), []
-    study = MeshSearch(run, beams, trade.variables, end=end, most_steps=steps)
+    study = MeshSearch(run, beams, trade.variables, end=end)
     result = study.refined(target)
     if result.rows is None:
         text = f"the reference needs two meshes at least, and more budget (--budget): {result.way}"

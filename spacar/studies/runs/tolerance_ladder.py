@@ -8,10 +8,8 @@ all when the differences do not fall:
     e_k = max(d_k max(TRUSTED, sqrt(g_k)), ALIKE d_(k-1) g_(k-1) g_k) where d_k < d_(k-1), or of two runs of a method,
     e_k = d_k else, and never more
 
-Error norm and amplitudes: `spacar.studies.runs.error_norm`. Method 0, the cheapest per right-hand side, is taken while
-the highest frequency of the model allows it: rho T / STABLE steps, rho the largest eigenvalue of the start state.
-Beyond EXPENSIVE steps it is 553 and then 595 (Radau of orders 5 and 9). These damp vibrations that they do not resolve,
-so they could err alike: three runs at least are demanded of them.
+Error norm and amplitudes: `spacar.studies.runs.error_norm`. All runs are of the method that chooses itself: where it
+damps vibrations with one tolerance and follows them with the next one, the difference shows it.
 
 The absolute error of a run is its tolerance times the largest motion of lengths or of rotations, the smaller one, or
 times the ratio of ERROR, whatever is less. The first run tells how large these are; when its absolute error turns out
@@ -25,13 +23,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError
-from spacar.forward.driver import has_forces
 from spacar.forward.motion import Extent
 from spacar.frame import Frame
 from spacar.integrators.methods import AUTOMATIC, METHODS
-from spacar.linearization.state_jacobian import state_jacobian
 from spacar.mechanism import Mechanism
 from spacar.modes import find_mode
 from spacar.stream import Run
@@ -39,15 +34,9 @@ from spacar.studies.runs.error_norm import distance
 from spacar.studies.runs.quantities import Quantity
 from spacar.studies.runs.record import Attempt, Computed, compute
 
-EXPLICIT, STIFF = (0,), (553, 595)  # methods of the runs, the last one of all that follow
-CHECK = 853  # explicit method that checks the run of a file
-STABLE = 5.0  # h rho at which method 853 leaves its region of stability on the imaginary axis, about
-EXPENSIVE = 10_000  # steps of stability beyond which implicit methods are taken
-LARGEST_JACOBIAN = 600  # states; above, its eigenvalues take longer than a short run, and implicit methods are taken
 LOOSEST, TIGHTEST = 0.03, 2e-13  # tolerances that are tried
-FIRST = {EXPLICIT: 30.0, STIFF: 10.0}  # tolerance of the first run over the target; a step errs by less than ERROR
-GAIN = {EXPLICIT: 30.0, STIFF: 4.0}  # of the second tolerance over the first
-CHECKED = 4.0  # tolerance of the file over that of the run that checks it
+FIRST = 30.0  # tolerance of the first run over the target; a step errs by less than ERROR
+GAIN = 30.0  # of the second tolerance over the first; and of the file's over that of the run that checks it
 SMALLEST = 0.1  # absolute error of the first run over tolerance times motion, above which it says nothing
 MARGIN = 0.5  # of the target that the next run aims at
 NEAREST, FURTHEST = 0.1, 1e-3  # tolerance of the next run over the last one, at most and at least
@@ -69,12 +58,8 @@ class ToleranceLadder:
     shown: Mechanism | None = None
     hold: bool = False
     end: float = np.inf  # processor time at which runs are stopped [s]; then they begin with the loosest tolerance
-    most_steps: float = EXPENSIVE  # of stability, up to which methods are explicit
     ratio: float | None = None  # of the absolute error over the tolerance, that the motion asks for
     coarse: bool = False  # the last run had one that was much larger
-
-    def __post_init__(self) -> None:
-        self.methods = STIFF if stiff(self.run, self.most_steps) else EXPLICIT
 
     def compute(self, integrator: int, tolerance: float | None) -> Computed:
         """One run; `tolerance` None: with the settings of the file. Raises AnalysisError."""
@@ -107,68 +92,48 @@ class ToleranceLadder:
         settings = self.run.mechanism.settings
         row = METHODS[settings.integrator]
         shown = self.compute(row.code, None)
-        first, other = self.methods if self.methods == STIFF else (self.methods[0], CHECK)
-        same = (other, AUTOMATIC) if self.methods == STIFF else (other,)  # it may have changed to that one
-        tolerance = settings.rtol / CHECKED if row.variable_step and settings.rtol > 0.0 else UNRESOLVED
-        check = self.compute(first if row.code in same else other, max(tolerance, TIGHTEST))
+        tolerance = settings.rtol / GAIN if row.variable_step and settings.rtol > 0.0 else UNRESOLVED
+        check = self.compute(AUTOMATIC, max(tolerance, TIGHTEST))
         shown.error = self.difference(shown, check)
         return shown, check
 
     def climb(self, target: float) -> tuple[Computed, Computed]:
         """The last run, with its estimated error, and the one before; ends when that is within the target, or when no
         more is to be had, within the time."""
-        methods, turn = self.methods, 0
-        tolerance = min(max(FIRST[methods] * target, TIGHTEST * GAIN[methods]), LOOSEST)
+        tolerance = min(max(FIRST * target, TIGHTEST * GAIN), LOOSEST)
         if self.end < np.inf:
             tolerance = LOOSEST
         before: Computed | None = None
         pair: tuple[Computed, Computed] | None = None
         last, gained_before = np.inf, 1.0
         while True:
-            code = methods[min(turn, len(methods) - 1)]
             try:
-                now = self.compute(code, tolerance)
+                now = self.compute(AUTOMATIC, tolerance)
             except AnalysisError as error:
                 if error.code == "study.stopped" and pair is not None:
                     return pair
                 # A loose tolerance may leave the range of the model where a tight one does not.
                 if tolerance <= TIGHTEST or sum(bool(a.reason) for a in self.attempts) > 1:
                     raise
-                tolerance, turn = max(tolerance / GAIN[methods] ** 2, TIGHTEST), turn + 1
+                tolerance = max(tolerance / GAIN**2, TIGHTEST)
                 continue
             if before is None:
                 if self.coarse:
                     self.coarse = False
                     continue
-                before, tolerance, turn = now, max(tolerance / GAIN[methods], TIGHTEST), turn + 1
+                before, tolerance = now, max(tolerance / GAIN, TIGHTEST)
                 continue
-            turn += 1
             now.error = d = self.difference(now, before)
             gained = (now.attempt.tolerance or 1.0) / (before.attempt.tolerance or 1.0)
-            if (d < last < np.inf) or (last == np.inf and now.attempt.integrator == before.attempt.integrator):
+            if d < last:
                 now.error = d * max(TRUSTED, gained**0.5)
                 if last < np.inf:
                     now.error = min(d, max(now.error, ALIKE * last * gained_before * gained))
-            enough = methods == EXPLICIT or last < np.inf
             rounding = tolerance < ROUNDED and d < SMALL and d > max(STALLED, gained_before**0.5) * last
-            if (now.error <= target and enough) or tolerance <= TIGHTEST or rounding:
+            if now.error <= target or tolerance <= TIGHTEST or rounding:
                 now.error = now.error if now.error <= target else d
                 return now, before
             pair = now, before
             before, last, gained_before = now, d, gained
             wish = MARGIN * target / max(now.error, MARGIN * target)
             tolerance = max(tolerance * min(max(wish, FURTHEST), NEAREST), TIGHTEST)
-
-
-def stiff(run: Run, most_steps: float = EXPENSIVE) -> bool:
-    """Would explicit methods follow the highest frequency of the start state in more than so many small steps?"""
-    mechanism, duration = run.mechanism, run.mechanism.settings.duration
-    evaluator = Dynamics(mechanism)
-    if not has_forces(evaluator.model):
-        return False
-    y = evaluator.start()
-    if len(y) > LARGEST_JACOBIAN:
-        return bool(mechanism.stiffness[2].any())
-    jacobian, _ = state_jacobian(evaluator, 0.0, y)
-    fastest = float(np.abs(np.linalg.eigvals(jacobian)).max(initial=0.0))
-    return fastest * (duration or 0.0) / STABLE > most_steps
