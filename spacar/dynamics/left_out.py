@@ -162,7 +162,7 @@ class LeftOut:
         kinematics.refactor()
         active = StressLaw.of(left, left.loads)(sweep.e, np.zeros(l.ne))
         body = inertia.column_body[columns]
-        given = [np.unique(rows[body == k]) for k in range(n_bodies)]
+        given = [np.flatnonzero(np.bincount(rows[body == k])) for k in range(n_bodies)]  # np.unique loads numpy.ma
         size = C.shape[1]
         width = size + 1 + max(map(len, given))
         if l.ne * width > MOST:
