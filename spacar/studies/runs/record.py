@@ -39,7 +39,7 @@ class Attempt:
 @dataclass
 class Computed:
     """A finished run on the mesh `pieces` (beams in the place of each): its frames where they fit, coordinates x
-    (times, nx), what is compared, and the error of its integration where that is known."""
+    (times, nx), what is compared, the error of its integration where that is known; was it implicit anywhere?"""
 
     run: Run
     attempt: Attempt
@@ -48,6 +48,7 @@ class Computed:
     found: Assessed
     pieces: dict[int, int] = field(default_factory=dict)
     error: float = 0.0
+    implicit: bool = False
 
 
 def compute(
@@ -62,11 +63,12 @@ def compute(
     shown, stationary = shown or run.mechanism, run.mode.stationary
     held = hold or bool(variables) or _size(run) <= KEPT
     begun = time.process_time()
-    frames, x = [], []
+    frames, x, implicit = [], [], False
     try:
         for i, frame in enumerate(run):
             seen = frame if view is None else view(frame, i)
             attempt.rhs += frame.statistics.get("rhs", 0)
+            implicit |= frame.statistics.get("jacobians", 0) > 0
             x.append(seen.x)
             if held:
                 frames.append(seen)
@@ -79,7 +81,7 @@ def compute(
     every = np.array(x)
     plain = not variables and not stationary
     found = coordinates(shown, every) if plain else assessed(shown, run.mode.number, frames, variables, stationary)
-    return Computed(run, attempt, every, frames if held else None, found)
+    return Computed(run, attempt, every, frames if held else None, found, implicit=implicit)
 
 
 def require_time(end: float, t: float | None) -> None:

@@ -5,11 +5,12 @@ Equations I", section II.4) the difference d_k = |u_k - u_(k-1)| of two runs is 
 that of the tighter one d_k g_k, g_k = tau_k / tau_(k-1). What is gained is trusted only to its square root, and not at
 all when the differences do not fall:
 
-    e_k = max(d_k max(TRUSTED, sqrt(g_k)), ALIKE d_(k-1) g_(k-1) g_k) where d_k < d_(k-1), or of two runs of a method,
+    e_k = max(d_k max(TRUSTED, sqrt(g_k)), ALIKE d_(k-1) g_(k-1) g_k) where d_k < d_(k-1), or of the first two runs,
     e_k = d_k else, and never more
 
-Error norm and amplitudes: `spacar.studies.runs.error_norm`. All runs are of the method that chooses itself: where it
-damps vibrations with one tolerance and follows them with the next one, the difference shows it.
+Error norm and amplitudes: `spacar.studies.runs.error_norm`. The method chooses itself as long as it is implicit
+somewhere; tighter tolerances need that less. Of an implicit run nothing that is gained is trusted: what it passes over
+is not in proportion to the tolerance.
 
 The absolute error of a run is its tolerance times the largest motion of lengths or of rotations, the smaller one, or
 times the ratio of ERROR, whatever is less. The first run tells how large these are; when its absolute error turns out
@@ -34,6 +35,7 @@ from spacar.studies.runs.error_norm import distance
 from spacar.studies.runs.quantities import Quantity
 from spacar.studies.runs.record import Attempt, Computed, compute
 
+EXPLICIT = 0
 LOOSEST, TIGHTEST = 0.03, 2e-13  # tolerances that are tried
 FIRST = 30.0  # tolerance of the first run over the target; a step errs by less than ERROR
 GAIN = 30.0  # of the second tolerance over the first; and of the file's over that of the run that checks it
@@ -107,8 +109,9 @@ class ToleranceLadder:
         pair: tuple[Computed, Computed] | None = None
         last, gained_before = np.inf, 1.0
         while True:
+            explicit = before is not None and not before.implicit
             try:
-                now = self.compute(AUTOMATIC, tolerance)
+                now = self.compute(EXPLICIT if explicit else AUTOMATIC, tolerance)
             except AnalysisError as error:
                 if error.code == "study.stopped" and pair is not None:
                     return pair
@@ -125,7 +128,7 @@ class ToleranceLadder:
                 continue
             now.error = d = self.difference(now, before)
             gained = (now.attempt.tolerance or 1.0) / (before.attempt.tolerance or 1.0)
-            if d < last:
+            if d < last and not now.implicit:
                 now.error = d * max(TRUSTED, gained**0.5)
                 if last < np.inf:
                     now.error = min(d, max(now.error, ALIKE * last * gained_before * gained))
