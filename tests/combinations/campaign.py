@@ -1,6 +1,6 @@
 """Many cases: `python -m tests.combinations.campaign --count 5000 --first 100000` (make fuzz).
 
-`--array`: those of `array.txt` with the relations of the fast test; `--first-failure` ends at the first one.
+`--array`: those of `array.txt`, as the fast test has them; `--first-failure` ends at the first one.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def main() -> int:
     p = argparse.ArgumentParser(description=__doc__)
     p.add_argument("--count", type=int, default=5000)
     p.add_argument("--first", type=int, default=100_000, help="First seed: other numbers are other cases.")
-    p.add_argument("--relations", type=int, default=4, help="Relations of each case, among them both engines.")
+    p.add_argument("--relations", type=int, help="Relations of each case: 4, among them both engines; of --array 2.")
     p.add_argument("--refusals", action="store_true", help="Print every refused model.")
     p.add_argument("--array", type=int, nargs="*", metavar="SEED", help="Cases of the fast test: all, or these.")
     p.add_argument("--first-failure", action="store_true", help="End at the first failure.")
@@ -75,7 +75,7 @@ def main() -> int:
     found = 0
     for spec in cases:
         modes[spec.mode] += 1
-        if text := finding(spec, FAST if array else a.relations, None if array else refused):
+        if text := finding(spec, a.relations or (FAST if array else 4), None if array else refused):
             found += 1
             print(text, flush=True)
             if a.first_failure:

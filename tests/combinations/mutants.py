@@ -1,8 +1,8 @@
 """Mutants: one sign, factor, index or operator of the source changed, and whether the cases of `array.txt` notice.
 
 `python -m tests.combinations.mutants --count 100 --seed 1`. Each is made in a copy of the package and meets the cases
-that come by its statement, the fastest first. Text from which C is generated is left out: the engine has it compiled;
-so are conditions of refusals, which no valid model meets.
+that come by its statement, the fastest first, with the relations of the fast test and then with all. Text from which C
+is generated is left out: the engine has it compiled; so are conditions of refusals, which no valid model meets.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from typing import Any
 
 from .campaign import FAST, finding
 from .coverage import specs
+from .relations import RELATIONS
 
 HERE = Path(__file__).resolve()
 ROOT = HERE.parents[2]
@@ -173,10 +174,14 @@ def killed(copy: Path, path: Path, text: str, cases: list[int]) -> str:
     try:
         words = [sys.executable, "-m", "tests.combinations.campaign", "--array", *map(str, cases), "--first-failure"]
         environment = {**os.environ, "PYTHONPATH": f"{copy}:{copy}/formats:{copy}/cli", "PYTHONDONTWRITEBYTECODE": "1"}
-        done = subprocess.run(
-            words, cwd=copy, env=environment, capture_output=True, text=True, check=False, timeout=600
-        )
-        return "" if done.returncode == 0 else (done.stdout + done.stderr).strip()[-200:] or "failed"
+        for relations in (FAST, len(RELATIONS)):
+            done = subprocess.run(
+                [*words, "--relations", str(relations)],
+                cwd=copy, env=environment, capture_output=True, text=True, check=False, timeout=600,
+            )  # fmt: skip
+            if done.returncode:
+                return (done.stdout + done.stderr).strip()[-200:] or "failed"
+        return ""
     except subprocess.TimeoutExpired:
         return "time"
     finally:
