@@ -6,7 +6,7 @@ import os
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 
@@ -70,23 +70,35 @@ def no_formula(cell: Any) -> Any:
 def steps_to_csv(file: SbfFile, ids: tuple[str, ...], target: Path) -> None:
     """Columns `step`, `time`, `x_1` ..., `m0_1_1`, `m0_2_1` ... (row, column; column after column), a row a step.
 
-    A few steps are read at a time, so that memory does not grow with the file.
+    A few steps are read at a time, and long lines written in pieces, so that memory does not grow with the file.
     """
     records = [file.variable(ident) for ident in ids]
     chosen = sorted((r for r in records if r.is_step and r.type != 3), key=lambda r: r.id != "T")
-    titles = ["step", *(name for record in chosen for name in _column_names(record, file.kind))]
-    many = max(1, NUMBERS_AT_ONCE // len(titles))
+    many = max(1, NUMBERS_AT_ONCE // (1 + sum(r.size for r in chosen)))
+    titles = itertools.chain.from_iterable(_column_names(record, file.kind) for record in chosen)
 
-    def rows() -> Iterator[tuple[object, ...]]:
+    def numbers(parts: list[np.ndarray]) -> Iterator[Iterable[str]]:
+        for part in parts:
+            for first in range(0, len(part), NUMBERS_AT_ONCE):
+                yield map(repr, part[first : first + NUMBERS_AT_ONCE].tolist())
+
+    with replacing(target) as side, open(side, "w", newline="", encoding="utf-8") as out:
+        _write_line(out, "step", iter(lambda: list(itertools.islice(titles, NUMBERS_AT_ONCE)), []))
         for first in range(1, file.steps + 1, many):
             steps = range(first, min(first + many, file.steps + 1))
             parts = [np.asarray(file.get(r.id, steps)) for r in chosen]
             if len(steps) == 1:
                 parts = [part.reshape(1, -1, order="F") for part in parts]
-            columns = [column for part in parts for column in part.T.tolist()]
-            yield from zip(steps, *columns, strict=True)
+            for k, step in enumerate(steps):
+                _write_line(out, str(step), numbers([part[k] for part in parts]))
 
-    _write_rows(target, titles, rows())
+
+def _write_line(out: TextIO, first: str, pieces: Iterable[Iterable[str]]) -> None:
+    out.write(first)
+    for piece in pieces:
+        out.write(",")
+        out.write(",".join(piece))
+    out.write("\r\n")
 
 
 def header_table(file: SbfFile, ids: tuple[str, ...]) -> dict[str, np.ndarray]:
@@ -138,11 +150,10 @@ def _export(file: SbfFile, target: Path, ids: tuple[str, ...]) -> list[Path]:
     return [target, header]
 
 
-def _column_names(record: Record, kind: str) -> list[str]:
+def _column_names(record: Record, kind: str) -> Iterator[str]:
     name = matlab_name(record.id, kind)
     if record.size == 1:
-        return [name]
+        return iter([name])
     if 1 in (record.rows, record.cols):
-        return [f"{name}_{k + 1}" for k in range(record.size)]
-    pairs = itertools.product(range(1, record.cols + 1), range(1, record.rows + 1))
-    return [f"{name}_{i}_{j}" for j, i in pairs]
+        return (f"{name}_{k + 1}" for k in range(record.size))
+    return (f"{name}_{i + 1}_{j + 1}" for j in range(record.cols) for i in range(record.rows))
