@@ -81,8 +81,10 @@ def configuration_transfer(k: Kinematics, W: Array | None = None) -> Array:
 
 
 def second_order_transfer(k: Kinematics, G: Array) -> tuple[Array, Array]:
-    """d2x (nx, nkdof, nkdof) and d2e (ne, nkdof, nkdof) at the present configuration."""
+    """d2x (nx, nkdof, nkdof) and d2e (ne, nkdof, nkdof) at the present configuration; nan where G is (a dead point)."""
     size = G.shape[1]
+    if np.isnan(G).any():
+        return np.full((k.numbering.nx, size, size), np.nan), np.full((k.numbering.ne, size, size), np.nan)
     H = gradient_tensor(k)
     curvature = np.einsum("eij,ia,jb->eab", H, G, G, optimize=True).reshape(len(H), size * size)
     d2x = np.zeros((k.numbering.nx, size * size))
@@ -109,8 +111,11 @@ def gradient_tensor(k: Kinematics) -> Array:
 
 
 def third_order_transfer(k: Kinematics, G: Array, d2x: Array) -> tuple[Array, Array]:
-    """d3x (nx, n, n, n) and d3e (ne, n, n, n) from G (nx, n) and d2x (nx, n, n) at the present configuration."""
+    """d3x (nx, n, n, n) and d3e (ne, n, n, n) from G (nx, n) and d2x (nx, n, n) at the present configuration, as
+    above."""
     n, ne, nx = G.shape[1], k.numbering.ne, k.numbering.nx
+    if np.isnan(G).any():
+        return np.full((nx, n, n, n), np.nan), np.full((ne, n, n, n), np.nan)
     H = gradient_tensor(k)
     HG = np.einsum("eij,jc->eic", H, G)  # H is symmetric in i, j for holonomic rows
     mixed = np.einsum("eic,iab->eabc", HG, d2x, optimize=True)

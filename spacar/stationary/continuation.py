@@ -243,7 +243,7 @@ class Continuation:
         others = [lambda: last, balanced]
         if not self._arbitrary and self.stable is not None and self.stable.zero:
             others.reverse()  # a motion without stiffness: the old stresses give it none against the new loads
-        if ended and e.plain and e.unknowns <= LARGE and not (self._guess or e.fading_force is not None):
+        if ended and e.unknowns <= LARGE and not (self._guess or e.fading_force is not None):
             others.append(moved)
         return [*first, *others]
 

@@ -193,9 +193,11 @@ def test_a_slack_chain_that_is_pulled_tight(offset, pulled, steps, compiled):
 def test_a_dead_point_on_the_way(tmp_path):
     """The tight chain is at a dead point of its elongation: matrices of these load steps are nan in the result file."""
     text = chain(0.2, 0.0, 1).replace("ITERSTEP 60 1 1e-12", "DELINPX 3 1 0.05\nITERSTEP 60 1 1e-12 1 3")
+    text = text.replace("DYNE 2 1", "DYNE 2 1\nOUTLEVEL 15 3")
     result = spacar.run(10, parse_deck(text, mode=10))
     result.save(tmp_path / "chain")
-    for values in (result["k0"], loadsbm(tmp_path / "chain")["k0"], loadsbd(tmp_path / "chain")["dx"][:, :1]):
+    sbd, sbm = loadsbd(tmp_path / "chain"), loadsbm(tmp_path / "chain")
+    for values in (result["k0"], sbm["k0"], sbd["dx"][:, :1], sbd["d2x"][:, :1]):
         assert np.isnan(values).ravel().tolist() == [False, True]
     assert np.isfinite(result["eigval"]).all()
 
