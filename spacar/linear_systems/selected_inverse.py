@@ -131,7 +131,7 @@ def _structure(n: int, L: Any, low: Index, high: Index) -> list[Index]:
             others = structure[child][1:]
             mark[others] = j
             more = rows[mark[rows] != j]
-            mark[rows] = -1
+            mark[others] = -1
             rows = np.sort(np.concatenate((others, more))) if len(more) else others
         structure.append(rows)
         if len(rows):

@@ -172,6 +172,20 @@ def test_selected_inverse(n):
     np.testing.assert_allclose(found, np.linalg.inv(A)[rows, columns], rtol=1e-10, atol=1e-14)
 
 
+def test_selected_inverse_where_entries_cancel():
+    """Column 4 of L lacks rows 5 and 6, where pairs of the columns before cancel; the inverse has them."""
+    from scipy.sparse import csc_array
+
+    L = np.eye(8)
+    L[4, :4] = 0.5
+    L[5, :4], L[6, :3:2], L[7, 1:4:2] = [0.5, 0.5, -0.5, -0.5], [0.5, -0.5], [0.5, -0.5]
+    L[7, [4, 6]] = 0.5
+    A = L @ L.T
+    rows, columns = np.nonzero(A)
+    found = selected_inverse(csc_array(L), np.ones(8), rows, columns)
+    np.testing.assert_allclose(found, np.linalg.inv(A)[rows, columns], atol=1e-14)
+
+
 @pytest.mark.parametrize("held", [True, False])
 def test_repeated_frequencies_are_complete(held, monkeypatch):
     """A tower of square section has its bending modes twice, a free one its rigid motions six times."""

@@ -66,9 +66,12 @@ def buckling(n: Numbering, frame: Frame) -> list[str]:
     modes = m.get("bmode")
     if modes is None or not np.size(modes):
         return lines
-    heads = [f"mode {k + 1}" for k in range(len(values))]
     modes = np.asarray(modes).reshape(-1, len(values))
-    return [*lines, "Buckling modes, Euclidean norm 1", "", *matrix(modes, n.dynamic_names, heads)]
+    known = np.flatnonzero(~np.isnan(modes).any(axis=0))
+    if not len(known):
+        return lines
+    heads = [f"mode {k + 1}" for k in known]
+    return [*lines, "Buckling modes, Euclidean norm 1", "", *matrix(modes[:, known], n.dynamic_names, heads)]
 
 
 def compliances(n: Numbering, frame: Frame, metre: float = 1.0) -> list[str]:
