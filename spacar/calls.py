@@ -185,6 +185,11 @@ def frames(
         prepared.report.add(f"warning: {note}")
     for beam, reason in kept.items():
         prepared.report.add(f"warning: beam {beam} is not divided into {elements}: {reason}")
+    if prepared.mechanism.user_signal is not None and prepared.mechanism.deck.divided:
+        prepared.report.add(
+            "warning: beams are divided: a stress that the function of USERSIG gives to one of them, and the"
+            " deformations that it gets of it, are those of its first part"
+        )
     if deck.of("RLSE", block=1):
         from spacar.kinematics.lost_stiffness import lost_stiffness
 

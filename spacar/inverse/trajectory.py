@@ -142,13 +142,15 @@ def groups(deck: Deck) -> list[tuple[int, tuple[Statement, ...]]]:
 
 def _user_drive(mechanism: Mechanism, statement: Statement, leg: Leg) -> Drive:
     from spacar.mechanism.user_files import load_function
-    from spacar.mechanism.user_functions import UserDrive
+    from spacar.mechanism.user_functions import UserDrive, divided_inputs
 
     x, e = np.zeros((len(leg.x), 3)), np.zeros((len(leg.e), 3))
     x[:, 0], e[:, 0] = leg.x, leg.e
     name = str(statement.values[0])
     function = load_function(mechanism.deck, statement)
-    return UserDrive(function, name, mechanism.numbering, Polynomial(x, e), leg.duration / leg.steps)
+    numbering, interval = mechanism.numbering, leg.duration / leg.steps
+    divided = divided_inputs(mechanism.deck, numbering)
+    return UserDrive(function, name, numbering, Polynomial(x, e), interval, divided=divided)
 
 UNMOVED = 1e-9  # of the size: a fixed coordinate that a path names with the digits of a file
 

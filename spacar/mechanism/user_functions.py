@@ -13,7 +13,7 @@ fixed or prescribed deformation cannot act, because equilibrium alone determines
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from math import isfinite
 from typing import Any, TypeVar
@@ -299,9 +299,44 @@ def _anew(law: Law) -> Law:
 
 
 @dataclass(frozen=True)
+class DividedInputs:
+    """Prescribed deformations of a beam that is divided: the places of those of its first part (modes,), which has its
+    number, and of all parts (k,); `shares` (k, modes): those of the parts for each one of the beam."""
+
+    first: list[int]
+    every: list[int]
+    shares: Array
+
+    def spread(self, e: Array, before: Array, named: set[int]) -> None:
+        """e (3, inputs) has what is said of the beam at the places `named` of its first part: divide it among all, with
+        the modes that are not named as they were `before`."""
+        given = [i in named for i in self.first]
+        if not any(given):
+            return
+        whole = np.linalg.lstsq(self.shares, before[:, self.every].T, rcond=None)[0]
+        whole[given] = e[:, self.first].T[given]
+        e[:, self.every] = (self.shares @ whole).T
+
+
+def divided_inputs(deck: Deck, numbering: Numbering) -> tuple[DividedInputs, ...]:
+    """Of all divided beams that are driven."""
+    inputs, found = numbering.e_class["input"], []
+    for beam, parts in deck.divided.items():
+        at = numbering.e_places[list(parts)]
+        modes = np.flatnonzero((at[0] >= inputs.start) & (at[0] < inputs.stop))
+        if len(modes):
+            n, numbers = len(parts), (modes + 1).tolist()
+            units = [split_motion(numbering.keyword[beam], {m: (1.0,)}, 1, n) for m in numbers]
+            shares = np.array([[u.get(m, [(0.0,)] * n)[i][0] for u in units] for m in numbers for i in range(n)])
+            places = at[:, modes].T - inputs.start
+            found.append(DividedInputs(places[:, 0].tolist(), places.ravel().tolist(), shares))
+    return tuple(found)
+
+
+@dataclass(frozen=True)
 class UserDrive:
     """Prescribed motion from a user function; inputs that it does not mention follow `base`. What it says of a beam
-    that is divided in the run (`parts`) is divided as INPUTE is."""
+    that is divided in the run is divided as INPUTE is."""
 
     function: Callable[..., Any]
     name: str
@@ -309,7 +344,7 @@ class UserDrive:
     base: Polynomial
     interval: float  # output step [s], turns the time into a step number
     breaks: tuple[float, ...] = ()
-    parts: Mapping[int, tuple[int, ...]] = field(default_factory=dict)
+    divided: tuple[DividedInputs, ...] = ()
 
     @classmethod
     def load(
@@ -317,7 +352,8 @@ class UserDrive:
     ) -> UserDrive:
         interval = settings.duration / settings.n_steps if settings.duration and settings.n_steps else 1.0
         function = load_function(deck, statement)
-        return cls(function, str(statement.values[0]), numbering, base, interval, function.breaks, deck.divided)
+        divided = divided_inputs(deck, numbering)
+        return cls(function, str(statement.values[0]), numbering, base, interval, function.breaks, divided)
 
     def anew(self, base: Polynomial) -> UserDrive:
         """The same for another case, see `UserLaw.anew`. Raises InputError."""
@@ -329,29 +365,18 @@ class UserDrive:
         x = np.array([base.x, base.xd, base.xdd])
         e = np.array([base.e, base.ed, base.edd])
         self._fill(x, self.numbering.x_index, "input coordinate", self.numbering.x_class["input"], "x", x_rows, t)
+        before = e.copy() if self.divided else e
         inputs = self.numbering.e_class["input"]
-        self._fill(e, self.numbering.e_index, "input deformation", inputs, "e", self._divided(e_rows), t)
+        named = self._fill(e, self.numbering.e_index, "input deformation", inputs, "e", e_rows, t)
+        for beam in self.divided:
+            beam.spread(e, before, named)
         return DriveState(*x, *e)
-
-    def _divided(self, rows: Any) -> Any:
-        """Rows about the deformations of divided beams as rows about those of their parts."""
-        if not self.parts:
-            return rows
-        found, beams = [], dict[int, dict[int, tuple[float, ...]]]()
-        for row in rows if rows is not None else ():
-            if len(row) == 5 and row[0] in self.parts:
-                beams.setdefault(int(row[0]), {})[int(row[1])] = tuple(map(float, row[2:]))
-            else:
-                found.append(row)
-        for beam, given in beams.items():
-            parts = self.parts[beam]
-            for mode, motions in split_motion(self.numbering.keyword[beam], given, 3, len(parts)).items():
-                found += [[part, mode, *motion] for part, motion in zip(parts, motions, strict=True)]
-        return found
 
     def _fill(
         self, target: Array, find: Callable[[int, int], int], kind: str, place: slice, what: str, rows: Any, t: float
-    ) -> None:
+    ) -> set[int]:
+        """Write the rows into target (3, inputs); the places that they name."""
+        named = set()
         for k, row in enumerate(read_rows(self.name, what, rows, (5,), t)):
             try:
                 i = find(*whole(row)) - place.start
@@ -363,3 +388,5 @@ class UserDrive:
                 )
                 raise AnalysisError(text, "user-function.index", t=t)
             target[:, i] = row[2:5]
+            named.add(i)
+        return named

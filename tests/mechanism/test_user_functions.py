@@ -123,36 +123,42 @@ def test_inputs_that_userinp_does_not_mention_follow_their_statement(tmp_path: P
     np.testing.assert_allclose(r.node(4, 1), 0.1 + 2 * r.t + 0.25 * r.t**2, atol=1e-14)
 
 
-def test_userinp_about_a_divided_beam(tmp_path: Path) -> None:
-    """What a function prescribes of a beam is divided among its parts as INPUTE is."""
-    text = """
-PLBEAM 1 1 2 3 4
-X 3 1. 0.
-FIX 1
-FIX 2
-INPUTE 1 2 3
-END
-HALT
-XM 3 1.
-ESTIFF 1 0. 1.
-{motion}
-TIMESTEP 0.1 2
-END
-END
-"""
-    (tmp_path / "bend.py").write_text(
-        "def bend(t, n):\n    return t, [[1, 2, 0.1 + 0.2*t, 0.2, 0.], [1, 3, -0.05 - 0.3*t, -0.3, 0.]], []\n"
-    )
+BENDING = "INPUTE 1 2 0.1 0.2\nINPUTE 1 3 -0.05 -0.3"
+MOTION = {2: "0.1 + 0.2*t, 0.2, 0.", 3: "-0.05 - 0.3*t, -0.3, 0."}
+
+
+@pytest.mark.parametrize("how", ["option", "file"])
+@pytest.mark.parametrize("named", [(2, 3), (2,), (3,)])
+def test_userinp_about_a_divided_beam(tmp_path: Path, named: tuple[int, ...], how: str) -> None:
+    """What a function prescribes of a beam is divided among its parts as INPUTE is; the other modes follow INPUTE."""
+    law = "EM 1 0.\nESTIFF 1 0. 1." if how == "option" else ""
+    section = "" if how == "option" else "SECTION s CUSTOM 1. 1. 1. 1.\nMATERIAL m 1. 1. 0.\nBEAMSEC 1 s m 3\n"
+    rows = ", ".join(f"[1, {m}, {MOTION[m]}]" for m in named)
+    (tmp_path / "bend.py").write_text(f"def bend(t, n):\n    return t, [{rows}], []\n")
 
     def run(motion: str) -> spacar.Result:
         path = tmp_path / "model.dat"
-        path.write_text(text.format(motion=motion))
-        return spacar.run(1, path, elements=3)
+        path.write_text(
+            f"PLBEAM 1 1 2 3 4\nX 3 1. 0.\nFIX 1\nFIX 2\nINPUTE 1 2 3\n{section}END HALT\nXM 3 1.\n{law}\n{motion}\n"
+            "TIMESTEP 0.1 2\nEND END\n"
+        )
+        return spacar.run(1, path, **({"elements": 3} if how == "option" else {}))
 
-    stated, by_function = run("INPUTE 1 2 0.1 0.2\nINPUTE 1 3 -0.05 -0.3"), run("USERINP bend")
+    stated, by_function = run(BENDING), run(f"{BENDING if len(named) == 1 else ''}\nUSERINP bend")
     for name in ("x", "xd", "xdd", "e", "sig"):
         assert by_function[name] == pytest.approx(stated[name], rel=1e-12, abs=1e-12)
     assert abs(stated.node(3)[-1, 1]) > 0.01
+
+
+def test_usersig_beside_a_divided_beam_is_warned_of(tmp_path: Path) -> None:
+    (tmp_path / "push.py").write_text("def push(t, *told):\n    return t, [], [[3, 2, 1.0]]\n")
+    path = tmp_path / "model.dat"
+    path.write_text(
+        "PLBEAM 1 1 2 3 4\nX 3 1. 0.\nFIX 1\nFIX 2\nDYNE 1 2 3\nEND HALT\n"
+        "EM 1 1. 0.1\nESTIFF 1 0. 1.\nUSERSIG push\nEND END\n"
+    )
+    said = [[line for line in spacar.run(7, path, elements=n).report if "first part" in line] for n in (1, 2)]
+    assert list(map(len, said)) == [0, 1]
 
 
 def test_userinp_with_a_jump_in_the_acceleration(tmp_path: Path) -> None:
