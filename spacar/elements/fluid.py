@@ -11,7 +11,8 @@ at q, 3 jets at both. Changes of Q in time are taken as slow (theory-planar.md s
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import copy
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -57,3 +58,23 @@ class Fluid(NamedTuple):
         A[0, 1] -= thrust_p
         A[2, 3] += thrust_q
         return D, A
+
+
+Tubes = TypeVar("Tubes", bound="CarriesFlow")
+
+
+class CarriesFlow:
+    """What families of tubes have in common."""
+
+    fluid: Fluid
+
+    def with_flow(self: Tubes, flow: Array) -> Tubes:
+        """The same tubes with the mass flow rates `flow` (n,) [kg/s] (DELOMF adds to those of EM)."""
+        other = copy.copy(self)
+        other.fluid = self.fluid._replace(flow=np.asarray(flow))
+        other._set_flow()
+        return other
+
+    def _set_flow(self) -> None:
+        """What follows from the mass flow."""
+        raise NotImplementedError

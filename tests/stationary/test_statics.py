@@ -144,10 +144,11 @@ END
     assert np.allclose(x(parts), total, rtol=0, atol=1e-11)
 
 
+@pytest.mark.parametrize("beams", ["sine", "angle"])
 @pytest.mark.parametrize(
     ("tube", "y", "modes", "law"), [("PLTUBE", "", "2 3", "0. 1."), ("TUBE", "0. 1. 0.", "5 6", "0. 1. 1. 1.")]
 )
-def test_flow_in_a_tube(tube, y, modes, law):
+def test_flow_in_a_tube(tube, y, modes, law, beams):
     """DELOMF: the end is the state under the total mass flow, with a jet at the free end."""
 
     def run(flow: str, more: str) -> np.ndarray:
@@ -171,7 +172,7 @@ XF 5 0. 0.3
 END
 END
 """
-        return spacar.run(7, parse_deck(text, mode=7))["x"][-1]
+        return spacar.run(7, parse_deck(text, mode=7), beams=beams)["x"][-1]
 
     total = run("0.9", "ITERSTEP 20 4 1e-12")
     assert np.allclose(run("0.3", "DELOMF 1 0.6\nDELOMF 2 0.6\nITERSTEP 20 4 1e-12 1 2"), total, rtol=0, atol=1e-10)

@@ -8,18 +8,16 @@ The forces of the fluid are in `fluid`; they are part of M a + h, so h is not ze
 
 from __future__ import annotations
 
-import copy
-
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, arc_tangent
-from spacar.elements.fluid import Fluid
+from spacar.elements.fluid import CarriesFlow, Fluid
 from spacar.elements.planar import chord
 from spacar.elements.planar.plbeam import PlanarBeam, PlanarBeamConfiguration
 
 
-class PlanarTube(PlanarBeam):
+class PlanarTube(CarriesFlow, PlanarBeam):
     definition = "pltube"
 
     def __init__(self, group: ElementGroup) -> None:
@@ -53,13 +51,6 @@ class PlanarTube(PlanarBeam):
         self._D, self._A = self.fluid.matrices(self.length)
         self.flows = bool(np.any(self.fluid.flow != 0))
         self.constant_mass = self.constant_mass and not self.flows
-
-    def with_flow(self, flow: Array) -> PlanarTube:
-        """The same tubes with the mass flow rates `flow` (n,) [kg/s] (DELOMF adds to those of EM)."""
-        other = copy.copy(self)
-        other.fluid = self.fluid._replace(flow=np.asarray(flow))
-        other._set_flow()
-        return other
 
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> PlanarBeamConfiguration:
         c = super().strain(x, branch, e, V)

@@ -7,20 +7,19 @@ those of `fluid`.
 
 from __future__ import annotations
 
-import copy
 from functools import cached_property
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, GeometryError
-from spacar.elements.fluid import Fluid
+from spacar.elements.fluid import CarriesFlow, Fluid
 from spacar.elements.rotations.local_frames import chord_frame, stack, supplemented, unit
 from spacar.elements.spatial.beam import SpatialBeam, SpatialBeamConfiguration, statement_values
 from spacar.elements.spatial.beam_inertia import LineConstants
 
 
-class SpatialTube(SpatialBeam):
+class SpatialTube(CarriesFlow, SpatialBeam):
     """All TUBE elements of a model.
 
     Raises GeometryError for impossible frames, a mass flow without fluid mass and an unknown end condition.
@@ -36,7 +35,7 @@ class SpatialTube(SpatialBeam):
         self._build(group, frame_p, frame_q, f1)
         tube, *fluid = group.em[:, :5].T
         self.fluid = Fluid(*fluid)
-        self.fluid.check(self.keyword)
+        self._set_flow()
         self._set_mass(tube + self.fluid.mass, group.em[:, 5:9])
         self.start: Array | None = None
         if any(given is not None for given in group.directions):
@@ -48,13 +47,9 @@ class SpatialTube(SpatialBeam):
     def parameters(self) -> Array:
         return np.vstack((super().parameters(), self.fluid.parameters(self.length)))
 
-    def with_flow(self, flow: Array) -> SpatialTube:
-        """The same tubes with the mass flow rates `flow` (n,) [kg/s] (DELOMF adds to those of EM)."""
-        other = copy.copy(self)
-        other.fluid = self.fluid._replace(flow=np.asarray(flow))
-        other.fluid.check(self.keyword)
-        vars(other).pop("line", None)
-        return other
+    def _set_flow(self) -> None:
+        self.fluid.check(self.keyword)
+        vars(self).pop("line", None)
 
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> SpatialBeamConfiguration:
         c = super().strain(x, branch, e, V)
