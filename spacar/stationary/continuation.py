@@ -41,11 +41,11 @@ REMEMBERED = 4  # states that the prediction uses: a cubic polynomial
 FASTER = 2.0  # change of x over that of the loading, against the part before, from which the iteration must lead back
 ELSEWHERE = 0.1  # of the motion of a part: states that differ by more are not the same
 RETURNED = 0.02  # of the motion of a part: last correction on the way back; it leaves an error of three times that
-WIDE = 0.01  # model lengths or rad: shorter parts need not
+WIDE = 0.01  # model lengths or rad: from shorter parts it need not
 SMALLEST_PART = 1.0 / 1024.0
 CRITICAL_PART = 1.0 / 256.0  # of a load step, in which a critical state is looked for
 STILL = 1e-6  # model lengths or rad: parts that move less (a straight column at its critical load) keep their branch
-LARGE = 600  # unknowns; above, the count costs more than an iteration: see `Continuation._odd`
+LARGE = 600  # unknowns; above, the count costs more than an iteration (`Continuation._odd`); so does `relaxed`
 NEARLY, TAKEN_BACK = 1e-4, 8  # of the loading: what a state that is passed only may be off; times it is doubled
 EASY = 6  # iterations after which the next part of a step may be twice as large
 

@@ -237,6 +237,8 @@ def relaxed(
     """x (nx,), sigma (ne,) where a motion from x without inertia, which a viscous damping of all coordinates slows
     down, comes to: linearly implicit Euler with growing steps (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35
     (1998) 508-523). It finds the path that goes on where another one ends, as of a slack chain that is pulled tight.
+
+    Raises SingularMatrixError.
     """
     damping = q.flexibility.size * (q.free_scale.max() / q.free_scale) ** 2
     diagonal = np.arange(q.nf)
@@ -248,7 +250,10 @@ def relaxed(
             tangent.factor(p)
         matrix = tangent.dense()
         matrix[diagonal, diagonal] += factor * damping
-        z = np.linalg.solve(matrix, p.right - tangent.along(dx))
+        try:
+            z = np.linalg.solve(matrix, p.right - tangent.along(dx))
+        except np.linalg.LinAlgError as error:
+            raise SingularMatrixError(str(error)) from None
         dx[q.F] = z[: q.nf]
         q.d.sweep.follow(p.x, q.d.sweep.e)
         x, sigma, dx = p.x + dx, p.sigma + q.flexibility.size * z[q.nf :], np.zeros_like(x)

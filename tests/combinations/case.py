@@ -155,8 +155,10 @@ class Spec:
             return None
         case = Case(model, folder, random.Random(self.seed))
         try:
+            if not (case.positions < CONDITION and case.values):
+                return None
             dead = any(np.isnan(f.matrices.get("k0", 0.0)).any() for f in case.base.frames)
-            return case if case.positions < CONDITION and case.values and not dead else None
+            return None if dead else case
         except SpacarError as error:
             if error.code not in BEYOND:
                 raise AssertionError(f"{error.code}: {error}\n{model.text()}") from error

@@ -305,7 +305,7 @@ def quartered(model: Model, rng: random.Random) -> tuple[Model, Back]:
 
 
 def with_order(model: Model, order: dict[int, tuple[int, ...]], statement: Callable[[Row], Row]) -> Model:
-    """Deformations of these elements in another order and sense; `statement` of rows that are not about one of them."""
+    """Deformations of these elements in another order and sense; `statement` changes the rows about no deformation."""
 
     def row(r: Row, block: int) -> list[Row]:
         if len(r) < 2 or not isinstance(r[1], Element) or r[1] not in order:
