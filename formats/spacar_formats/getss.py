@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spacar.errors import UsageError
-from spacar.linear.descriptor import DescriptorSystem, of_frame
+from spacar.linearization.descriptor import DescriptorSystem, of_frame
 from spacar_formats.exports import export_to, to_mat, to_npz
 from spacar_formats.locate import open_result
 from spacar_formats.safety import write_text

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from spacar.errors import UsageError
-from spacar.linear.descriptor import dense_steps
+from spacar.linearization.descriptor import dense_steps
 from spacar.simulation.time_varying import TimeVarying
 from spacar_formats import safety
 from spacar_formats.locate import notes, open_result

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from spacar.errors import UsageError
-from spacar.linear.descriptor import DescriptorSystem
+from spacar.linearization.descriptor import DescriptorSystem
 from spacar_formats.locate import open_result
 from spacar_formats.sbf import SbfError, SbfFile
 

@@ -32,10 +32,11 @@ from spacar.inverse.ports import ACCELERATIONS, NominalInputs, Ports, rigidified
 from spacar.inverse.trajectory import Leg, groups, loaded
 from spacar.kinematics.constraint_condition import condition_number
 from spacar.linear import form
-from spacar.linear.sparse_linearization import SparseLinearization
-from spacar.linear.state_space import Signal, state_space
+from spacar.linear.state_space import state_space
 from spacar.linearization.coefficients import Coefficients, coefficients, geometric_stiffness
 from spacar.linearization.matrices import Linearization, linearize
+from spacar.linearization.signals import Signal
+from spacar.linearization.sparse_linearization import SparseLinearization
 from spacar.mechanism.mechanism import Loads, Mechanism
 from spacar.stationary.loading import LoadProgram, loads_at, with_flow
 

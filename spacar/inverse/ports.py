@@ -30,7 +30,7 @@ from spacar.dynamics.loaded_mechanism import StressLaw
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
 from spacar.kinematics.transfer import moved_along
-from spacar.linear.state_space import DRIVING_SIGN, Signal, signals
+from spacar.linearization.signals import DRIVING_SIGN, Signal, signals
 from spacar.mechanism.mechanism import Mechanism
 
 NOMINAL_KINDS = ("NOMS", "NOMF")

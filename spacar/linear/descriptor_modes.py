@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
-from spacar.linear.descriptor import MASSLESS, DescriptorSystem
 from spacar.linear.eigenmodes import Modes, arranged
 from spacar.linear.lowest import lost_pairs
 from spacar.linear.subspace import SPARE, dominant, ends_with_half_a_pair, with_shift
+from spacar.linearization.descriptor import MASSLESS, DescriptorSystem
 
 SHIFT = 0.1  # of the modulus of the highest wanted eigenvalue
 

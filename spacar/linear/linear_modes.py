@@ -28,13 +28,12 @@ from spacar.linear.eigenmodes import Modes
 from spacar.linear.internal_unknowns import buckling_matrices
 from spacar.linear.lowest import WANTED, lowest_vibration, sparse_compliances
 from spacar.linear.lowest_multipliers import lowest_buckling
-from spacar.linear.sparse_linearization import SparseLinearization
-from spacar.linear.state_space import chosen_rows
 from spacar.linear.steady_equations import require_steady
 from spacar.linear.stored_system import StoredSystem, buckling_motions, sparse_matrices, vibration_motions
 from spacar.linear_systems import SingularMatrixError
 from spacar.linearization.coefficients import Coefficients, coefficients
-from spacar.linearization.matrices import Linearization, linearize, selected
+from spacar.linearization.matrices import Linearization, chosen_rows, linearize, selected
+from spacar.linearization.sparse_linearization import SparseLinearization
 from spacar.mechanism.numbering import Numbering
 from spacar.stationary import LoadLevel, LoadProgram, StationarySolver
 from spacar.stationary.tangent import SparseTangent

@@ -1,7 +1,7 @@
 """What modes 4 and 9 store of the linearized equations: matrices and state space, or of a large model the sparse form.
 
-asp, bsp, csp  (entries, 3): row, column (from 1), value of A, B, C of `spacar.linear.descriptor`, the same places at
-               all steps;  A, B, C, D of such a model follow from them when somebody asks for them
+asp, bsp, csp  (entries, 3): row, column (from 1), value of A, B, C (`spacar.linearization.descriptor`), the same places
+               at all steps;  A, B, C, D of such a model follow from them when somebody asks for them
 
 Inputs that do not act on the states: their column of B is zero, and the warning says what to write instead.
 
@@ -35,13 +35,14 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.frame import Frame
 from spacar.linear.backward_error import EPS
 from spacar.linear.buckling import BucklingModes
-from spacar.linear.descriptor import DescriptorSystem
 from spacar.linear.descriptor_modes import lowest_modes
 from spacar.linear.eigenmodes import Modes
-from spacar.linear.sparse_linearization import SparseLinearization
-from spacar.linear.state_space import Signal, chosen_rows, has_feedthrough, linearization_signals, state_space
+from spacar.linear.state_space import state_space
 from spacar.linearization.coefficients import coefficients
-from spacar.linearization.matrices import Linearization
+from spacar.linearization.descriptor import DescriptorSystem
+from spacar.linearization.matrices import Linearization, chosen_rows
+from spacar.linearization.signals import Signal, has_feedthrough, linearization_signals
+from spacar.linearization.sparse_linearization import SparseLinearization
 from spacar.mechanism import Mechanism
 from spacar.stationary.tangent import STATIC, SparseTangent
 from spacar.stream import Run

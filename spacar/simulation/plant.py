@@ -16,7 +16,7 @@ from spacar.calls import Source, deck_of
 from spacar.dynamics.array_evaluator import component_name
 from spacar.errors import UsageError
 from spacar.frame import Frame
-from spacar.linear.state_space import DRIVING_SIGN, signals
+from spacar.linearization.signals import DRIVING_SIGN, signals
 from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
 from spacar.simulation.blocks import Block

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
-from spacar.linear.descriptor import dense_steps, of_frame
+from spacar.linearization.descriptor import dense_steps, of_frame
 
 if TYPE_CHECKING:
     from spacar.result import Result

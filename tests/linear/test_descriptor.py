@@ -11,11 +11,12 @@ import pytest
 from nonlinear import Nonlinear, random_state
 from test_state_space import MODELS
 
-from spacar.linear.descriptor import DescriptorSystem
-from spacar.linear.sparse_linearization import SparseLinearization
-from spacar.linear.state_space import linearization_signals, state_space
+from spacar.linear.state_space import state_space
 from spacar.linearization import linearize
 from spacar.linearization.coefficients import coefficients
+from spacar.linearization.descriptor import DescriptorSystem
+from spacar.linearization.signals import linearization_signals
+from spacar.linearization.sparse_linearization import SparseLinearization
 
 
 def close(found: np.ndarray, expected: np.ndarray, what: str) -> None:

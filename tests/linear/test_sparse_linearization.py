@@ -23,7 +23,8 @@ from spacar_formats.vibration import read_vibrations
 import spacar
 from spacar.deck import parse_deck
 from spacar.errors import SpacarError, UsageError
-from spacar.linear import descriptor, form
+from spacar.linear import form
+from spacar.linearization import descriptor
 from spacar.simulation.propagation import simulate_ltv
 from spacar.simulation.reduction import reduce_modes
 from spacar.simulation.time_varying import TimeVarying

@@ -14,8 +14,9 @@ from nonlinear import Nonlinear, State, jacobian, random_state
 
 from spacar import run
 from spacar.arrays import Array
-from spacar.linear.state_space import DRIVING_SIGN, Signal, linearization_signals, state_space
+from spacar.linear.state_space import state_space
 from spacar.linearization import linearize
+from spacar.linearization.signals import DRIVING_SIGN, Signal, linearization_signals
 
 PLANAR_SIGNALS = """INPUTS 1 1 2
 INPUTS 2 2 1

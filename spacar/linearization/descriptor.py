@@ -10,7 +10,7 @@ matrices of (15), full, while these have a number of entries proportional to the
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -136,6 +136,23 @@ class DescriptorSystem:
             except RuntimeError:
                 out[k] = np.inf
         return out
+
+    def resolvent(self, s: complex) -> Callable[[Array], Array]:
+        """b -> (s I - A)^-1 b with A of (15), both (n_states,): the factors of an implicit step. Raises RuntimeError
+        where s is an eigenvalue, and what it returns AnalysisError where that is found later."""
+        from spacar.linear_systems.sparse_factors import SparseFactors
+
+        factors = SparseFactors(self.shifted(s))
+
+        def solve(b: Array) -> Array:
+            right = np.zeros((self.A.shape[0], 1), np.result_type(b, s))
+            right[: self.n_states, 0] = -b
+            found = factors.solve(right)[: self.n_states, 0]
+            if not np.isfinite(found).all():
+                raise AnalysisError(f"the shift {s:.9g} 1/s is an eigenvalue of the motion", "integrator.singular")
+            return found
+
+        return solve
 
     def shifted(self, s: complex) -> Any:
         """A - s E in compressed columns, E being the identity of the state and zero elsewhere."""

@@ -15,6 +15,7 @@ Nothing is inverted and no degree of freedom appears in a product, so that relat
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -23,9 +24,9 @@ from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import StressLaw
 from spacar.errors import AnalysisError
-from spacar.linear.descriptor import DescriptorSystem
-from spacar.linear.state_space import DRIVING_SIGN, Signal
 from spacar.linearization.coefficients import Coefficients, structure
+from spacar.linearization.descriptor import DescriptorSystem
+from spacar.linearization.signals import DRIVING_SIGN, Signal
 from spacar.mechanism.numbering import Numbering
 
 ORDER = {"INX": 0, "INE": 0, "INXP": 1, "INEP": 1, "INXDP": 2, "INEDP": 2}
@@ -77,13 +78,21 @@ class SparseLinearization:
         self.velocity_row[self.E] = p.v + self.U
         self._constant = self._given()
         self.B = self.input_matrix(inputs)
-        widest = structure(dynamics, moving, free)
-        self._patterns = self._state_matrix(widest), self._output_matrix(widest)
+        self._widest = partial(structure, dynamics, moving, free)
 
     def __call__(self, c: Coefficients) -> DescriptorSystem:
         """The system of the state of these coefficients. A and C have the same places at all states."""
         A, C = map(_filled, self._patterns, (self._state_matrix(c), self._output_matrix(c)))
         return DescriptorSystem(A, self.B, C, self.places.n_states)
+
+    def once(self, c: Coefficients) -> DescriptorSystem:
+        """The same with the places that this state has."""
+        return DescriptorSystem(self._state_matrix(c), self.B, self._output_matrix(c), self.places.n_states)
+
+    @cached_property
+    def _patterns(self) -> tuple[Any, Any]:
+        widest = self._widest()
+        return self._state_matrix(widest), self._output_matrix(widest)
 
     def _state_matrix(self, c: Coefficients) -> Any:
         p, n = self.places, self.n

@@ -1,0 +1,59 @@
+"""Inputs and outputs of the linearized equations: which there are says input-language.md section 8."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from spacar.mechanism.mechanism import Mechanism
+
+DRIVING_SIGN = 1.0  # s_u of theory-system.md 5.1
+
+INPUT_KINDS = ("INPUTS", "INPUTF", "INE", "INEP", "INEDP", "INX", "INXP", "INXDP")
+OUTPUT_KINDS = ("OUTS", "OUTE", "OUTEP", "OUTEDP", "OUTF", "OUTX", "OUTXP", "OUTXDP")
+OF_NODES = (
+    "INPUTF", "INX", "INXP", "INXDP", "OUTF", "OUTX", "OUTXP", "OUTXDP", "NOMF", "REFX", "REFXP", "REFXDP", "REFXS",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One input or output: kind (keyword), 0-based index into x or e, and a name for plots."""
+
+    kind: str
+    index: int
+    name: str
+
+
+def has_feedthrough(inputs: Sequence[Signal], outputs: Sequence[Signal]) -> bool:
+    """Can D differ from zero? Decided by the kinds alone, so that all steps of a run agree.
+
+    Second derivatives and reactions follow every input; coordinates and deformations follow prescribed values, their
+    rates prescribed values and rates.
+    """
+    prescribed = {"INX", "INE"}
+    sources = {"OUTX": prescribed, "OUTE": prescribed}
+    sources |= dict.fromkeys(("OUTXP", "OUTEP"), prescribed | {"INXP", "INEP"})
+    kinds = {signal.kind for signal in inputs}
+    return any(kinds & sources.get(signal.kind, kinds) for signal in outputs)
+
+
+def signals(mechanism: Mechanism, kinds: tuple[str, ...]) -> list[Signal]:
+    """Signals of these keywords in the order of their numbers."""
+    n, deck = mechanism.numbering, mechanism.deck
+    found: dict[int, Signal] = {}
+    for s in deck.of(*kinds, block=3):
+        place, a, b = (int(v) for v in s.values[:3])
+        if s.keyword in OF_NODES:
+            index = n.x_index(a, b)
+            name = n.x_name(index)
+        else:
+            index = n.e_index(a, b)
+            name = n.e_name(index)
+        found[place] = Signal(s.keyword, index, f"{s.keyword} {name}")
+    return [found[k] for k in sorted(found)]
+
+
+def linearization_signals(mechanism: Mechanism) -> tuple[list[Signal], list[Signal]]:
+    """Inputs and outputs of modes 4 and 9."""
+    return signals(mechanism, INPUT_KINDS), signals(mechanism, OUTPUT_KINDS)
