@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from spacar.kinematics.kinematics import LARGEST_JUMP
 
 if TYPE_CHECKING:
     from spacar.compiled.compiled_model import CompiledModel, State
+    from spacar.integrators.resolvent import DenseResolvent
 
 ARRIVED, PAUSED, TOO_SMALL, NOT_EVALUATED, INTERRUPTED, NO_RATE = constants(
     "ARRIVED", "PAUSED", "TOO_SMALL", "NOT_EVALUATED", "INTERRUPTED", "NO_RATE"
@@ -153,10 +154,10 @@ class Iterating:
         c, method = self.c, self.method
         if self.factors is not method.factors:
             self.factors = method.factors
-            (lu, pivots), *pairs = method.factors
-            c.lu, c.pivots = lu.ctypes.data, pivots.ctypes.data
-            c.pair_lu[: len(pairs)] = [of[0].ctypes.data for of in pairs]
-            c.pair_pivots[: len(pairs)] = [of[1].ctypes.data for of in pairs]
+            real, *pairs = cast("list[DenseResolvent]", method.factors)
+            c.lu, c.pivots = real.lu.ctypes.data, real.pivots.ctypes.data
+            c.pair_lu[: len(pairs)] = [of.lu.ctypes.data for of in pairs]
+            c.pair_pivots[: len(pairs)] = [of.pivots.ctypes.data for of in pairs]
         evaluation = method.evaluation
         c.t, c.h, c.converged, c.contraction = method.t, h, within, method.contraction
         c.earliest, c.latest = evaluation.first, evaluation.last

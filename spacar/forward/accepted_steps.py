@@ -110,11 +110,13 @@ class StepHistory:
     Outputs inside the last step are placed from the begin of that step. The output before may lie many turns earlier:
     the way from there would be long and could be another one. Where only a few steps lie between outputs, each output
     is placed from the one before: a determinant that changes its sign along this way tells of a dead point at which
-    steps that are too long have turned back.
+    steps that are too long have turned back. After an implicit step of fixed size the evaluator stands at a stage.
     """
 
     def __init__(self, evaluator: Evaluator, watch: SingularityMonitor | None) -> None:
         self.evaluator, self.watch = evaluator, watch
+        method = METHODS[evaluator.model.mechanism.settings.integrator]
+        self.at_stage = method.needs_jacobian and not method.variable_step
         self.continuity = None if watch is None else watch.continuity
         self.steps: deque[Accepted] = deque(maxlen=2) if self.continuity is None else self.continuity.steps
         self.elsewhere: Callable[[int], list[Accepted]] | None = None  # gives the last k steps that were made at a time
@@ -177,6 +179,11 @@ class StepHistory:
         self.n += 1
         self._fetch()
         self.begin = self.steps[-1].at if self.steps else None
+        if self.at_stage and self.watch is not None:
+            try:
+                self.evaluator.rhs(t, y)  # with which the next step begins
+            except AnalysisError as error:
+                fail_at(t, error)
         if self.continuity is None:
             self._keep(t, y)
         if self.watch is not None:

@@ -71,9 +71,12 @@ def newton_failed(
 
 
 def singular_iteration(t: float, h: float) -> AnalysisError:
-    """lambda/h is an eigenvalue of the Jacobian; another step size is tried."""
-    text = f"the iteration matrix of the implicit integrator is singular at t = {t:.9g} s with step size {h:.3g} s"
-    return AnalysisError(text, "integrator.singular", t=t, step=h)
+    """An eigenvalue of the Jacobian is that of the step; codes with variable steps try another size."""
+    return AnalysisError(
+        f"the iteration matrix of the implicit integrator is singular at t = {t:.9g} s with step size {h:.3g} s (an"
+        " unstable mode grows exactly with this step): change the step size (INTEGRAT position 2)",
+        "integrator.singular", t=t, step=h,
+    )  # fmt: skip
 
 
 def slow_newton(

@@ -7,36 +7,18 @@ SIAM J. Numer. Anal. 14 (1977) 1006. The Jacobian J = dF/dy and F_t = dF/dt come
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import sqrt
+from typing import Any
 
 import numpy as np
 
-from spacar.errors import AnalysisError
-
 from .failures import newton_failed
 from .problem import Evaluation, Tolerance
+from .resolvent import Resolvent, eliminated, resolvent
 
 GAMMA_2 = 1.0 - 1.0 / sqrt(2.0)
 GAMMA_3 = 0.43586652150845900
 MAX_NEWTON = 10
-
-
-def factored(matrix: np.ndarray, t: float, h: float) -> Callable[[np.ndarray], np.ndarray]:
-    """Solver with the LU factors of the iteration matrix. Raises AnalysisError `integrator.singular`."""
-    from scipy.linalg.lapack import dgetrf, dgetrs
-
-    lu, pivots, info = dgetrf(matrix)
-    if info > 0:
-        raise AnalysisError(
-            f"the iteration matrix of the implicit integrator is singular at t = {t:.9g} s with step size "
-            f"{h:.3g} s (an unstable mode grows exactly with this step): change the step size "
-            "(INTEGRAT position 2)",
-            "integrator.singular",
-            t=t,
-            step=h,
-        )
-    return lambda right: dgetrs(lu, pivots, right)[0]
 
 
 class _FixedStep:
@@ -44,11 +26,16 @@ class _FixedStep:
 
     def __init__(self, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
         self.evaluation, self.tolerance = evaluation, tolerance
-        self.identity = np.eye(n)
+        self.nq = eliminated(n, evaluation.problem.n_positions)
         self.y_new = np.zeros(n)
 
     def start(self, t: float, y: np.ndarray) -> None:
         """Nothing to prepare."""
+
+    def factored(self, jacobian: Any, t: float, h: float, gh: float) -> Resolvent:
+        """b -> (I - gh J)^-1 b. Raises AnalysisError `integrator.singular`."""
+        solve, s = resolvent(jacobian, 1.0 / gh, self.nq, t, h), 1.0 / gh
+        return lambda b: solve(s * b)
 
 
 class Rosenbrock1(_FixedStep):
@@ -56,7 +43,7 @@ class Rosenbrock1(_FixedStep):
 
     def fixed(self, t: float, h: float, y: np.ndarray) -> None:
         jacobian, f_t = self.evaluation.jacobian(t, y)
-        solve = factored(self.identity - h * jacobian, t, h)
+        solve = self.factored(jacobian, t, h, h)
         self.y_new = y + h * solve(self.evaluation.rhs(t, y) + h * f_t)
 
 
@@ -67,7 +54,7 @@ class Rosenbrock2(_FixedStep):
         jacobian, f_t = self.evaluation.jacobian(t, y)
         gh = GAMMA_2 * h
         gh_ft = gh * f_t
-        solve = factored(self.identity - gh * jacobian, t, h)
+        solve = self.factored(jacobian, t, h, gh)
         k1 = solve(self.evaluation.rhs(t, y) + gh_ft)
         k2 = solve(self.evaluation.rhs(t + h, y + h * k1) - 2.0 * k1 - gh_ft)
         self.y_new = y + (1.5 * h) * k1 + (0.5 * h) * k2
@@ -82,9 +69,8 @@ class Rosenbrock3(_FixedStep):
 
     def fixed(self, t: float, h: float, y: np.ndarray) -> None:
         jacobian, f_t = self.evaluation.jacobian(t, y)
-        # Multiplied by h gamma, so that the matrix is well scaled for small steps.
         hg = h * GAMMA_3
-        solve = factored(self.identity - hg * jacobian, t, h)
+        solve = self.factored(jacobian, t, h, hg)
         h_ft = h * f_t
         g, m = self.g, self.m
         u1 = solve(hg * (self.evaluation.rhs(t, y) + g[0] * h_ft))
@@ -127,7 +113,7 @@ class SinglyDiagonallyImplicit(_FixedStep):
 
     def fixed(self, t: float, h: float, y: np.ndarray) -> None:
         hg = h * self.gamma
-        solve = factored(self.identity - hg * self.evaluation.jacobian(t, y)[0], t, h)
+        solve = self.factored(self.evaluation.jacobian(t, y)[0], t, h, hg)
         stages = self.stages
         for i, c in enumerate(self.c):
             base = y + h * (self.a[i, :i] @ stages[:i])
@@ -135,7 +121,7 @@ class SinglyDiagonallyImplicit(_FixedStep):
             t_i = t + c * h
             if not self._newton(solve, t_i, h, base, stages[i]):
                 jacobian = self.evaluation.jacobian(t_i, base + hg * stages[i])[0]
-                solve = factored(self.identity - hg * jacobian, t, h)
+                solve = self.factored(jacobian, t, h, hg)
                 if not self._newton(solve, t_i, h, base, stages[i]):
                     change = np.abs(h * self.last_change)
                     worst = int(np.argmax(change))
@@ -144,9 +130,7 @@ class SinglyDiagonallyImplicit(_FixedStep):
                     )
         self.y_new = base + hg * stages[-1]
 
-    def _newton(
-        self, solve: Callable[[np.ndarray], np.ndarray], t: float, h: float, base: np.ndarray, k: np.ndarray
-    ) -> bool:
+    def _newton(self, solve: Resolvent, t: float, h: float, base: np.ndarray, k: np.ndarray) -> bool:
         """Improves k in place; whether it converged."""
         hg = h * self.gamma
         for _ in range(MAX_NEWTON):

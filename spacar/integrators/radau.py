@@ -21,14 +21,16 @@ moves its tip by 1e-5, 1e-7 has frequencies up to 170 and 1,100 rad/s; velocitie
 from __future__ import annotations
 
 from math import sqrt
+from typing import Any
 
 import numpy as np
 
 from spacar.errors import AnalysisError
 
 from .collocation import radau
-from .failures import singular_iteration, slow_newton
+from .failures import slow_newton
 from .problem import Evaluation, Tolerance
+from .resolvent import DenseResolvent, Resolvent, eliminated, resolvent
 from .runge_kutta import weights
 
 MAX_NEWTON = 10
@@ -50,9 +52,7 @@ class Radau:
         self.method = radau(stages)
         self.controller = (stages + 1.0, 0.2, 8.0)
         # q, the positions whose rates are the last components of y, and u, the others.
-        rates = n - evaluation.problem.n_positions
-        self.nq = rates if 2 * rates <= n else 0
-        self.n = n
+        self.n, self.nq = n, eliminated(n, evaluation.problem.n_positions)
         self.y, self.y_new, self.scaled, self.f = np.zeros((4, n))
         self.Z, self.F = np.zeros((2, stages, n))
         self.change, self.right = np.zeros((stages, n)), np.zeros((stages, n - self.nq))  # of an iteration
@@ -61,10 +61,9 @@ class Radau:
         self._forget()
 
     def _forget(self) -> None:
-        self.linear = False  # are the two known?
-        self.by_q, self.by_u = np.zeros((2, 0, 0))  # dF_u/dq (nu, nq), dF_u/du (nu, nu)
+        self.J: Any = None  # dF/dy, once it is known
         self.fresh = False
-        self.factors: list[tuple[np.ndarray, np.ndarray]] = []
+        self.factors: list[Resolvent] = []
         self.factored_h = 0.0
         self.contraction = 1.0
         self.slope = np.zeros(self.n)
@@ -96,7 +95,7 @@ class Radau:
         Raises AnalysisError `integrator.newton` when the iteration does not converge with a new Jacobian.
         """
         self.h = h
-        if not self.linear or (self.contraction > KEEP and not self.fresh):
+        if self.J is None or (self.contraction > KEEP and not self.fresh):
             self._linearize()
         self._factor(h)
         failure = self._newton(h)
@@ -116,28 +115,16 @@ class Radau:
         return error
 
     def _linearize(self) -> None:
-        jacobian = self.evaluation.jacobian(self.t, self.y)[0]
-        nq = self.nq
-        self.by_q, self.by_u = jacobian[nq:, :nq].copy(), jacobian[nq:, nq:].copy()
-        self.linear = self.fresh = True
+        self.J = self.evaluation.jacobian(self.t, self.y)[0]
+        self.fresh = True
         self.factored_h = 0.0
 
     def _factor(self, h: float) -> None:
-        """LU factors of the real and complex iteration matrices for the step h."""
+        """Factors of the real and complex iteration matrices for the step h."""
         if h == self.factored_h:
             return
-        from scipy.linalg.lapack import dgetrf, zgetrf
-
-        self.factors = []
-        for eigenvalue in (self.method.real, *self.method.pairs):
-            matrix = -self.by_u if eigenvalue is self.method.real else -self.by_u.astype(complex)
-            if self.nq:
-                matrix[:, -self.nq :] -= (h / eigenvalue) * self.by_q
-            matrix.flat[:: len(matrix) + 1] += eigenvalue / h
-            lu, pivots, info = (dgetrf if eigenvalue is self.method.real else zgetrf)(matrix, overwrite_a=1)
-            if info > 0:
-                raise singular_iteration(self.t, h)
-            self.factors.append((lu, pivots))
+        each = (self.method.real, *self.method.pairs)
+        self.factors = [resolvent(self.J, eigenvalue / h, self.nq, self.t, h) for eigenvalue in each]
         self.factored_h = h
         self.contraction = 1.0
 
@@ -158,7 +145,7 @@ class Radau:
         self.contraction = min(max(self.contraction, EPS) ** 0.8, 0.99)
         self._guess(h)
         self.weight[:] = self._weights(h, self.y + self.Z[-1])
-        blocks = self.evaluation.blocks
+        blocks = self.evaluation.blocks if isinstance(self.factors[0], DenseResolvent) else None
         found = None if blocks is None else blocks.newton(self, h, self.evaluation.problem.within)
         if found is None:
             if blocks is not None:
@@ -174,24 +161,22 @@ class Radau:
 
     def _iterate(self, h: float) -> tuple[bool, float, float]:
         """Whether Z converged from its guess, size and contraction of the last change."""
-        from scipy.linalg.lapack import dgetrs, zgetrs
-
         m, n, nq, Z, F = self.method, self.n, self.nq, self.Z, self.F
         statistics = self.evaluation.statistics
         drift = (h * m.c)[:, None] * self.y[n - nq :]
         ha, inverse = h * m.a, m.inverse / h
-        (lu, pivots), *complexes = self.factors
-        weight, dZ, increment = self.weight, self.change, self.right
+        real, *complexes = self.factors
+        weight, dZ, increment, residual = self.weight, self.change, self.right, np.zeros(Z.shape)
         factor = 1.0 / sqrt(Z.size)
         change, theta, estimate = 0.0, 0.0, self.contraction
         for k in range(MAX_NEWTON):
             statistics.newton_iterations += 1
             for i, c in enumerate(m.c):
                 F[i] = self.evaluation.rhs(self.t + c * h, self.y + Z[i])
-            residual = m.to @ (F[:, nq:] - inverse @ Z[:, nq:])
-            increment[0] = dgetrs(lu, pivots, residual[0])[0]
-            for i, (clu, cpivots) in enumerate(complexes):
-                w = zgetrs(clu, cpivots, residual[2 * i + 1] + 1j * residual[2 * i + 2])[0]
+            residual[:, nq:] = m.to @ (F[:, nq:] - inverse @ Z[:, nq:])
+            increment[0] = real(residual[0])[nq:]
+            for i, solve in enumerate(complexes):
+                w = solve(residual[2 * i + 1] + 1j * residual[2 * i + 2])[nq:]
                 increment[2 * i + 1], increment[2 * i + 2] = w.real, w.imag
             np.matmul(m.back, increment, dZ[:, nq:])
             if nq:
@@ -214,20 +199,8 @@ class Radau:
 
     def _error(self, h: float, f: np.ndarray) -> float:
         """Norm of (lambda_0/h - J)^-1 (f + error @ Z / h), by the factors of the real system."""
-        from scipy.linalg.lapack import dgetrs
-
-        m, nq = self.method, self.nq
-        g = f + (m.error / h) @ self.Z
-        lu, pivots = self.factors[0]
-        out = np.empty(self.n)
-        right = g[nq:]
-        if nq:
-            right = right + (h / m.real) * (self.by_q @ g[:nq])
-        out[nq:] = dgetrs(lu, pivots, right)[0]
-        if nq:
-            out[:nq] = (h / m.real) * (g[:nq] + out[self.n - nq :])
-        self.estimate = out
-        np.divide(out, self._weights(h, self.y_new), self.scaled)
+        self.estimate = self.factors[0](f + (self.method.error / h) @ self.Z)
+        np.divide(self.estimate, self._weights(h, self.y_new), self.scaled)
         return sqrt(self.scaled.dot(self.scaled) / self.n)
 
     def _weights(self, h: float, y_new: np.ndarray) -> np.ndarray:
