@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from spacar.errors import Report, SpacarError
+from spacar.errors import AnalysisError, Report, SpacarError
 from spacar.frame import Frame, StoredFrames
 from spacar.mechanism.rigid_search import rigid_parts
 from spacar.modes import Mode, registered
@@ -61,6 +61,7 @@ class Run:
     n_frames  number of frames to come, None if unknown
     nominal   mode 3 only: the result of mode 2, or of modes 7 to 10, along which it linearizes
     accuracy  None, or the error of the result that is estimated and kept by several runs
+    end       processor time at which the run is stopped [s]
 
     >>> import spacar
     >>> run = spacar.frames(1, "data/crank.dat")
@@ -75,6 +76,7 @@ class Run:
     n_frames: int | None = None
     nominal: Any = None
     accuracy: AccuracyRequest | None = None
+    end: float = np.inf
 
     def __repr__(self) -> str:
         model = self.mechanism.deck.source
@@ -98,7 +100,7 @@ class Run:
             return tuple(self._made())
 
     def _made(self) -> Iterator[Sequence[Frame]]:
-        told: set[int] = set()
+        told, given = set[int](), 0
         parts = None if self.accuracy else rigid_parts(self.mechanism, self.mode)
         if parts is None:
             made = registered("accuracy" if self.accuracy else self.mode.analysis)(self)
@@ -111,6 +113,16 @@ class Run:
                         told.add(row)
                         self.report.add(sentence)
             yield block
+            given += len(block)
+            if given != self.n_frames:
+                self.require_time(block[-1].t)
+
+    def require_time(self, t: float | None) -> None:
+        """Raises AnalysisError 'study.stopped' when the processor time is beyond `end`; t: where the run is."""
+        if self.end < np.inf and time.process_time() > self.end:
+            where = "" if t is None else f" at t = {t:.6g}"
+            text = f"stopped{where}: a cheaper setting is better, or the budget is used"
+            raise AnalysisError(text, "study.stopped")
 
     def __iter__(self) -> Iterator[Frame]:
         for block in self.blocks():

@@ -111,10 +111,13 @@ class StepHistory:
     the way from there would be long and could be another one. Where only a few steps lie between outputs, each output
     is placed from the one before: a determinant that changes its sign along this way tells of a dead point at which
     steps that are too long have turned back. After an implicit step of fixed size the evaluator stands at a stage.
+    `require_time` is `Run.require_time`.
     """
 
-    def __init__(self, evaluator: Evaluator, watch: SingularityMonitor | None) -> None:
-        self.evaluator, self.watch = evaluator, watch
+    def __init__(
+        self, evaluator: Evaluator, watch: SingularityMonitor | None, require_time: Callable[[float | None], None]
+    ) -> None:
+        self.evaluator, self.watch, self.require_time = evaluator, watch, require_time
         method = METHODS[evaluator.model.mechanism.settings.integrator]
         self.at_stage = method.needs_jacobian and not method.variable_step
         self.continuity = None if watch is None else watch.continuity
@@ -147,6 +150,7 @@ class StepHistory:
     def passed(self, last: Callable[[int], list[Accepted]]) -> None:
         """Steps have been made; `last(k)` gives the last k of them."""
         self.elsewhere = last
+        self.require_time(None)
 
     def _fetch(self) -> None:
         """Take over what was remembered elsewhere, before a step is made here."""
@@ -176,6 +180,7 @@ class StepHistory:
     # -- of steps one by one ---------------------------------------------------------------------------------------
     def accepted(self, t: float, y: Array) -> None:
         """After every accepted step."""
+        self.require_time(t)
         self.n += 1
         self._fetch()
         self.begin = self.steps[-1].at if self.steps else None

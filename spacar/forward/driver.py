@@ -29,6 +29,7 @@ from spacar.integrators.problem import BlockOfOutputs, Jacobian, Problem, Steppe
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.kinematics.regularity import nearly_singular
 from spacar.mechanism.mechanism import Polynomial, SolverSettings
+from spacar.stream import Run
 
 # Tolerance of one step / ERROR, for every code with variable steps alike. Errors of the steps add up, and the watch of
 # dead points takes the degrees of freedom as known to ERROR: a hundred steps may err to the same side.
@@ -136,15 +137,15 @@ class Integrand(Problem):
 
 
 def frames(
-    evaluator: Evaluator, y: Array, times: Times, settings: SolverSettings, report: Report, *,
-    watch: SingularityMonitor | None = None, standing: bool = True,
+    run: Run, evaluator: Evaluator, y: Array, times: Times, *, watch: SingularityMonitor | None = None,
+    standing: bool = True,
 ) -> Iterator[tuple[Evaluator, Sequence[Frame]]]:  # fmt: skip
     """Frames of the motion that starts with y, one by one, and the evaluator that stands there; where nobody needs it
     `standing` there, in blocks of outputs that are passed together.
 
     Their `statistics` are the counters of the integrator since the last one. Raises AnalysisError.
     """
-    model = evaluator.model
+    model, settings, report = evaluator.model, run.mechanism.settings, run.report
     if not model.mechanism.numbering.nkddof or len(times) == 1:
         limits = Limits(evaluator, report)
         if not standing and evaluator.blocks is not None:
@@ -170,7 +171,7 @@ def frames(
     # step or the last output in it, not back from its end.
     shown = evaluator.fork()
     limits = Limits(shown, report)
-    trail = StepHistory(evaluator, watch)
+    trail = StepHistory(evaluator, watch, run.require_time)
     breaks = (*model.drive.breaks, *getattr(model.mechanism.user_signal, "breaks", ()))
     may_jump = not breaks and (model.mechanism.user_signal is not None or not isinstance(model.drive, Polynomial))
     stepper: Stepper | None = None

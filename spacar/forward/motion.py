@@ -61,7 +61,7 @@ def motion(run: Run, own: bool = True) -> Iterator[tuple[Evaluator, Sequence[Fra
     times = output_times(run)
     run.n_frames = len(times)
     if not run.mechanism.numbering.nkddof or run.n_frames == 1:
-        yield from frames(evaluator, y, times, settings, run.report, standing=own)
+        yield from frames(run, evaluator, y, times, standing=own)
         return
     run.header["integrator"] = METHODS[settings.integrator].name
     extent = Extent(run.mechanism)
@@ -82,7 +82,7 @@ def _moved(
     else:
         watch = singularity_monitor(evaluator, run.report)
         try:
-            yield from frames(evaluator, y, times, run.mechanism.settings, run.report, watch=watch, standing=own)
+            yield from frames(run, evaluator, y, times, watch=watch, standing=own)
         except AnalysisError as error:
             if error.code != "position.singular":
                 raise
@@ -98,7 +98,7 @@ def _tumbling(
     run: Run, evaluator: Evaluator, y: Array, times: EvenTimes, chart: Chart, own: bool
 ) -> Iterator[tuple[Evaluator, Sequence[Frame]]]:
     """The motion in as many charts as it needs, with the coordinates of the model."""
-    settings, given, t, told = run.mechanism.settings, 0, times[0], False
+    given, t, told = 0, times[0], False
     better = chart.suited(evaluator.placement().x)
     while True:
         if better is not None:
@@ -120,7 +120,7 @@ def _tumbling(
         try:
             looked = singularity_monitor(evaluator, run.report, watch)
             again = bool(given)  # the first frame is the start, which has been given
-            for where, block in frames(evaluator, y, ahead, settings, run.report, watch=looked, standing=own):
+            for where, block in frames(run, evaluator, y, ahead, watch=looked, standing=own):
                 new = block[1:] if again else block
                 again = False
                 if len(new):

@@ -122,7 +122,7 @@ def problem_of(text, trailed):
     """What the integrators see of a model, and its start state; `trailed`: steps are made in C."""
     evaluator = CompiledDynamics(spacar.frames(1, parse_deck(text, mode=1)).mechanism)
     y = evaluator.start()
-    trail = accepted_steps.StepHistory(evaluator, None)
+    trail = accepted_steps.StepHistory(evaluator, None, lambda t: None)
     return driver.Integrand(evaluator, trail, 1e-11, evaluator.stepper(trail) if trailed else None, trail=trail), y
 
 

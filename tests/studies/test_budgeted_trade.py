@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +15,9 @@ import pytest
 import spacar
 from spacar.deck import parse_deck
 from spacar.deck.rewrite.refine import refine
+from spacar.errors import AnalysisError
 from spacar.studies.policies import budget as budgeted
+from spacar.studies.policies.mesh import MeshSearch
 from spacar.studies.runs.quantities import quantity
 from spacar.studies.runs.setting import Job, Setup, Trade, run_setup
 from tests.studies.oscillator import OSCILLATOR
@@ -63,6 +67,40 @@ def test_the_budget_ends_the_search():
     found = budgeted.search(Trade(1, short, (quantity("x[2,1]"),), repeats=1), 1e-4, 1e-3)
     assert not found.tried
     assert found.skipped > 3
+
+
+STIFF = STIFF_AND_SOFT_ARM.replace("ESTIFF 1 0. 1e4", "ESTIFF 1 0. 1e9").replace("TIMESTEP 0.5 5", "TIMESTEP 0.5 1")
+
+
+ARM = Trade(1, parse_deck(STIFF_AND_SOFT_ARM, mode=1), (quantity("x[5,2]"),), repeats=1)
+
+
+def test_a_run_is_stopped_between_outputs():
+    """853 follows a vibration of 1e5 rad/s for seconds; between two outputs too the time is asked for."""
+    trade = Trade(1, parse_deck(STIFF, mode=1), (quantity("x[5,2]"),), repeats=1)
+    row = run_setup(Job(trade, Setup(integrator=853, tolerance=1e-8), limit=0.2))
+    assert row["stopped"]
+    assert re.search(r"stopped at t = 0\.[0-4]|stopped:", row["reason"])
+
+
+def test_without_time_for_a_second_mesh(monkeypatch):
+    """The mesh of the user is compared, and that the error of the mesh is not known is said."""
+
+    def stopped(*_):
+        raise AnalysisError("stopped", "study.stopped")
+
+    monkeypatch.setattr(MeshSearch, "_divided", stopped)
+    found = budgeted.search(ARM, 1e-3, 10.0)
+    assert found.reference is not None
+    assert "error of the mesh is not known" in found.reference.text
+    assert found.best.setup.measure == "angle"
+
+
+def test_nothing_follows_from_a_reference_that_is_far_off(monkeypatch):
+    known = budgeted.reference
+    monkeypatch.setattr(budgeted, "reference", lambda *a: (replace(known(*a)[0], error=0.2), []))
+    with pytest.raises(AnalysisError, match=r"an error of 0.2 .* more --budget"):
+        budgeted.search(ARM, 1e-2, 10.0)
 
 
 def test_a_run_is_stopped_at_its_limit(trade):

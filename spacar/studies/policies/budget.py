@@ -7,7 +7,7 @@
                 tighter ones are slower; then the cheapest without what it can do without
                 (`spacar.studies.policies.simplification`), and with equations in NumPy
     stopped     a run that takes longer than the cheapest setting that is accurate enough (it cannot be recommended any
-                more), or than what is left of the budget
+                more), or than its part of what is left of the budget
 
 Where the reference does not reach the target within its part of the budget, the goal is what it reached.
 """
@@ -22,7 +22,7 @@ import numpy as np
 
 from spacar.calls import frames
 from spacar.deck.rewrite.refine import flexible_beams
-from spacar.errors import SpacarError
+from spacar.errors import AnalysisError, SpacarError
 from spacar.integrators.methods import AUTOMATIC
 from spacar.mechanism.element_batches import by_angles
 from spacar.studies.policies.mesh import divisible
@@ -36,7 +36,8 @@ from spacar.studies.runs.setting import Job, Setup, Trade, run_setup
 METHODS = (AUTOMATIC, 155, 853, 0, 595, 553)  # the first of them gives the others their limit of time
 FINEST = {True: 64, False: 16}  # elements in the place of a beam, at most: stationary modes, motions
 LOOSEST, DECADES = 1e-2, 2  # tolerances: from here to so many decades below the target
-FOR_REFERENCE, FOR_SETTINGS = 0.6, 0.9  # parts of the budget, from its begin
+FOR_REFERENCE, FOR_MODELS, FOR_SETTINGS = 0.6, 0.7, 0.9  # parts of the budget, from its begin
+UNKNOWN = 0.1  # error of a reference of which nothing follows
 ROOM = 0.7  # of the target that the error of a mesh, or of the reference, may take
 SAME_ERROR = 0.8  # of that of the tolerance before: the error is that of the model, no smaller tolerance helps
 ENOUGH = 3.0  # times the cheapest accurate mesh: one of the other measure that takes longer is not looked at
@@ -102,7 +103,8 @@ class TradeSearch:
         known: dict[tuple[str, int | None], float] = {}  # last errors of rigid models, by method
         while ladders and self.left(part) > 0.1:
             setup = ladders[0].pop(0)
-            row = self.run(setup, min(self.left(), best * self.trade.repeats), self.trade.repeats)
+            limit = best * self.trade.repeats if best < np.inf else self.left(part) / len(ladders)
+            row = self.run(setup, min(self.left(), limit), self.trade.repeats)
             self.tried.append(setup)
             if row["status"] == "done":
                 error, kind = self.error(row), (setup.beams, setup.integrator)
@@ -132,7 +134,7 @@ class TradeSearch:
 
 def search(trade: Trade, target: float, budget: float, tick: Tick = lambda _what, _left: None) -> TradeSearch:
     """Reference, then the settings from cheap to dear, within `budget` seconds. Raises UsageError, and AnalysisError
-    when the reference cannot be computed in its part of the budget."""
+    when the reference cannot be computed in its part of the budget, or to an error of UNKNOWN."""
     found = TradeSearch(trade, target, budget=budget, tick=tick)
     run = frames(trade.mode, trade.deck, **trade.options)
     beams, found.undivided = divisible(run)
@@ -142,8 +144,12 @@ def search(trade: Trade, target: float, budget: float, tick: Tick = lambda _what
     tick("the reference", found.left(FOR_REFERENCE))
     found.reference, meshes = reference(trade, run, beams, target, found.left(FOR_REFERENCE))
     error = found.reference.error
+    if error > UNKNOWN:
+        text = f"the reference reaches an error of {error:.2g} of the motion in its time only ({found.reference.text});"
+        raise AnalysisError(f"{text} more --budget, a shorter --time, or the --variable that counts", "study.reference")
     found.goal = target if error <= ROOM * target else 2.0 * error
-    found.climb(found.ladders([*_rigid(trade), *(_models(found, meshes) if beams else [Setup()])]))
+    given = Setup(measure=run.mechanism.settings.beams or "angle" if beams else "")
+    found.climb(found.ladders([*_rigid(trade), *(_models(found, meshes) if meshes else [given])]))
     return found
 
 
@@ -180,7 +186,7 @@ def _models(found: TradeSearch, meshes: Sequence[Computed]) -> list[Setup]:
     its = next(mesh for mesh in meshes if max(mesh.pieces.values()) == enough).attempt
     for n in doubled:
         setup = Setup(n, integrator=its.integrator, tolerance=its.tolerance)
-        row = found.run(setup, max(ENOUGH * its.seconds, 0.1), 1)
+        row = found.run(setup, min(max(ENOUGH * its.seconds, 0.1), found.left(FOR_MODELS)), 1)
         if row["status"] != "done":
             break
         if found.error(row) <= ROOM * found.goal:

@@ -16,6 +16,7 @@ the same rod. In motions the mesh of the user is integrated to a part of the tar
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -43,6 +44,7 @@ LEFT = 0.1  # part of the target that groups which are not refined may take
 MOST = {True: 64, False: 16}  # beams in the place of one, at most
 RESOLVED = 0.3  # error of the refined result over its difference from the mesh of the user, to measure that one
 IN_TIME = 0.15  # part of the target that the integration of each mesh may take
+OWN = 0.125  # part of the time that the mesh of the user may take: two finer ones cost 2 and 4 times its last run
 UNMEASURED = 1e-5  # relative tolerance of refined meshes, at most, when the run of the file is only measured
 
 
@@ -117,7 +119,7 @@ class MeshSearch:
     def refined(self, target: float) -> Found:
         """Meshes until the estimate is within the target."""
         self.in_time = IN_TIME * target
-        own = self.compute(self.ones, self.measure)
+        own = self._own()
         chain, active, left, n = [own], self.beams, 0.0, 1
         found: Found | None = None
         try:
@@ -142,6 +144,20 @@ class MeshSearch:
             if found is None:
                 return Found(own.frames or (), np.full_like(own.x, np.nan), np.nan, why, own)
             return replace(found, way=f"{found.way}; {why}")
+
+    def _own(self) -> Computed:
+        """The mesh of the user, in its part of the time, or in all of it where that is too short."""
+        end, now = self.end, time.process_time()
+        if end < np.inf and not self.run.mode.stationary:
+            self.end = now + OWN * (end - now)
+            try:
+                return self.compute(self.ones, self.measure)
+            except AnalysisError as error:
+                if error.code != "study.stopped":
+                    raise
+            finally:
+                self.end = end
+        return self.compute(self.ones, self.measure)
 
     def _divided(self, beams: Iterable[int], n: int) -> Computed:
         return self.compute(self.ones | dict.fromkeys(beams, n), self.measure)

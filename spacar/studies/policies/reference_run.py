@@ -24,25 +24,28 @@ JUDGE = 0.1  # error of the reference over the target
 def reference(
     trade: Trade, run: Run, beams: tuple[int, ...], target: float, seconds: float
 ) -> tuple[Reference, list[Computed]]:
-    """The reference, and the meshes from coarse to fine that it was extrapolated from.
+    """The reference, and the meshes from coarse to fine that it was extrapolated from: none where the time is enough
+    for the mesh of the user only, whose error is not known then.
 
-    Raises AnalysisError when there is none within the time.
+    Raises AnalysisError when there is no reference within the time.
     """
     target, end = JUDGE * target, time.process_time() + seconds
     if not beams:
         last, before = ToleranceLadder(run, trade.variables, end=end).climb(target)
-        text = f"methods {before.attempt} and {last.attempt} differ by {last.attempt.difference:.2e}"
-        return Reference(last.found.values, last.found.amplitude, last.error, text, last.found.names), []
+        return _of(last, f"methods {before.attempt} and {last.attempt} differ by {last.attempt.difference:.2e}"), []
     study = MeshSearch(run, beams, trade.variables, end=end)
     result = study.refined(target)
     if result.rows is None:
-        text = f"the reference needs two meshes at least, and more budget (--budget): {result.way}"
-        raise AnalysisError(text, "study.reference")
+        return _of(study.meshes[0], f"the error of the mesh is not known, as {result.way} (--budget)"), []
     finest, own = result.finest.found, study.meshes[0].found.names
     rows = [i for i, name in enumerate(finest.names) if np.isfinite(finest.amplitude[i]) and name in own]
     names = tuple(finest.names[i] for i in rows)
     found = Reference(result.rows.values[rows], finest.amplitude[rows], result.estimate, result.way, names)
     return found, [mesh for mesh in study.meshes if len(set(mesh.pieces.values())) == 1]
+
+
+def _of(run: Computed, text: str) -> Reference:
+    return Reference(run.found.values, run.found.amplitude, run.error, text, run.found.names)
 
 
 def massless(trade: Trade) -> str:

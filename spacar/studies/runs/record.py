@@ -58,11 +58,11 @@ def compute(
     """Run to the end; its cost, or why it failed, is written into `attempt`. Raises AnalysisError.
 
     view   frame and its number to the frame that counts, of the mechanism `shown`;  hold  keep frames of any size
-    end    processor time at which the run is stopped, at the next output [s]
+    end    processor time at which the run is stopped [s]
     """
     shown, stationary = shown or run.mechanism, run.mode.stationary
     held = hold or bool(variables) or _size(run) <= KEPT
-    begun = time.process_time()
+    begun, run.end = time.process_time(), end
     frames, x, implicit = [], [], False
     try:
         for i, frame in enumerate(run):
@@ -72,7 +72,6 @@ def compute(
             x.append(seen.x)
             if held:
                 frames.append(seen)
-            require_time(end, frame.t)
     except AnalysisError as error:
         attempt.reason = str(error)
         raise
@@ -82,14 +81,6 @@ def compute(
     plain = not variables and not stationary
     found = coordinates(shown, every) if plain else assessed(shown, run.mode.number, frames, variables, stationary)
     return Computed(run, attempt, every, frames if held else None, found, implicit=implicit)
-
-
-def require_time(end: float, t: float | None) -> None:
-    """Raises AnalysisError 'study.stopped' when the processor time is beyond `end` [s]; t: where the run is."""
-    if time.process_time() > end:
-        where = "" if t is None else f" at t = {t:.6g}"
-        text = f"stopped{where}: a cheaper setting is better, or the budget is used"
-        raise AnalysisError(text, "study.stopped")
 
 
 def _size(run: Run) -> int:

@@ -30,7 +30,6 @@ from spacar.studies.perturbation import perturbation, require_perturbation
 from spacar.studies.policies.sweep import explain
 from spacar.studies.runs.compared import compared
 from spacar.studies.runs.quantities import Quantity, quantity
-from spacar.studies.runs.record import require_time
 from spacar.studies.runs.result_quantities import free_coordinates
 from spacar.studies.runs.rows import Row, key
 
@@ -204,15 +203,9 @@ def _run(trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any], limit:
     if setup.method == "perturbation":
         return perturbation(deck, setup.substeps or 1, **options)
     run = frames(trade.mode, deck, **options)
-    if limit is None:
-        return Result.collect(run)
-    end = time.process_time() + limit
-    found = []
-    for frame in run:
-        found.append(frame)
-        if len(found) != run.n_frames:
-            require_time(end, frame.t)
-    return Result(run.mechanism, trade.mode, tuple(found), tuple(run.report.lines), run.header.copy())
+    if limit is not None:
+        run.end = time.process_time() + limit
+    return Result.collect(run)
 
 
 def setup_options(trade: Trade, setup: Setup, deck: Deck) -> dict[str, Any]:
