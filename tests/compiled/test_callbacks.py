@@ -14,21 +14,8 @@ from spacar.forward.motion import chosen
 
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 
-CANTILEVER = """PLBEAM 1 1 2 3 4
-X 1 0 0
-X 3 1 0
-FIX 1
-FIX 2
-DYNE 1 2 3
-END
-HALT
-XM 3 1.
-EM 1 1.
-ESTIFF 1 0. 10. 0.
-USERSIG law
-TIMESTEP 0.1 2
-END
-END
+CANTILEVER = """PLBEAM 1 1 2 3 4   X 1 0 0   X 3 1 0   FIX 1   FIX 2   DYNE 1 2 3   END HALT
+XM 3 1.   EM 1 1.   ESTIFF 1 0. 10. 0.   USERSIG law   TIMESTEP 0.1 2   END END
 """
 FUNCTION = "def law(t, ne, le, e, ep, nx, lnp, x, xp):\n    return t, [[1, 2, 0.1]], []\n"
 

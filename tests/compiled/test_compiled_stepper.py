@@ -17,40 +17,13 @@ from spacar.integrators import drive
 DATA = Path(__file__).parents[2] / "data"
 pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
 
-PENDULUM = """PLBEAM 1 1 2 4 3
-PLBEAM 2 4 5 7 6
-X 1 0. 0.
-X 4 0.7 -0.7
-X 7 1.4 -1.4
-FIX 1
-DYNX 2 1
-DYNX 5 1
-END
-HALT
-EM 1 1.0
-EM 2 1.0
-GRAVITY 0. -9.81
-TIMESTEP 2. 7
-END
-END
+PENDULUM = """PLBEAM 1 1 2 4 3   PLBEAM 2 4 5 7 6   X 1 0. 0.   X 4 0.7 -0.7   X 7 1.4 -1.4
+FIX 1   DYNX 2 1   DYNX 5 1   END HALT
+EM 1 1.0   EM 2 1.0   GRAVITY 0. -9.81   TIMESTEP 2. 7   END END
 """
-FREE_CRANK = """PLBEAM 1 1 2 3 4
-PLBEAM 2 3 5 6 7
-X 1 0. 0.
-X 3 0.15 0.
-X 6 0.45 0.
-FIX 1
-FIX 6 2
-DYNX 2 1
-END
-HALT
-EM 1 0.2
-EM 2 0.2
-XM 6 0.03
-STARTDX 2 1 0. 30.
-TIMESTEP 1. 3
-END
-END
+FREE_CRANK = """PLBEAM 1 1 2 3 4   PLBEAM 2 3 5 6 7   X 1 0. 0.   X 3 0.15 0.   X 6 0.45 0.
+FIX 1   FIX 6 2   DYNX 2 1   END HALT
+EM 1 0.2   EM 2 0.2   XM 6 0.03   STARTDX 2 1 0. 30.   TIMESTEP 1. 3   END END
 """
 CODES = (0, 135, 155, 853)
 

@@ -121,17 +121,8 @@ def test_screws_and_belts_count_turns() -> None:
 
 
 USER = "import math\ndef push(t, ne, le, e, ep, nx, lnp, x, xp):\n"
-PENDULUM = """PLBEAM 1 1 2 3 4
-X 3 1. 0.
-FIX 1
-{klass}
-END
-HALT
-XM 3 2.
-{more}
-TIMESTEP 1. 10
-END
-END
+PENDULUM = """PLBEAM 1 1 2 3 4   X 3 1. 0.   FIX 1   {klass}   END HALT
+XM 3 2.   {more}   TIMESTEP 1. 10   END END
 """
 
 

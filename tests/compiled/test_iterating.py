@@ -38,17 +38,8 @@ def both(monkeypatch: pytest.MonkeyPatch, source: object, code: int, **options: 
     return found
 
 
-FREE = """PLTRUSS 1 1 2
-X 2 1 0
-DYNX 1
-DYNX 2
-RLSE 1 1
-END HALT
-XM 1 2
-XM 2 1
-ESTIFF 1 50
-STARTDX 2 2 0 3
-END END"""
+FREE = """PLTRUSS 1 1 2   X 2 1 0   DYNX 1   DYNX 2   RLSE 1 1   END HALT
+XM 1 2   XM 2 1   ESTIFF 1 50   STARTDX 2 2 0 3   END END"""
 
 
 @pytest.mark.parametrize("code", [553, 595])

@@ -20,41 +20,15 @@ DATA = Path(__file__).parents[2] / "data"
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 CODES = (0, 135, 155, 853)
 
-CRANK = """PLBEAM 1 1 2 3 4
-PLBEAM 2 3 5 6 7
-X 1 0. 0.
-X 3 0.15 0.
-X 6 0.45 0.
-FIX 1
-FIX 6 2
-{drive}
-END
-HALT
-EM 1 0.2
-EM 2 0.2
-XM 6 0.03
-{start}
-TIMESTEP {times}
-END
-END
+CRANK = """PLBEAM 1 1 2 3 4   PLBEAM 2 3 5 6 7   X 1 0. 0.   X 3 0.15 0.   X 6 0.45 0.
+FIX 1   FIX 6 2   {drive}   END HALT
+EM 1 0.2   EM 2 0.2   XM 6 0.03   {start}   TIMESTEP {times}   END END
 """
 FREE = CRANK.format(drive="DYNX 2 1", start="STARTDX 2 1 0. 30.", times="1. 40")
 FAST = CRANK.format(drive="DYNX 2 1", start="STARTDX 2 1 0. 30.", times="3. 3")
 DRIVEN = CRANK.format(drive="INPUTX 2 1", start="INPUTX 2 1 0. 150. 0.", times="0.1 100")
-BOUNCING = """PLBEAM 1 1 2 3 4
-X 1 0. 0.
-X 3 1. 0.
-FIX 1
-DYNX 2 1
-END
-HALT
-EM 1 1.0
-XM 3 1.0
-GRAVITY 0. -9.81
-USERSIG push
-TIMESTEP 1. 20
-END
-END
+BOUNCING = """PLBEAM 1 1 2 3 4   X 1 0. 0.   X 3 1. 0.   FIX 1   DYNX 2 1   END HALT
+EM 1 1.0   XM 3 1.0   GRAVITY 0. -9.81   USERSIG push   TIMESTEP 1. 20   END END
 """
 R, L = 0.15, 0.35
 UPRIGHT = float(np.sqrt(L**2 - R**2))
@@ -132,7 +106,7 @@ def test_examples(name, code):
 def test_only_python_looks_where_somebody_needs_the_evaluator(monkeypatch):
     asked = []
     monkeypatch.setattr(CompiledDynamics, "output_block", lambda self, *a: asked.append(a))
-    spacar.run(1, parse_deck(FREE.replace("END\nHALT", "OUTLEVEL 0 1\nEND\nHALT"), mode=1))
+    spacar.run(1, parse_deck(FREE.replace("END HALT", "OUTLEVEL 0 1 END HALT"), mode=1))
     assert not asked
 
 

@@ -25,20 +25,8 @@ from spacar.mechanism import build
 
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 
-ARM = """PLBEAM 1 1 2 3 4
-X 1 0. 0.
-X 3 1. 0.
-FIX 1
-FIX 2
-DYNE 1 1
-DYNE 1 2 3
-END HALT
-XM 3 1.
-EM 1 1.
-ESTIFF 1 100. 100.
-USERSIG law
-TIMESTEP 0.1 5
-END END
+ARM = """PLBEAM 1 1 2 3 4   X 1 0. 0.   X 3 1. 0.   FIX 1   FIX 2   DYNE 1 1   DYNE 1 2 3   END HALT
+XM 3 1.   EM 1 1.   ESTIFF 1 100. 100.   USERSIG law   TIMESTEP 0.1 5   END END
 """
 HEAD = "import json, numpy as np\ndef law(t, ne, le, e, ep, nx, lnp, x, xp):\n"
 USUAL = "    return t, [[1, 1, -0.3 * ep[0]], (1, 2, 0.1)], [[3, 1, 0.5 + t]]\n"
@@ -135,7 +123,7 @@ def test_python_reads_only_the_first_of_usual_answers(tmp_path: Path, monkeypatc
 def test_sentences_come_and_go_as_when_called_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A stress on a fixed deformation at some outputs only: where it was, not where it was not."""
     body = "    return t, [[1, 1, 0.1 if 0.03 < t < 0.07 else 0.0], [1, 2, 0.1]], []\n"
-    path = model(tmp_path, body, ARM.replace("DYNE 1 1\n", ""))
+    path = model(tmp_path, body, ARM.replace("DYNE 1 1 ", ""))
 
     def lost() -> tuple[list[list[Any]], list[str]]:
         blocks = list(spacar.frames(1, path).blocks())

@@ -22,23 +22,9 @@ DATA = Path(__file__).parents[2] / "data"
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 
 PENDULUM = """
-PLBEAM 1 1 2 4 3
-PLBEAM 2 4 5 7 6
-X 1 0. 0.
-X 4 0. -1.
-X 7 0.5 -1.5
-FIX 1
-DYNX 2 1
-DYNX 5 1
-END
-HALT
-XM 4 1.
-XM 7 {mass}
-STARTDX 2 1 0.3 0.
-STARTDX 5 1 0.4 0.
-TIMESTEP 1. 1
-END
-END
+PLBEAM 1 1 2 4 3   PLBEAM 2 4 5 7 6   X 1 0. 0.   X 4 0. -1.   X 7 0.5 -1.5
+FIX 1   DYNX 2 1   DYNX 5 1   END HALT
+XM 4 1.   XM 7 {mass}   STARTDX 2 1 0.3 0.   STARTDX 5 1 0.4 0.   TIMESTEP 1. 1   END END
 """
 
 

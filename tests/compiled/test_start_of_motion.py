@@ -29,20 +29,8 @@ def slider(duration, steps, *more):
     return Deck.build(SLIDER, [*rows, *more], mode=1)
 
 
-PENDULUM = """PLBEAM 1 1 2 3 4
-X 1 0. 0.
-X 3 1. 0.
-FIX 1
-DYNX 2 1
-END
-HALT
-EM 1 1.0
-XM 3 1.0
-GRAVITY 0. -9.81
-USERSIG push
-TIMESTEP 1. 20
-END
-END
+PENDULUM = """PLBEAM 1 1 2 3 4   X 1 0. 0.   X 3 1. 0.   FIX 1   DYNX 2 1   END HALT
+EM 1 1.0   XM 3 1.0   GRAVITY 0. -9.81   USERSIG push   TIMESTEP 1. 20   END END
 """
 
 

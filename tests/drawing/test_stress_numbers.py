@@ -19,17 +19,9 @@ import spacar
 from spacar.errors import UsageError
 
 W, T = 0.03, 0.012
-BAR = """SECTION s {section}
-{kind}
-BEAMSEC 1 s steel {n}
-X {q} 1. 0. 0.
-DYNE 1
-FIX 1
-FIX 2
-{more}
-END HALT
-{loads}
-END END
+BAR = """SECTION s {section}   {kind}   BEAMSEC 1 s steel {n}   X {q} 1. 0. 0.
+DYNE 1   FIX 1   FIX 2   {more}   END HALT
+{loads}   END END
 """
 
 

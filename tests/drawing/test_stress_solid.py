@@ -25,20 +25,9 @@ MIDDLES = [(1, 0, 0), (2, 1, 0), (1, 2, 0), (0, 1, 0), (1, 0, 2), (2, 1, 2), (1,
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(shutil.which("ccx") is None, reason="no ccx")]
 
-BEAM = f"""SECTION s RECT {WIDTH} {THICKNESS}
-MATERIAL m 210e9 0.3
-BEAMW 1  1 2 3  4 5 6  0 1 0
-BEAMSEC 1 s m 16
-X 4 {LENGTH}
-DYNE 1
-FIX 1
-FIX 2
-FIX 3
-FIX 6
-END HALT
-XF 4 {AXIAL} 0. {ACROSS}
-XF 5 {TORQUE} 0. 0.
-END END
+BEAM = f"""SECTION s RECT {WIDTH} {THICKNESS}   MATERIAL m 210e9 0.3   BEAMW 1  1 2 3  4 5 6  0 1 0
+BEAMSEC 1 s m 16   X 4 {LENGTH}   DYNE 1   FIX 1   FIX 2   FIX 3   FIX 6   END HALT
+XF 4 {AXIAL} 0. {ACROSS}   XF 5 {TORQUE} 0. 0.   END END
 """
 
 

@@ -136,26 +136,9 @@ def bent_cantilever(kind, extra, n, load):
 def test_shear_forces_at_a_clamp_under_torque(n):
     """40 N along y and 4 N m about the beam: at the clamp Qy = 40, Qz = 0 however fine the mesh is."""
     text = f"""
-X 1 0 0 0
-X 3 0.2 0 0
-FIX 1
-FIX 2
-BEAM 1 1 2 3 4 0 1 0
-RLSE 1
-DYNX 3
-DYNX 4
-SECTION s RECT .02 .002
-MATERIAL m 2.1e11 0.3 7800
-BEAMSEC 1 s m {n}
-END
-HALT
-XF 3 0 40 0
-XF 4 4 0 0
-XM 3 1.
-XM 4 .1 0 0 .1 0 .1
-ITERSTEP 20 6 1e-9
-END
-END
+X 1 0 0 0   X 3 0.2 0 0   FIX 1   FIX 2   BEAM 1 1 2 3 4 0 1 0   RLSE 1   DYNX 3   DYNX 4
+SECTION s RECT .02 .002   MATERIAL m 2.1e11 0.3 7800   BEAMSEC 1 s m {n}   END HALT
+XF 3 0 40 0   XF 4 4 0 0   XM 3 1.   XM 4 .1 0 0 .1 0 .1   ITERSTEP 20 6 1e-9   END END
 """
     result = spacar.run(7, parse_deck(text, mode=7))
     scene = source_of_result(result).scene

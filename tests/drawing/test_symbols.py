@@ -206,18 +206,9 @@ def test_numbers_stand_at_what_is_drawn_of_their_element():
         np.testing.assert_allclose(label.at, line[50], atol=1e-12)
 
 
-SLIDING = """PLBEAM 1 1 2 3 4
-PLBEAM 2 3 4 5 6
-X 3 1. 0.
-X 5 1.5 0.5
-FIX 1
-FIX 2
-FIX 5 {held}
-{drive} 1 1
-RLSE 2 {released}
-END HALT
-{stiffness}
-END END
+SLIDING = """PLBEAM 1 1 2 3 4   PLBEAM 2 3 4 5 6   X 3 1. 0.   X 5 1.5 0.5
+FIX 1   FIX 2   FIX 5 {held}   {drive} 1 1   RLSE 2 {released}   END HALT
+{stiffness}   END END
 """
 
 

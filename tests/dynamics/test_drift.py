@@ -12,51 +12,16 @@ import spacar
 from spacar.compiled.compiled_evaluator import CompiledDynamics
 from spacar.kinematics.kinematics import Kinematics
 
-MASSES = """PLTRUSS 1 1 2
-X 2 1 0
-DYNX 1
-DYNX 2
-RLSE 1 1
-END
-HALT
-XM 1 2
-XM 2 1
-ESTIFF 1 50
-STARTDX 1 1 0 {0}
-STARTDX 1 2 0 {1}
-STARTDX 2 1 1 {0}
-STARTDX 2 2 0 {2}
-TIMESTEP 3 10
-ERROR 1e-9 1e-9
-END
-END
+MASSES = """PLTRUSS 1 1 2   X 2 1 0   DYNX 1   DYNX 2   RLSE 1 1   END HALT
+XM 1 2   XM 2 1   ESTIFF 1 50
+STARTDX 1 1 0 {0}   STARTDX 1 2 0 {1}   STARTDX 2 1 1 {0}   STARTDX 2 2 0 {2}   TIMESTEP 3 10
+ERROR 1e-9 1e-9   END END
 """
 # a rod turns beside them about a fixed point
-RODS = """PLRBEAM 1 1 2 3
-PLRBEAM 2 3 4 5
-PLRBEAM 3 6 7 8
-X 3 1 0
-X 5 2 0
-X 6 0 5
-X 8 1 5
-FIX 6
-INPUTX 7
-DYNX 1
-DYNX 2
-DYNX 4
-END
-HALT
-EM 1 1
-EM 2 1
-STARTDX 1 1 0 {0}
-STARTDX 1 2 0 {1}
-STARTDX 2 1 0 1
-STARTDX 4 1 0 {2}
-INPUTX 7 1 0 3
-TIMESTEP 5 10
-ERROR 1e-9 1e-9
-END
-END
+RODS = """PLRBEAM 1 1 2 3   PLRBEAM 2 3 4 5   PLRBEAM 3 6 7 8   X 3 1 0   X 5 2 0   X 6 0 5   X 8 1 5
+FIX 6   INPUTX 7   DYNX 1   DYNX 2   DYNX 4   END HALT   EM 1 1   EM 2 1
+STARTDX 1 1 0 {0}   STARTDX 1 2 0 {1}   STARTDX 2 1 0 1   STARTDX 4 1 0 {2}   INPUTX 7 1 0 3
+TIMESTEP 5 10   ERROR 1e-9 1e-9   END END
 """
 
 

@@ -24,36 +24,15 @@ from spacar.integrators.problem import Tolerance
 from spacar.mechanism.mechanism import SolverSettings
 
 DATA = Path(__file__).parents[2] / "data"
-CRANK = """PLBEAM 1 1 2 3 4
-PLBEAM 2 3 5 6 7
-X 3 0.15 0.
-X 6 0.45 0.
-FIX 1
-FIX 6 2
+CRANK = """PLBEAM 1 1 2 3 4   PLBEAM 2 3 5 6 7   X 3 0.15 0.   X 6 0.45 0.   FIX 1   FIX 6 2
 """
-FALLING = """DYNX 2 1
-END
-HALT
-XM 6 0.033375
-EM 1 0.2225
-EM 2 0.2225
-GRAVITY 0. -9.81
-STARTDX 2 1 0. 10.
-TIMESTEP 10. 100
-END
-END
+FALLING = """DYNX 2 1   END HALT
+XM 6 0.033375   EM 1 0.2225   EM 2 0.2225   GRAVITY 0. -9.81   STARTDX 2 1 0. 10.   TIMESTEP 10. 100
+END END
 """
-FLEXIBLE = """INPUTX 2 1
-DYNE 2 2 3
-END
-HALT
-XM 6 0.033375
-INPUTX 2 1 0. 150. 0.
-EM 2 0.2225
-ESTIFF 2 0. 13.359623
-TIMESTEP 0.02 20
-END
-END
+FLEXIBLE = """INPUTX 2 1   DYNE 2 2 3   END HALT
+XM 6 0.033375   INPUTX 2 1 0. 150. 0.   EM 2 0.2225   ESTIFF 2 0. 13.359623   TIMESTEP 0.02 20
+END END
 """
 
 

@@ -14,21 +14,8 @@ from spacar.compiled.library import why_off
 ENGINES = [pytest.param(True, marks=pytest.mark.skipif(why_off() is not None, reason="no engine")), False]
 BEGIN, END = 3.0031, 3.0531
 OSCILLATOR = """
-PLTRUSS 1 1 2
-X 1 0. 0.
-X 2 100. 0.
-FIX 1
-FIX 2 2
-DYNE 1 1
-END
-HALT
-XM 2 1.
-ESTIFF 1 400.
-USERSIG push
-STARTDE 1 1 0.01 0.
-TIMESTEP 10. 1000
-END
-END
+PLTRUSS 1 1 2   X 1 0. 0.   X 2 100. 0.   FIX 1   FIX 2 2   DYNE 1 1   END HALT
+XM 2 1.   ESTIFF 1 400.   USERSIG push   STARTDE 1 1 0.01 0.   TIMESTEP 10. 1000   END END
 """
 PULSE = f"""
 def push(t, ne, le, e, ep, nx, lnp, x, xp):

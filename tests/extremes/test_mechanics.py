@@ -16,25 +16,10 @@ def run(mode: int, text: str, **options):
 def springs(k1: float, k2: float, m: float = 1.0, force: float = 1.0) -> str:
     """Two trusses of 1 m in a row, masses at their ends."""
     return f"""
-PLTRUSS 1 1 2
-PLTRUSS 2 2 3
-X 2 1. 0.
-X 3 2. 0.
-FIX 1
-FIX 2 2
-FIX 3 2
-DYNE 1
-DYNE 2
-END
-HALT
-XM 2 {m!r}
-XM 3 {m!r}
-ESTIFF 1 {k1!r}
-ESTIFF 2 {k2!r}
-XF 3 {force!r} 0.
-ITERSTEP 20 1 1e-12
-END
-END
+PLTRUSS 1 1 2   PLTRUSS 2 2 3   X 2 1. 0.   X 3 2. 0.   FIX 1   FIX 2 2   FIX 3 2   DYNE 1   DYNE 2
+END HALT
+XM 2 {m!r}   XM 3 {m!r}   ESTIFF 1 {k1!r}   ESTIFF 2 {k2!r}   XF 3 {force!r} 0.
+ITERSTEP 20 1 1e-12   END END
 """
 
 
@@ -74,18 +59,8 @@ def test_pendulum_of_any_size(mass, length):
     g, a = 9.81, 0.1
     period = 2.0 * np.pi * np.sqrt(length / g) * (1.0 + a**2 / 16.0 + 11.0 * a**4 / 3072.0 + 173.0 * a**6 / 737280.0)
     text = f"""
-PLRBEAM 1 1 2 3
-X 3 0. {-length!r}
-FIX 1
-DYNX 2 1
-END
-HALT
-XM 3 {mass!r}
-GRAVITY 0. {-g}
-STARTDX 2 1 {a} 0.
-TIMESTEP {float(period)!r} 4
-END
-END
+PLRBEAM 1 1 2 3   X 3 0. {-length!r}   FIX 1   DYNX 2 1   END HALT
+XM 3 {mass!r}   GRAVITY 0. {-g}   STARTDX 2 1 {a} 0.   TIMESTEP {float(period)!r} 4   END END
 """
     result = run(1, text, integrator=853, atol=1e-10, rtol=1e-10)
     assert result.node(2, 1)[-1] == pytest.approx(a, rel=1e-9)  # the velocity vanishes there: second order in the error
@@ -98,17 +73,8 @@ END
 def test_centrifugal_force_of_a_fast_rotor(speed):
     """A mass at the end of a prescribed bar: force m omega^2 r on the bearing, at any angle."""
     text = f"""
-PLRBEAM 1 1 2 3
-X 3 0.2 0.
-FIX 1
-INPUTX 2 1
-END
-HALT
-XM 3 0.5
-INPUTX 2 1 0. {speed!r}
-TIMESTEP {100.0 / speed!r} 50
-END
-END
+PLRBEAM 1 1 2 3   X 3 0.2 0.   FIX 1   INPUTX 2 1   END HALT
+XM 3 0.5   INPUTX 2 1 0. {speed!r}   TIMESTEP {100.0 / speed!r} 50   END END
 """
     result = run(1, text)
     force = np.hypot(result.node(1, 1, "fxtot"), result.node(1, 2, "fxtot"))
@@ -120,18 +86,10 @@ def test_free_top_at_high_spin(spin):
     """A free symmetric top: H is constant and the body axis moves around it with the angle of the start. 2.5 rad: three
     Euler parameters describe an orientation up to half a turn."""
     text = f"""
-PINBODY 1 1 2 3
-X 3 0.1 0. 0.
-FIX 1
-DYNX 2
-END
-HALT
+PINBODY 1 1 2 3   X 3 0.1 0. 0.   FIX 1   DYNX 2   END HALT
 XM 2 1. 0. 0. 1. 0. 2.
-STARTDX 2 4 0. {0.5 * spin!r}
-STARTDX 2 2 0. {0.05 * spin!r}
-TIMESTEP {2.5 / spin!r} 10
-END
-END
+STARTDX 2 4 0. {0.5 * spin!r}   STARTDX 2 2 0. {0.05 * spin!r}   TIMESTEP {2.5 / spin!r} 10
+END END
 """
     # ERROR is that of the issue's most accurate level: rates of 1e5 rad/s and angles share one relative error
     result = run(1, text, integrator=853, atol=1e-10, rtol=1e-10)

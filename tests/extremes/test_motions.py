@@ -11,22 +11,10 @@ from spacar.deck import parse_deck
 
 # Crank 0.15 m, 0.2225 kg/m; rod 0.30 m, slider 0.033375 kg; no gravity, no torque: the crank angle obeys energy.
 CRANK = """
-PLBEAM 1 1 2 3 4
-PLBEAM 2 3 5 6 7
-X 3 0.15 0.
-X 6 0.45 0.
-FIX 1
-FIX 6 2
-DYNX 2 1
+PLBEAM 1 1 2 3 4   PLBEAM 2 3 5 6 7   X 3 0.15 0.   X 6 0.45 0.   FIX 1   FIX 6 2   DYNX 2 1
 END HALT
-EM 1 0.2225
-EM 2 0.2225
-XM 6 0.033375
-STARTDX 2 1 0. 30.
-TIMESTEP {duration!r} {steps}
-INTEGRAT 853
-ERROR {error} {error}
-END END
+EM 1 0.2225   EM 2 0.2225   XM 6 0.033375   STARTDX 2 1 0. 30.
+TIMESTEP {duration!r} {steps}   INTEGRAT 853   ERROR {error} {error}   END END
 """
 
 
@@ -68,21 +56,9 @@ def test_masses_in_a_ratio_of_1e12(ratio):
     omega = np.sqrt(k * (1.0 / m1 + 1.0 / m2))
     period = float(2.0 * np.pi / omega)
     text = f"""
-PLTRUSS 1 1 2
-X 2 1. 0.
-FIX 1 2
-FIX 2 2
-DYNX 1 1
-DYNE 1 1
-END HALT
-XM 1 {m1!r}
-XM 2 {m2!r}
-ESTIFF 1 {k!r}
-STARTDE 1 1 {a!r} 0.
-STARTDX 1 1 0. 0.
-TIMESTEP {period!r} 40
-INTEGRAT 853
-ERROR 1e-12 1e-12
+PLTRUSS 1 1 2   X 2 1. 0.   FIX 1 2   FIX 2 2   DYNX 1 1   DYNE 1 1   END HALT
+XM 1 {m1!r}   XM 2 {m2!r}   ESTIFF 1 {k!r}
+STARTDE 1 1 {a!r} 0.   STARTDX 1 1 0. 0.   TIMESTEP {period!r} 40   INTEGRAT 853   ERROR 1e-12 1e-12
 END END
 """
     result = spacar.run(1, parse_deck(text, mode=1))
@@ -93,18 +69,8 @@ END END
 
 
 PULSE = """
-PLTRUSS 1 1 2
-X 2 1. 0.
-FIX 1
-FIX 2 2
-DYNE 1 1
-END HALT
-XM 2 2.
-ESTIFF 1 200.
-USERSIG pulse
-TIMESTEP 1. 50
-INTEGRAT {code}
-ERROR 1e-9 1e-9
+PLTRUSS 1 1 2   X 2 1. 0.   FIX 1   FIX 2 2   DYNE 1 1   END HALT
+XM 2 2.   ESTIFF 1 200.   USERSIG pulse   TIMESTEP 1. 50   INTEGRAT {code}   ERROR 1e-9 1e-9
 END END
 """
 FORCE = """
@@ -143,24 +109,11 @@ def units(length, mass):
     """A swinging elastic arm in units of `length` m and `mass` kg (time in s): values of a file."""
     force = length * mass
     return f"""
-PLBEAM 1 1 2 3 4
-PLBEAM 2 3 4 5 6
-X 3 {0.5 / length!r} 0.
-X 5 {1.0 / length!r} 0.
-FIX 1
-DYNX 2 1
-DYNE 1 2 3
-DYNE 2 2 3
-END HALT
-EM 1 {2.0 * length / mass!r}
-EM 2 {2.0 * length / mass!r}
-XM 5 {0.3 / mass!r}
-ESTIFF 1 0. {50.0 / (force * length**2)!r}
-ESTIFF 2 0. {50.0 / (force * length**2)!r}
-GRAVITY 0. {-9.81 / length!r}
-TIMESTEP 0.3 10
-INTEGRAT 853
-ERROR {1e-10 / length!r} 1e-10
+PLBEAM 1 1 2 3 4   PLBEAM 2 3 4 5 6   X 3 {0.5 / length!r} 0.   X 5 {1.0 / length!r} 0.
+FIX 1   DYNX 2 1   DYNE 1 2 3   DYNE 2 2 3   END HALT
+EM 1 {2.0 * length / mass!r}   EM 2 {2.0 * length / mass!r}   XM 5 {0.3 / mass!r}
+ESTIFF 1 0. {50.0 / (force * length**2)!r}   ESTIFF 2 0. {50.0 / (force * length**2)!r}
+GRAVITY 0. {-9.81 / length!r}   TIMESTEP 0.3 10   INTEGRAT 853   ERROR {1e-10 / length!r} 1e-10
 END END
 """
 

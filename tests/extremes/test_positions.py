@@ -17,21 +17,9 @@ def run(mode: int, text: str, **options):
 
 def crank(rod: float, omega: float, duration: float, steps: int) -> str:
     return f"""
-PLBEAM 1 1 2 3 4
-PLBEAM 2 3 5 6 7
-X 3 0.15 0.
-X 6 {0.15 + rod!r} 0.
-FIX 1
-FIX 6 2
-INPUTX 2 1
-END
-HALT
-XM 6 0.03
-EM 2 0.2
-INPUTX 2 1 0. {omega!r}
-TIMESTEP {duration!r} {steps}
-END
-END
+PLBEAM 1 1 2 3 4   PLBEAM 2 3 5 6 7   X 3 0.15 0.   X 6 {0.15 + rod!r} 0.
+FIX 1   FIX 6 2   INPUTX 2 1   END HALT
+XM 6 0.03   EM 2 0.2   INPUTX 2 1 0. {omega!r}   TIMESTEP {duration!r} {steps}   END END
 """
 
 
@@ -66,20 +54,9 @@ def test_folded_slider_crank_stops_and_says_where(steps):
 def test_driving_the_slider_through_the_dead_centre_stops_and_says_where():
     """The slider cannot pull the crank beyond its outer dead centre at x = 0.45 m, reached after 0.05 s."""
     text = """
-PLBEAM 1 1 2 3 4
-PLBEAM 2 3 5 6 7
-X 3 0.09 0.12
-X 6 0.3649545345 0.
-FIX 1
-FIX 6 2
-INPUTX 6 1
-END
-HALT
-XM 6 0.03
-INPUTX 6 1 0.3649545345 1.
-TIMESTEP 0.2 40
-END
-END
+PLBEAM 1 1 2 3 4   PLBEAM 2 3 5 6 7   X 3 0.09 0.12   X 6 0.3649545345 0.
+FIX 1   FIX 6 2   INPUTX 6 1   END HALT
+XM 6 0.03   INPUTX 6 1 0.3649545345 1.   TIMESTEP 0.2 40   END END
 """
     with pytest.raises(AnalysisError) as caught:
         run(1, text)
@@ -94,25 +71,10 @@ def test_nearly_redundant_supports(gap):
     """A bar held by two parallel links that are `gap` apart: reactions F a/gap, exact to the condition of the
     position."""
     text = f"""
-PLRBEAM 1 1 2 3
-PLRBEAM 2 1 2 4
-PLTRUSS 3 1 5
-PLTRUSS 4 3 6
-PLTRUSS 5 1 7
-X 1 0. 0.
-X 3 {gap!r} 0.
-X 4 1. 0.
-X 5 0. -1.
-X 6 {gap!r} -1.
-X 7 -1. 0.
-FIX 5
-FIX 6
-FIX 7
-END
-HALT
-XF 4 0. -1.
-END
-END
+PLRBEAM 1 1 2 3   PLRBEAM 2 1 2 4   PLTRUSS 3 1 5   PLTRUSS 4 3 6   PLTRUSS 5 1 7
+X 1 0. 0.   X 3 {gap!r} 0.   X 4 1. 0.   X 5 0. -1.   X 6 {gap!r} -1.   X 7 -1. 0.
+FIX 5   FIX 6   FIX 7   END HALT
+XF 4 0. -1.   END END
 """
     result = run(1, text)
     n = result.mechanism.numbering
@@ -125,25 +87,10 @@ END
 def test_redundant_support_is_named():
     """Two links at the same place: one too many, and the diagnosis names them."""
     text = """
-PLRBEAM 1 1 2 3
-PLTRUSS 2 1 4
-PLTRUSS 3 1 5
-PLTRUSS 4 3 6
-PLTRUSS 5 3 7
-X 3 1. 0.
-X 4 0. -1.
-X 5 -1. 0.
-X 6 1. -1.
-X 7 1. 1.
-FIX 4
-FIX 5
-FIX 6
-FIX 7
-END
-HALT
-TIMESTEP 1. 1
-END
-END
+PLRBEAM 1 1 2 3   PLTRUSS 2 1 4   PLTRUSS 3 1 5   PLTRUSS 4 3 6   PLTRUSS 5 3 7
+X 3 1. 0.   X 4 0. -1.   X 5 -1. 0.   X 6 1. -1.   X 7 1. 1.   FIX 4   FIX 5   FIX 6   FIX 7
+END HALT
+TIMESTEP 1. 1   END END
 """
     with pytest.raises(AnalysisError, match=r"over-constrained.*element [45]"):
         run(1, text)
@@ -167,24 +114,10 @@ def test_start_that_cannot_be_reached_is_refused():
 
 
 COLUMN = """
-PLBEAM 1 1 2 3 4
-PLBEAM 2 3 4 5 6
-X 3 0.5 0.
-X 5 1. 0.
-FIX 1
-FIX 2
-DYNE 1 2 3
-DYNE 2 2 3
-END
-HALT
-EM 1 1.
-EM 2 1.
-ESTIFF 1 0. 1.
-ESTIFF 2 0. 1.
-XF 5 {force!r} 0.
-ITERSTEP 20 4 1e-12
-END
-END
+PLBEAM 1 1 2 3 4   PLBEAM 2 3 4 5 6   X 3 0.5 0.   X 5 1. 0.
+FIX 1   FIX 2   DYNE 1 2 3   DYNE 2 2 3   END HALT
+EM 1 1.   EM 2 1.   ESTIFF 1 0. 1.   ESTIFF 2 0. 1.   XF 5 {force!r} 0.
+ITERSTEP 20 4 1e-12   END END
 """
 
 

@@ -13,22 +13,10 @@ from spacar.errors import AnalysisError
 J = np.array([0.02, 0.03, 0.05])
 RATES = np.array([0.2, 10.0, 0.2])  # about the middle axis: the body flips over again and again
 BODY = """
-RBEAM 1 1 2 3
-X 3 1. 0. 0.
-DYNX 1
-DYNX 2
-END HALT
-EM 1 0.
-XM 1 2.
-XM 2 0.02 0. 0. 0.03 0. 0.05
-STARTDX 1 1 0. 1.
-STARTDX 2 2 0. 0.1
-STARTDX 2 3 0. 5.
-STARTDX 2 4 0. 0.1
-TIMESTEP 10. {steps}
-ERROR 1e-10 1e-10
-INTEGRAT 853
-END END
+RBEAM 1 1 2 3   X 3 1. 0. 0.   DYNX 1   DYNX 2   END HALT
+EM 1 0.   XM 1 2.   XM 2 0.02 0. 0. 0.03 0. 0.05
+STARTDX 1 1 0. 1.   STARTDX 2 2 0. 0.1   STARTDX 2 3 0. 5.   STARTDX 2 4 0. 0.1
+TIMESTEP 10. {steps}   ERROR 1e-10 1e-10   INTEGRAT 853   END END
 """
 
 
@@ -137,7 +125,7 @@ def test_linearized_motions_go_on_too():
 
 def test_an_output_at_half_a_turn_has_no_such_coordinates():
     """180 degrees about z exactly at the first output: lambda3 = sin(5 t), t = pi/10."""
-    text = BODY.format(steps=1).replace("STARTDX 2 2 0. 0.1\nSTARTDX 2 3 0. 5.\n", "").replace("4 0. 0.1", "4 0. 5.")
+    text = BODY.format(steps=1).replace("STARTDX 2 2 0. 0.1   STARTDX 2 3 0. 5. ", "").replace("4 0. 0.1", "4 0. 5.")
     text = text.replace("TIMESTEP 10.", f"TIMESTEP {np.pi / 10!r}")
     assert spacar.run(1, parse_deck(text, mode=1)).node(2, 4)[-1] == pytest.approx(1.0)
     with pytest.raises(AnalysisError, match="180 degrees at this output"):
@@ -164,16 +152,8 @@ def test_transfer_functions_beyond_half_a_turn():
 def test_one_dynamic_parameter_ends_at_half_a_turn(compiled):
     """A hinge about z gives the other two; small steps stop there, and the message says what passes."""
     text = """
-HINGE 1 1 2 0. 0. 1.
-FIX 1
-RLSE 1 1
-DYNX 2 4
-END HALT
-XM 2 1. 0. 0. 1. 0. 1.
-STARTDX 2 4 0. 0.5
-TIMESTEP 4. 400
-INTEGRAT 140 0.01
-END END
+HINGE 1 1 2 0. 0. 1.   FIX 1   RLSE 1 1   DYNX 2 4   END HALT
+XM 2 1. 0. 0. 1. 0. 1.   STARTDX 2 4 0. 0.5   TIMESTEP 4. 400   INTEGRAT 140 0.01   END END
 """
     with pytest.raises(AnalysisError, match=r"make all three dynamic \(DYNX 2\) if it turns freely, else .* HINGE"):
         spacar.run(1, parse_deck(text, mode=1), compiled=compiled)

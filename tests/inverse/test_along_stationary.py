@@ -13,37 +13,12 @@ from spacar.deck import parse_deck
 from spacar.errors import UsageError
 from tests.command_line import call
 
-HINGE = """PLBEAM 1 1 2 3 4
-PLBEAM 2 3 4 5 6
-PLBEAM 3 5 6 7 8
-X 3 0.1 0
-X 5 0.2 0.02
-X 7 0.3 0.02
-FIX 1
-FIX 2
-{held} 7 2
-DYNE 1 1 2 3
-DYNE 2 1 2 3
-DYNE 3 {last}
-{released}
-OUTLEVEL 0 1
-END
-HALT
-EM 1 0.8
-EM 2 0.8
-EM 3 0.8
-XM 7 0.5
-ESTIFF 1 2e6 2.1
-ESTIFF 2 2e6 2.1
-ESTIFF 3 2e6 2.1
-EDAMP 2 0 0.01
-ESIG 1 3 0.02 0
-GRAVITY 1 -9.81
-XF 7 -4 0
-{motion}
-ITERSTEP 40 4 1e-10 1 2 3
-END
-END
+HINGE = """PLBEAM 1 1 2 3 4   PLBEAM 2 3 4 5 6   PLBEAM 3 5 6 7 8   X 3 0.1 0   X 5 0.2 0.02   X 7 0.3 0.02
+FIX 1   FIX 2   {held} 7 2   DYNE 1 1 2 3   DYNE 2 1 2 3   DYNE 3 {last}   {released}   OUTLEVEL 0 1
+END HALT
+EM 1 0.8   EM 2 0.8   EM 3 0.8   XM 7 0.5   ESTIFF 1 2e6 2.1   ESTIFF 2 2e6 2.1   ESTIFF 3 2e6 2.1
+EDAMP 2 0 0.01   ESIG 1 3 0.02 0   GRAVITY 1 -9.81   XF 7 -4 0   {motion}
+ITERSTEP 40 4 1e-10 1 2 3   END END
 """
 HELD = {"held": "INPUTX", "last": "1 3", "released": "RLSE 3 2"}
 MOTION = "INPUTX 7 2 0.01\nDELINPX 7 2 0.05\nDELXF 5 2 1"
@@ -106,7 +81,7 @@ def test_frequencies_are_those_of_the_free_mechanism_in_the_same_state(ten, thre
 
 def test_the_nominal_force_is_the_reaction(ten):
     """A force named as nominal input holds the coordinate: u0 is the reaction of every load step, y0 its place."""
-    deck = parse_deck(text("DYNX").replace("END\nEND\n", "END\nHALT\nNOMF 1 7 2\nREFX 1 7 2\nEND\nEND\n"), mode=3)
+    deck = parse_deck(text("DYNX").replace("END END", "END HALT NOMF 1 7 2 REFX 1 7 2 END END"), mode=3)
     result = spacar.run(3, deck, nominal=ten)
     at = ten.mechanism.numbering.x_index(7, 2)
     reaction = (ten["fxtot"] - ten["fx"] - ten["fxgrav"])[:, at]

@@ -72,24 +72,10 @@ def test_turn_of_a_body_about_a_fixed_axis():
     """Orientation against SciPy's rotations; power of the motors against Euler's equation."""
     from scipy.spatial.transform import Rotation
 
-    text = """HINGE 1 1 2 0 0 1
-HINGE 2 2 3 0 1 0
-HINGE 3 3 4 1 0 0
-FIX 1
-INPUTX 4 2 3 4
-RLSE 1 1
-RLSE 2 1
-RLSE 3 1
-END HALT
-XM 4 1. 0. 0. 2. 0. 3.
-END HALT
-TRAJECT 1
-TROT 4 0.8 0.3 0.5 1.
-TRTIME 1 10
-NOMS 1 1 1
-NOMS 2 2 1
-NOMS 3 3 1
-END END
+    text = """HINGE 1 1 2 0 0 1   HINGE 2 2 3 0 1 0   HINGE 3 3 4 1 0 0
+FIX 1   INPUTX 4 2 3 4   RLSE 1 1   RLSE 2 1   RLSE 3 1   END HALT
+XM 4 1. 0. 0. 2. 0. 3.   END HALT
+TRAJECT 1   TROT 4 0.8 0.3 0.5 1.   TRTIME 1 10   NOMS 1 1 1   NOMS 2 2 1   NOMS 3 3 1   END END
 """
     result = spacar.run(2, parse_deck(text, "body.dat", 2))
     axis = np.array([0.3, 0.5, 1.0]) / np.linalg.norm([0.3, 0.5, 1.0])

@@ -46,21 +46,9 @@ def test_a_release_that_becomes_singular_is_named_with_another_that_runs(release
 
 def test_an_ordinary_dead_point_has_no_such_advice() -> None:
     text = """
-PLRBEAM 1 1 2 3
-PLRBEAM 2 3 4 5
-X 1 0 0
-X 3 1 0
-X 5 2.5 0.1
-FIX 1
-FIX 5 2
-DYNX 5 1
-END
-HALT
-XM 5 1
-STARTDX 5 1 2.4 3.
-TIMESTEP 2 20
-END
-END
+PLRBEAM 1 1 2 3   PLRBEAM 2 3 4 5   X 1 0 0   X 3 1 0   X 5 2.5 0.1   FIX 1   FIX 5 2   DYNX 5 1
+END HALT
+XM 5 1   STARTDX 5 1 2.4 3.   TIMESTEP 2 20   END END
 """
     with pytest.raises(AnalysisError) as stopped:
         spacar.run(1, parse_deck(text, mode=1))

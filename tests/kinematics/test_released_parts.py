@@ -7,23 +7,9 @@ import pytest
 import spacar
 from spacar.deck import parse_deck
 
-TEXT = """X 1 0 0
-X 3 1 0.2
-FIX 1
-FIX 2
-DYNX 3
-DYNX 4
-PLBEAM 1 1 2 3 4
-RLSE 1
-END HALT
-ESTIFF 1 90. 2.
-EM 1 0.5 0.01
-XM 3 1.
-XF 3 0.2 0.3
-{more}
-TIMESTEP 0.01 2
-ITERSTEP 20 2 1e-9
-END END
+TEXT = """X 1 0 0   X 3 1 0.2   FIX 1   FIX 2   DYNX 3   DYNX 4   PLBEAM 1 1 2 3 4   RLSE 1   END HALT
+ESTIFF 1 90. 2.   EM 1 0.5 0.01   XM 3 1.   XF 3 0.2 0.3   {more}
+TIMESTEP 0.01 2   ITERSTEP 20 2 1e-9   END END
 """
 
 

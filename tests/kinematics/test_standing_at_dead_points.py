@@ -12,23 +12,9 @@ from spacar.kinematics.kinematics import Kinematics
 from tests.kinematics.test_watch_inside_steps import free_slider
 
 FALLING = """
-PLBEAM 1 1 2 3 4
-PLBEAM 2 3 5 6 7
-X 3 0.15 0.1
-X 6 0.45 0.
-FIX 1
-FIX 6 2
-DYNX 6 1
-END
-HALT
-XM 6 0.03
-EM 1 0.2
-EM 2 0.2
-GRAVITY 0. -9.81
-STARTDX 6 1 0.45 1.
-TIMESTEP 1. 10
-END
-END
+PLBEAM 1 1 2 3 4   PLBEAM 2 3 5 6 7   X 3 0.15 0.1   X 6 0.45 0.   FIX 1   FIX 6 2   DYNX 6 1
+END HALT
+XM 6 0.03   EM 1 0.2   EM 2 0.2   GRAVITY 0. -9.81   STARTDX 6 1 0.45 1.   TIMESTEP 1. 10   END END
 """
 
 

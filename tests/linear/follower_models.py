@@ -21,25 +21,9 @@ def ziegler(folder: Path, load: float, damping: float) -> Deck:
     """Two bars of length 1 with hinges of stiffness 1 and this damping, masses 2 and 1, and a force `load` at the tip
     along the second bar: H. Ziegler, Ing.-Arch. 20 (1952) 49-56; G. Herrmann, Appl. Mech. Rev. 20 (1967) 103-108."""
     text = f"""
-PLRBEAM 1 1 2 3
-PLRBEAM 2 3 4 5
-PLTOR 3 6 2
-PLTOR 4 2 4
-X 1 0 0
-X 3 1 0
-X 5 2 0
-FIX 1
-FIX 6
-DYNE 3 1
-DYNE 4 1
-END HALT
-XM 3 2.
-XM 5 1.
-ESTIFF 3 1.
-ESTIFF 4 1.
-EDAMP 3 {damping}
-EDAMP 4 {damping}
-USERSIG push
+PLRBEAM 1 1 2 3   PLRBEAM 2 3 4 5   PLTOR 3 6 2   PLTOR 4 2 4   X 1 0 0   X 3 1 0   X 5 2 0
+FIX 1   FIX 6   DYNE 3 1   DYNE 4 1   END HALT
+XM 3 2.   XM 5 1.   ESTIFF 3 1.   ESTIFF 4 1.   EDAMP 3 {damping}   EDAMP 4 {damping}   USERSIG push
 END END
 """
     body = f"a = x[lnp[3, 0]]\nreturn t, [], [[5, 1, -{load} * math.cos(a)], [5, 2, -{load} * math.sin(a)]]"

@@ -17,18 +17,8 @@ import spacar
 TIP = "FIX 2\n"
 BECK = 20.0509536  # of `beck` below
 SPRING = """
-PLRBEAM 1 1 2 3
-PLTOR 2 4 2
-X 3 1 0
-FIX 1
-FIX 4
-DYNE 2 1
-END HALT
-XM 3 1
-ESTIFF 2 1
-USERSIG push
-{more}
-END END
+PLRBEAM 1 1 2 3   PLTOR 2 4 2   X 3 1 0   FIX 1   FIX 4   DYNE 2 1   END HALT
+XM 3 1   ESTIFF 2 1   USERSIG push   {more}   END END
 """
 FOLLOWER = "p = x[lnp[1, 0]]\nreturn t, [], [[3, 1, -2.5 * math.cos(p)], [3, 2, -2.5 * math.sin(p)]]"
 

@@ -8,31 +8,10 @@ import pytest
 import spacar
 from spacar.deck import parse_deck
 
-QUARTER_CAR = """PLTRUSS 1 1 3
-PLTRUSS 2 3 5
-X 1 0 0
-X 3 {c} {s}
-X 5 {c2} {s2}
-INPUTX 1 1
-FIX 1 2
-{wheel}
-RLSE 1 1
-RLSE 2 1
-END
-HALT
-XM 3 40
-XM 5 300
-ESTIFF 1 2e5
-ESTIFF 2 2e4
-EDAMP 2 1000
-{tyre}
-TIMESTEP 0.1 2
-END
-HALT
-{signal}
-OUTX 1 5 1
-END
-END
+QUARTER_CAR = """PLTRUSS 1 1 3   PLTRUSS 2 3 5   X 1 0 0   X 3 {c} {s}   X 5 {c2} {s2}
+INPUTX 1 1   FIX 1 2   {wheel}   RLSE 1 1   RLSE 2 1   END HALT
+XM 3 40   XM 5 300   ESTIFF 1 2e5   ESTIFF 2 2e4   EDAMP 2 1000   {tyre}   TIMESTEP 0.1 2   END HALT
+{signal}   OUTX 1 5 1   END END
 """
 ALONG_X = "FIX 3 2\nFIX 5 2\nDYNX 3 1\nDYNX 5 1"
 

@@ -33,31 +33,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 from models import cantilever, spatial_chain
 
 BLOCK = "HALT\nINPUTF 1 {tip} 2\n{second}\nOUTX 1 {tip} 2\nOUTF 2 1 2\nOUTXDP 3 {tip} 1\nEND\nEND\n"
-SWINGING = """PLRBEAM 1 1 2 3
-PLBEAM 2 3 4 5 6
-PLBEAM 3 5 6 7 8
-X 3 1. 0.
-X 5 1.7 0.2
-X 7 2.4 0.1
-INPUTX 1 1
-FIX 1 2
-DYNX 2
-DYNX 4
-DYNE 2 2 3
-DYNE 3 2 3
-END
-HALT
-EM 1 2.
-EM 2 0.7 0.01
-EM 3 0.6 0.02
-ESTIFF 2 0. 30.
-ESTIFF 3 0. 20.
-EDAMP 3 0. 0.4
-GRAVITY 0. -9.81
-STARTDX 2 1 3.
-INPUTX 1 1 0.0 0.4 0.3
-TIMESTEP 0.2 4
-END
+SWINGING = """PLRBEAM 1 1 2 3   PLBEAM 2 3 4 5 6   PLBEAM 3 5 6 7 8   X 3 1. 0.   X 5 1.7 0.2   X 7 2.4 0.1
+INPUTX 1 1   FIX 1 2   DYNX 2   DYNX 4   DYNE 2 2 3   DYNE 3 2 3   END HALT
+EM 1 2.   EM 2 0.7 0.01   EM 3 0.6 0.02   ESTIFF 2 0. 30.   ESTIFF 3 0. 20.   EDAMP 3 0. 0.4
+GRAVITY 0. -9.81   STARTDX 2 1 3.   INPUTX 1 1 0.0 0.4 0.3   TIMESTEP 0.2 4   END
 """
 
 

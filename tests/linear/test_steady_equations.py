@@ -61,27 +61,10 @@ def test_a_mass_off_the_axis_stands_in_no_equilibrium() -> None:
 
 
 SHAFT = """
-HINGE 1 1 2 0. 0. 1.
-RBEAM 2 3 2 4
-TRUSS 3 4 5
-TRUSS 4 6 5
-RBEAM 5 3 2 6
-X 3 0. 0. 0.
-X 4 1. 0. 0.
-X 5 0. 0. 0.
-X 6 0. 1. 0.
-{given}
-FIX 3
-FIX 5 3
-{q}
-END
-HALT
-ESTIFF 3 20.
-ESTIFF 4 {ky!r}
-XM 5 2.
-{rate}
-END
-END
+HINGE 1 1 2 0. 0. 1.   RBEAM 2 3 2 4   TRUSS 3 4 5   TRUSS 4 6 5   RBEAM 5 3 2 6
+X 3 0. 0. 0.   X 4 1. 0. 0.   X 5 0. 0. 0.   X 6 0. 1. 0.   {given}   FIX 3   FIX 5 3   {q}
+END HALT
+ESTIFF 3 20.   ESTIFF 4 {ky!r}   XM 5 2.   {rate}   END END
 """
 
 

@@ -36,7 +36,7 @@ def test_third_order_transfer(text):
 
 @pytest.mark.parametrize("mode", [4, 7, 8, 9])
 def test_log_levels(mode):
-    text = PLANAR.format(extra="", third="").replace("DYNE 1 2 3\n", "DYNE 1 2 3\nOUTLEVEL 15 0\n", 1)
+    text = PLANAR.format(extra="", third="").replace("DYNE 1 2 3 ", "DYNE 1 2 3   OUTLEVEL 15 0 ", 1)
     if mode != 4:
         text = text.replace("1.6 0.3 0.2", "1.6").replace("0.1 0.2 0.3", "0.1")
     frame = run(mode, parse_deck(text, mode=mode)).frames[0]

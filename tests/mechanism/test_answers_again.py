@@ -18,16 +18,8 @@ from spacar.mechanism.placed_vectors import placed
 from spacar.mechanism.user_functions import UserLaw
 
 ARM = """
-PLBEAM 1 1 2 3 4
-X 1 0. 0.
-X 3 1. 0.
-FIX 1
-DYNE 1 1
-DYNE 1 2 3
-END HALT
-XM 3 1.
-ESTIFF 1 100. 100.
-END END
+PLBEAM 1 1 2 3 4   X 1 0. 0.   X 3 1. 0.   FIX 1   DYNE 1 1   DYNE 1 2 3   END HALT
+XM 3 1.   ESTIFF 1 100. 100.   END END
 """
 MANY = [[1, 1, 0.1]] * 25  # more rows than are looked at one by one
 ANSWERS: dict[str, tuple[Any, Any]] = {
@@ -57,7 +49,7 @@ ANSWERS: dict[str, tuple[Any, Any]] = {
 
 @pytest.fixture(scope="module", params=["", "fixed "])
 def mechanism(request: pytest.FixtureRequest) -> Mechanism:
-    return build(parse_deck(ARM.replace("DYNE 1 1\n", "") if request.param else ARM, mode=1), 1)
+    return build(parse_deck(ARM.replace("DYNE 1 1 ", "") if request.param else ARM, mode=1), 1)
 
 
 class Asked:

@@ -17,22 +17,9 @@ def test_a_statement_about_an_unused_node_changes_no_class(statement):
 
 
 SPATIAL = """
-BEAM 7 1 2 3 4 0. 1. 0.
-BEAM 3 3 4 5 8 0. 1. 0.
-X 1 0. 0. 0.
-X 3 2. 0. 0.
-X 5 2. 0. 4.
-FIX 1
-FIX 2
-DYNE 3 2 3
-END
-HALT
-XM 4 0.5
-EM 7 1. 10. 2. 3. 0.25
-EM 3 1. 20. 4. 5. 0.5
-TIMESTEP 1 1
-END
-END
+BEAM 7 1 2 3 4 0. 1. 0.   BEAM 3 3 4 5 8 0. 1. 0.   X 1 0. 0. 0.   X 3 2. 0. 0.   X 5 2. 0. 4.
+FIX 1   FIX 2   DYNE 3 2 3   END HALT
+XM 4 0.5   EM 7 1. 10. 2. 3. 0.25   EM 3 1. 20. 4. 5. 0.5   TIMESTEP 1 1   END END
 """
 
 

@@ -11,21 +11,9 @@ import spacar
 from spacar.errors import AnalysisError
 from spacar.mechanism.placed_vectors import placed
 
-BEAM = """PLBEAM 1 1 2 3 4
-PLBEAM 2 3 4 5 6
-X 3 1. 0.
-X 5 2. 0.
-FIX 1
-FIX 2
-DYNE 1 2 3
-INPUTE 2 2
-END HALT
-XM 3 1.
-XM 5 1.
-ESTIFF 1 0. 1.
-USERSIG law
-TIMESTEP 0.1 2
-END END
+BEAM = """PLBEAM 1 1 2 3 4   PLBEAM 2 3 4 5 6   X 3 1. 0.   X 5 2. 0.
+FIX 1   FIX 2   DYNE 1 2 3   INPUTE 2 2   END HALT
+XM 3 1.   XM 5 1.   ESTIFF 1 0. 1.   USERSIG law   TIMESTEP 0.1 2   END END
 """
 RETURN = "def law(t, ne, le, e, ep, nx, lnp, x, xp):\n    return t, {rows}, []\n"
 

@@ -7,19 +7,8 @@ import pytest
 import spacar
 from spacar.errors import AnalysisError
 
-MODEL = """PLBEAM 1 1 2 3 4
-X 1 0. 0.
-X 3 1. 0.
-FIX 1
-DYNX 2 1
-END
-HALT
-EM 1 1.0
-XM 3 1.0
-USERSIG push
-TIMESTEP 0.1 2
-END
-END
+MODEL = """PLBEAM 1 1 2 3 4   X 1 0. 0.   X 3 1. 0.   FIX 1   DYNX 2 1   END HALT
+EM 1 1.0   XM 3 1.0   USERSIG push   TIMESTEP 0.1 2   END END
 """
 
 

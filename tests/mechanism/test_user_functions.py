@@ -15,21 +15,9 @@ import spacar
 from spacar.errors import AnalysisError, InputError
 
 OSCILLATOR = """
-PLTRUSS 3 1 2
-PLTOR 5 3 4
-X 2 1.0 0.0
-FIX 1
-FIX 2 2
-FIX 3
-DYNE 3 1
-{classes}
+PLTRUSS 3 1 2   PLTOR 5 3 4   X 2 1.0 0.0   FIX 1   FIX 2 2   FIX 3   DYNE 3 1   {classes}
 END HALT
-XM 2 2.0
-XM 4 1.0
-{dynamics}
-TIMESTEP 1.0 10
-ERROR 1e-10 1e-10
-END END
+XM 2 2.0   XM 4 1.0   {dynamics}   TIMESTEP 1.0 10   ERROR 1e-10 1e-10   END END
 """
 
 
@@ -176,7 +164,7 @@ def myfun(t, ne, le, e, ep, nx, lnp, x, xp):
 # -- what can be wrong ---------------------------------------------------------------------------------------------
 def test_missing_file(tmp_path: Path) -> None:
     text = failure(model(tmp_path, "USERSIG nowhere", ""), InputError)
-    assert "model.dat:13: USERSIG" in text
+    assert "model.dat:4: USERSIG" in text
     assert "nowhere.py" in text
 
 
@@ -201,7 +189,7 @@ def test_a_function_for_matlab_is_named(tmp_path: Path) -> None:
 )
 def test_function_file_that_cannot_be_used(tmp_path: Path, keyword: str, content: str, expected: str) -> None:
     text = failure(model(tmp_path, f"{keyword} myfun", content), InputError)
-    assert f"model.dat:13: {keyword}" in text
+    assert f"model.dat:4: {keyword}" in text
     assert expected in text
 
 

@@ -22,8 +22,9 @@ CLAMPED = [("FIX", 1), ("FIX", 2)]
 
 def still(text: str) -> Deck:
     """A model of linear_models with prescribed values, but at rest."""
-    text = text.replace("1.6 0.3 0.2", "1.6").replace("1.5 0.3 0.2", "1.5").replace("0.1 0.2 0.3\n\n", "0.1\n\n")
-    text = "\n".join(line for line in text.splitlines() if not line.startswith("XGYRO"))
+    text = text.replace("1.6 0.3 0.2", "1.6").replace("1.5 0.3 0.2", "1.5")
+    text = text.replace("5 1 0.1 0.2 0.3", "5 1 0.1").replace("4 1 0.1 0.2 0.3", "4 1 0.1")
+    text = text.replace("XGYRO 7 3. 1. -2. 0.04", "")
     return parse_deck(text.format(extra="", third="") if "{" in text else text, mode=10)
 
 

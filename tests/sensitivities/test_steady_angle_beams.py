@@ -28,7 +28,7 @@ def test_the_factor_carries_a_complex_step_through_all_its_derivatives(c):
 @pytest.mark.slow
 def test_linearized_equations_in_steady_motion():
     """All matrices hold third derivatives of the deformations, whose complex step takes fourth ones."""
-    text = linear_models.SPATIAL.format(extra="ITERSTEP 60 8 1e-10", third="").replace("FIX 1\n", "FIX 1\nADEFORM\n")
+    text = linear_models.SPATIAL.format(extra="ITERSTEP 60 8 1e-10", third="").replace("FIX 1 ", "FIX 1   ADEFORM ")
     names = ["ESTIFF.1[GIt]", "ESTIFF.3[EIy]", "EM.1", "XM.7[4]", "EDAMP.3[4]", "X.6[2]", "XGYRO.7[2]",
              "INPUTX.8.1[start rate]", "INPUTE.5.1[start rate]", "GRAVITY[2]"]  # fmt: skip
     deck = parse_deck(text, mode=10)

@@ -13,33 +13,11 @@ from spacar.deck import read_deck
 from spacar.errors import UsageError
 
 TURNING = """
-PLBEAM 1 1 2 3 4
-PLBEAM 2 3 4 5 6
-PLTRUSS 3 3 7
-PLTRUSS 4 5 8
-X 3 0.6 0.1
-X 5 1.2 0.0
-X 7 0.4 0.9
-X 8 1.5 1.1
-FIX 1
-INPUTX 2
-FIX 7
-FIX 8
-DYNE 1
-DYNE 2
-RLSE 3
-RLSE 4
-END HALT
-ESTIFF 1 400 3
-ESTIFF 2 400 3
-EM 1 0.5
-EM 2 0.5
-EDAMP 4 0.7
-ESIG 3 2.0
-XM 5 0.2
-INPUTX 2 1 0.1 {rate}
-XF 5 0.4 -0.5
-END END
+PLBEAM 1 1 2 3 4   PLBEAM 2 3 4 5 6   PLTRUSS 3 3 7   PLTRUSS 4 5 8
+X 3 0.6 0.1   X 5 1.2 0.0   X 7 0.4 0.9   X 8 1.5 1.1
+FIX 1   INPUTX 2   FIX 7   FIX 8   DYNE 1   DYNE 2   RLSE 3   RLSE 4   END HALT
+ESTIFF 1 400 3   ESTIFF 2 400 3   EM 1 0.5   EM 2 0.5   EDAMP 4 0.7   ESIG 3 2.0   XM 5 0.2
+INPUTX 2 1 0.1 {rate}   XF 5 0.4 -0.5   END END
 """
 LAW = """
 import math

@@ -65,24 +65,9 @@ def test_a_unit_in_fmpy(tmp_path, monkeypatch):
     np.testing.assert_allclose(found["OUTX_node_8_x"], ours["plant:10"][:, 0], rtol=0, atol=1e-9)
 
 
-USER = """PLBEAM 1 1 2 3 4
-X 3 1. 0.
-FIX 1
-FIX 2
-DYNE 1 2 3
-END
-HALT
-EM 1 1.
-ESTIFF 1 1e5 10.
-USERSIG push
-TIMESTEP 0.1 2
-END
-HALT
-INPUTF 1 3 2
-OUTX 1 3 2
-OUTXP 2 4 1
-END
-END
+USER = """PLBEAM 1 1 2 3 4   X 3 1. 0.   FIX 1   FIX 2   DYNE 1 2 3   END HALT
+EM 1 1.   ESTIFF 1 1e5 10.   USERSIG push   TIMESTEP 0.1 2   END HALT
+INPUTF 1 3 2   OUTX 1 3 2   OUTXP 2 4 1   END END
 """
 
 

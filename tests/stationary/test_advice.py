@@ -12,22 +12,9 @@ from spacar.deck import parse_deck
 from spacar.errors import AnalysisError
 
 TOGGLE = """
-PLTRUSS 1 1 2
-PLTRUSS 2 2 3
-X 2 1 0.5
-X 3 2 0
-FIX 1
-FIX 3
-DYNX 2 1 2
-RLSE 1
-RLSE 2
+PLTRUSS 1 1 2   PLTRUSS 2 2 3   X 2 1 0.5   X 3 2 0   FIX 1   FIX 3   DYNX 2 1 2   RLSE 1   RLSE 2
 END HALT
-ESTIFF 1 1
-ESTIFF 2 1
-XM 2 1
-XF 2 0 -0.1
-ITERSTEP 20 4 1e-9
-END END
+ESTIFF 1 1   ESTIFF 2 1   XM 2 1   XF 2 0 -0.1   ITERSTEP 20 4 1e-9   END END
 """
 BAR = "PLTRUSS 1 1 2\nX 2 1 0\nFIX 1\nDYNX 2\nRLSE 1\nEND HALT\nXM 2 1\nESTIFF 1 1\nXF 2 0 1\nEND END\n"
 HASTY = STRING.format(preload=0.01, force=0.02).replace("END END", "ITERSTEP 1 1\nEND END")

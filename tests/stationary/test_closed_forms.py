@@ -13,24 +13,9 @@ def rotor(omega: float, mee: str) -> spacar.Result:
     """A mass of 2 kg on a radial spring of 500 N/m (1 m, along x) that turns with omega; a released truss measures its
     distance from the point (0.4, 0)."""
     text = f"""
-PLBEAM 1 1 2 3 4
-PLTRUSS 2 5 3
-X 3 1. 0.
-X 5 0.4 0.
-FIX 1
-FIX 5
-INPUTX 2 1
-DYNE 1 1
-RLSE 2 1
-END
-HALT
-XM 3 2.
-ESTIFF 1 500. 0.
-{mee}
-INPUTX 2 1 0. {omega!r}
-ITERSTEP 20 4 1e-10
-END
-END
+PLBEAM 1 1 2 3 4   PLTRUSS 2 5 3   X 3 1. 0.   X 5 0.4 0.
+FIX 1   FIX 5   INPUTX 2 1   DYNE 1 1   RLSE 2 1   END HALT
+XM 3 2.   ESTIFF 1 500. 0.   {mee}   INPUTX 2 1 0. {omega!r}   ITERSTEP 20 4 1e-10   END END
 """
     return spacar.run(7, parse_deck(text, mode=7))
 

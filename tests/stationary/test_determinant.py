@@ -10,20 +10,9 @@ from spacar.deck import parse_deck
 from spacar.linear_systems import assemble
 
 BAR = """
-BEAM 1  1 2  5 6  0 1 0
-BEAM 2  5 6  3 4  0 1 0
-X 5 0.25 0. 0.
-X 3 0.5 0. 0.
-FIX 1
-FIX 2
-DYNE 1 1 2 3 4 5 6
-DYNE 2 1 2 3 4 5 6
-END
-HALT
-ESTIFF 1 1000. 1. 2. 1.
-ESTIFF 2 1000. 1. 2. 1.
-EM 1 1. 0.01 0.01 0.01
-EM 2 1. 0.01 0.01 0.01
+BEAM 1  1 2  5 6  0 1 0   BEAM 2  5 6  3 4  0 1 0   X 5 0.25 0. 0.   X 3 0.5 0. 0.
+FIX 1   FIX 2   DYNE 1 1 2 3 4 5 6   DYNE 2 1 2 3 4 5 6   END HALT
+ESTIFF 1 1000. 1. 2. 1.   ESTIFF 2 1000. 1. 2. 1.   EM 1 1. 0.01 0.01 0.01   EM 2 1. 0.01 0.01 0.01
 ITERSTEP 30 4 1e-9 1 2 2
 """
 

@@ -26,53 +26,16 @@ from statics import cantilever
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 MODELS = Path(__file__).resolve().parents[2] / "data"
 
-PRESCRIBED = """PLBEAM 1 1 2 3 4
-PLBEAM 2 3 4 5 6
-PLTRUSS 3 1 5
-X 3 1. 0.
-X 5 2. 0.1
-FIX 1
-FIX 2
-INPUTX 5 2
-DYNE 1 1 2 3
-DYNE 2 1 2
-RLSE 2 3
-RLSE 3 1
-END
-HALT
-EM 1 1.
-ESTIFF 1 1000. 3.
-ESTIFF 2 1000. 2.
-ESIG 1 0.3 0.01 0.02
-INPUTX 5 2 0.15 0. 0.
-XF 3 0.4 -0.2
-DELXF 3 0. 0.5
-DELINPX 5 2 0.05
-ITERSTEP 20 4 1e-10 2 1
-END
-END
+PRESCRIBED = """PLBEAM 1 1 2 3 4   PLBEAM 2 3 4 5 6   PLTRUSS 3 1 5   X 3 1. 0.   X 5 2. 0.1
+FIX 1   FIX 2   INPUTX 5 2   DYNE 1 1 2 3   DYNE 2 1 2   RLSE 2 3   RLSE 3 1   END HALT
+EM 1 1.   ESTIFF 1 1000. 3.   ESTIFF 2 1000. 2.   ESIG 1 0.3 0.01 0.02   INPUTX 5 2 0.15 0. 0.
+XF 3 0.4 -0.2   DELXF 3 0. 0.5   DELINPX 5 2 0.05   ITERSTEP 20 4 1e-10 2 1   END END
 """
-SPATIAL = """BEAM 1 1 2 3 4 0. 1. 0.
-BEAM 2 3 4 5 6 0. 1. 0.
-X 3 1. 0. 0.
-X 5 2. 0. 0.3
-FIX 1
-FIX 2
-DYNE 1 1 2 3 4 5 6
-DYNE 2 1 2 3 4 5 6
-END
-HALT
-EM 1 2.
-EM 2 2.
-ESTIFF 1 5e4 20. 30. 40. 0. 0.
-ESTIFF 2 5e4 20. 30. 40. 0. 0.
-GRAVITY 0. 0. -9.81
-XF 5 3. 2. 1.
-XM 5
-ITERSTEP 20 3 1e-10
-END
-END
-""".replace("XM 5\n", "")
+SPATIAL = """BEAM 1 1 2 3 4 0. 1. 0.   BEAM 2 3 4 5 6 0. 1. 0.   X 3 1. 0. 0.   X 5 2. 0. 0.3
+FIX 1   FIX 2   DYNE 1 1 2 3 4 5 6   DYNE 2 1 2 3 4 5 6   END HALT
+EM 1 2.   EM 2 2.   ESTIFF 1 5e4 20. 30. 40. 0. 0.   ESTIFF 2 5e4 20. 30. 40. 0. 0.
+GRAVITY 0. 0. -9.81   XF 5 3. 2. 1.   ITERSTEP 20 3 1e-10   END END
+"""
 TEXTS = {"cantilever": cantilever(6), "long": cantilever(90), "prescribed": PRESCRIBED, "spatial": SPATIAL}
 
 

@@ -13,33 +13,13 @@ from spacar.deck import parse_deck, read_deck
 
 G = 9.81
 PENDULUM = """
-PLRBEAM 1 1 2 3
-X 3 0 -{l!r}
-FIX 1
-DYNX 2
-END HALT
-XM 3 2.
-GRAVITY 0 -9.81
-STARTDX 2 1 {start!r}
-ITERSTEP 20 {steps} 1e-9
-END END
+PLRBEAM 1 1 2 3   X 3 0 -{l!r}   FIX 1   DYNX 2   END HALT   XM 3 2.   GRAVITY 0 -9.81
+STARTDX 2 1 {start!r}   ITERSTEP 20 {steps} 1e-9   END END
 """
 CONICAL = """
-HINGE 1 1 2 0 0 1
-HINGE 2 2 3 0 1 0
-RBEAM 3 4 3 5 0 1 0
-X 4 0 0 0
-X 5 {x!r} 0. {z!r}
-FIX 1
-FIX 4
-INPUTE 1 1
-DYNE 2 1
-END HALT
-XM 5 0.4
-INPUTE 1 1 0 {speed!r} 0
-GRAVITY 0 0 -9.81
-{more}
-ITERSTEP 30 {steps} 1e-10
+HINGE 1 1 2 0 0 1   HINGE 2 2 3 0 1 0   RBEAM 3 4 3 5 0 1 0   X 4 0 0 0   X 5 {x!r} 0. {z!r}
+FIX 1   FIX 4   INPUTE 1 1   DYNE 2 1   END HALT
+XM 5 0.4   INPUTE 1 1 0 {speed!r} 0   GRAVITY 0 0 -9.81   {more}   ITERSTEP 30 {steps} 1e-10
 END END
 """
 
@@ -95,44 +75,17 @@ def test_a_spring_that_starts_stretched(stretch):
 
 
 STRING = """
-PLTRUSS 1 1 2
-PLTRUSS 2 2 3
-X 1 0. 0.
-X 2 1. 0.
-X 3 2. 0.
-FIX 1
-FIX 3
-DYNX 2 1 2
-RLSE 1 1
-RLSE 2 1
-END HALT
-XM 2 1.
-ESTIFF 1 1.
-ESTIFF 2 1.
-ESIG 1 {preload}
-ESIG 2 {preload}
-XF 2 0. {force}
+PLTRUSS 1 1 2   PLTRUSS 2 2 3   X 1 0. 0.   X 2 1. 0.   X 3 2. 0.
+FIX 1   FIX 3   DYNX 2 1 2   RLSE 1 1   RLSE 2 1   END HALT
+XM 2 1.   ESTIFF 1 1.   ESTIFF 2 1.   ESIG 1 {preload}   ESIG 2 {preload}   XF 2 0. {force}
 END END
 """
 
 
-HALVES = """X 3 0.6 0
-FIX 1
-FIX 2
-PLBEAM 1 1 2 3 4
-RLSE 1
-DYNX 3
-DYNX 4
-SECTION bar CUSTOM 0.8 0.11 0.13 0.24
-MATERIAL stuff 100. 50. 0.5
-BEAMSEC 1 bar stuff 2
+HALVES = """X 3 0.6 0   FIX 1   FIX 2   PLBEAM 1 1 2 3 4   RLSE 1   DYNX 3   DYNX 4
+SECTION bar CUSTOM 0.8 0.11 0.13 0.24   MATERIAL stuff 100. 50. 0.5   BEAMSEC 1 bar stuff 2
 END HALT
-XM 3 1.
-XM 4 0.3
-STARTDX 3 1 {x}
-STARTDX 3 2 {y}
-STARTDX 4 1 {phi}
-END END
+XM 3 1.   XM 4 0.3   STARTDX 3 1 {x}   STARTDX 3 2 {y}   STARTDX 4 1 {phi}   END END
 """
 
 

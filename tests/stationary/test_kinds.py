@@ -49,43 +49,16 @@ def test_user_spring(tmp_path, monkeypatch, stated):
                                         f"    return t, [[1, 1, 40.0 * e[le[0, 0]], {stated}, 0.0]], []\n")  # fmt: skip
     monkeypatch.chdir(tmp_path)
     text = """
-PLTRUSS 1 1 2
-X 1 0. 0.
-X 2 1. 0.
-FIX 1
-FIX 2 2
-DYNE 1 1
-END
-HALT
-ESTIFF 1 100.
-XM 2 1.
-XF 2 7. 0.
-USERSIG spring
-ITERSTEP 40 4 1e-10
-END
-END
+PLTRUSS 1 1 2   X 1 0. 0.   X 2 1. 0.   FIX 1   FIX 2 2   DYNE 1 1   END HALT
+ESTIFF 1 100.   XM 2 1.   XF 2 7. 0.   USERSIG spring   ITERSTEP 40 4 1e-10   END END
 """
     assert run(text, 7).node(2, 1)[-1] == pytest.approx(1.05, abs=1e-11)  # tolerance / stiffness
 
 
 PENDULUM = """
-PLTRUSS 1 1 2
-PLTRUSS 2 2 3
-X 1 0. 0.
-X 2 1. 0.
-X 3 1. 2.
-FIX 1
-FIX 3
-DYNX 2 {coordinate}
-RLSE 2
-END
-HALT
-ESTIFF 2 8.
-XM 2 2.
-XF 2 5. 0.
-ITERSTEP 30 2 1e-10
-END
-END
+PLTRUSS 1 1 2   PLTRUSS 2 2 3   X 1 0. 0.   X 2 1. 0.   X 3 1. 2.
+FIX 1   FIX 3   DYNX 2 {coordinate}   RLSE 2   END HALT
+ESTIFF 2 8.   XM 2 2.   XF 2 5. 0.   ITERSTEP 30 2 1e-10   END END
 """
 
 

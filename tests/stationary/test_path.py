@@ -148,19 +148,8 @@ def test_clamped_beam_pushed_through_stays_symmetric():
 
 
 STRIP = """
-{beams}
-FIX 1
-FIX 2
-INPUTX {tip} 3
-{classes}
-END
-HALT
-{stiff}
-XF {tip} 0. 1e-3 0.
-DELINPX {tip} 3 -0.01
-ITERSTEP 20 {steps} 1e-8 1 2
-END
-END
+{beams}   FIX 1   FIX 2   INPUTX {tip} 3   {classes}   END HALT
+{stiff}   XF {tip} 0. 1e-3 0.   DELINPX {tip} 3 -0.01   ITERSTEP 20 {steps} 1e-8 1 2   END END
 """
 
 
@@ -193,23 +182,9 @@ def test_imperfect_strip_takes_the_stable_branch():
 
 
 SNAP = """
-PLTRUSS 1 1 2
-PLTRUSS 2 2 3
-X 1 -1. 0.
-X 2 0. 0.1
-X 3 1. 0.
-FIX 1
-FIX 3
-{classes}
-END
-HALT
-ESTIFF 1 1000.
-ESTIFF 2 1000.
-XM 2 1.
-XF 2 0. {load}
-ITERSTEP {settings}
-END
-END
+PLTRUSS 1 1 2   PLTRUSS 2 2 3   X 1 -1. 0.   X 2 0. 0.1   X 3 1. 0.   FIX 1   FIX 3   {classes}
+END HALT
+ESTIFF 1 1000.   ESTIFF 2 1000.   XM 2 1.   XF 2 0. {load}   ITERSTEP {settings}   END END
 """
 SHALLOW = "FIX 2 1\nDYNX 2 2\nRLSE 1\nRLSE 2"
 

@@ -56,33 +56,11 @@ def test_load_steps_are_cut_when_newton_fails():
 
 # One beam from (0,0) to (1,0), clamped, and a spring hinge: every kind of load acts on it.
 LOADED = """
-PLBEAM 1 1 2 3 4
-PLBEAM 2 3 4 5 6
-PLTOR 3 2 7
-PLTRUSS 4 5 8
-X 3 0.5 0.
-X 5 1. 0.
-X 8 1.5 0.4
-FIX 1
-FIX 7
-INPUTE 3 1
-INPUTX 8 1
-FIX 8 2
-DYNE 1 2 3
-DYNE 2 2 3
-RLSE 4
-END
-HALT
-EM 1 1.
-EM 2 1.
-XM 5 0.3
-ESTIFF 1 0. 1.
-ESTIFF 2 0. 1.
-ESTIFF 4 2.
-{loads}
-{settings}
-END
-END
+PLBEAM 1 1 2 3 4   PLBEAM 2 3 4 5 6   PLTOR 3 2 7   PLTRUSS 4 5 8
+X 3 0.5 0.   X 5 1. 0.   X 8 1.5 0.4
+FIX 1   FIX 7   INPUTE 3 1   INPUTX 8 1   FIX 8 2   DYNE 1 2 3   DYNE 2 2 3   RLSE 4   END HALT
+EM 1 1.   EM 2 1.   XM 5 0.3   ESTIFF 1 0. 1.   ESTIFF 2 0. 1.   ESTIFF 4 2.   {loads}   {settings}
+END END
 """
 INITIAL = "XF 5 0.2 0.1\nGRAVITY 0. -0.4\nESIG 1 0. 0.1 0.05\nINPUTX 8 1 1.6\nINPUTE 3 1 0.1"
 DELTAS = "DELXF 5 0.3 -0.2\nDELGRAV 0.1 0.3\nDELESIG 1 0. -0.05 0.1\nDELINPX 8 1 0.2\nDELINPE 3 1 -0.3"
@@ -121,18 +99,8 @@ def test_types_without_additional_loading(kind):
 def test_three_number_moment_increment():
     """DELXF with three numbers on a spatial orientation node is a global moment, with or without XF on the node."""
     text = """
-BEAM 1 1 2 3 4 0. 1. 0.
-X 3 1. 0. 0.
-FIX 1
-FIX 2
-DYNE 1 2 3 4 5 6
-END
-HALT
-ESTIFF 1 0. 2. 1. 1.
-EM 1 1. 0.1
-{}
-END
-END
+BEAM 1 1 2 3 4 0. 1. 0.   X 3 1. 0. 0.   FIX 1   FIX 2   DYNE 1 2 3 4 5 6   END HALT
+ESTIFF 1 0. 2. 1. 1.   EM 1 1. 0.1   {}   END END
 """
 
     def x(loads: str) -> np.ndarray:
@@ -153,24 +121,10 @@ def test_flow_in_a_tube(tube, y, modes, law, beams):
 
     def run(flow: str, more: str) -> np.ndarray:
         text = f"""
-{tube} 1 1 2 3 4 {y}
-{tube} 2 3 4 5 6 {y}
-X 3 0.5 0.
-X 5 1. 0.
-FIX 1
-FIX 2
-DYNE 1 {modes}
-DYNE 2 {modes}
-END
-HALT
-EM 1 1. 0.5 {flow}
-EM 2 1. 0.5 {flow} 1. 2
-ESTIFF 1 {law}
-ESTIFF 2 {law}
-XF 5 0. 0.3
-{more}
-END
-END
+{tube} 1 1 2 3 4 {y}   {tube} 2 3 4 5 6 {y}   X 3 0.5 0.   X 5 1. 0.
+FIX 1   FIX 2   DYNE 1 {modes}   DYNE 2 {modes}   END HALT
+EM 1 1. 0.5 {flow}   EM 2 1. 0.5 {flow} 1. 2   ESTIFF 1 {law}   ESTIFF 2 {law}   XF 5 0. 0.3
+{more}   END END
 """
         return spacar.run(7, parse_deck(text, mode=7), beams=beams)["x"][-1]
 
@@ -205,22 +159,9 @@ def test_a_dead_point_on_the_way(tmp_path):
 
 def chain(offset: float, pulled: float, steps: int) -> str:
     return f"""
-PLTRUSS 1 1 2
-PLTRUSS 2 2 3
-X 2 1. {offset}
-X 3 2. 0.
-FIX 1
-FIX 3 2
-INPUTX 3 1
-DYNE 2 1
-END
-HALT
-ESTIFF 2 40.
-XM 2 1.
-INPUTX 3 1 {2.0 + pulled}
-ITERSTEP 60 {steps} 1e-12
-END
-END
+PLTRUSS 1 1 2   PLTRUSS 2 2 3   X 2 1. {offset}   X 3 2. 0.
+FIX 1   FIX 3 2   INPUTX 3 1   DYNE 2 1   END HALT
+ESTIFF 2 40.   XM 2 1.   INPUTX 3 1 {2.0 + pulled}   ITERSTEP 60 {steps} 1e-12   END END
 """
 
 

@@ -9,18 +9,8 @@ import spacar
 from spacar.deck import parse_deck
 from spacar.stationary.continuation import Continuation
 
-BEAM = """PLBEAM 1 1 2 3 4
-X 3 1. 0.
-FIX 1
-FIX 2
-DYNE 1 2 3
-END
-HALT
-EM 1 2.
-ESTIFF 1 0. 3.
-ITERSTEP 10 3 1e-10
-{more}END
-END
+BEAM = """PLBEAM 1 1 2 3 4   X 3 1. 0.   FIX 1   FIX 2   DYNE 1 2 3   END HALT
+EM 1 2.   ESTIFF 1 0. 3.   ITERSTEP 10 3 1e-10   {more}   END END
 """
 
 

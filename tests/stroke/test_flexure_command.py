@@ -146,20 +146,9 @@ def test_a_stroke_beyond_the_model_is_told_in_its_unit(call, tmp_path, stroke, t
 
 def test_a_work_integral_that_misses_energy_is_told(tmp_path):
     """A strip that buckles sideways within the first step: the force is far from a cubic there."""
-    text = """BEAM 1 1 2 3 4  0. 1. 0.
-BEAM 2 3 4 5 6  0. 1. 0.
-X 3 0.5 0. 0.
-X 5 1. 0. 0.
-FIX 1
-FIX 2
-DYNE 1 2 3 4 5 6
-DYNE 2 2 3 4 5 6
-END HALT
-ESTIFF 1 0. 2. 1000. 1.
-ESTIFF 2 0. 2. 1000. 1.
-EM 1 1. 0.003
-EM 2 1. 0.003
-XF 5 0. 0.01 0.
+    text = """BEAM 1 1 2 3 4  0. 1. 0.   BEAM 2 3 4 5 6  0. 1. 0.   X 3 0.5 0. 0.   X 5 1. 0. 0.
+FIX 1   FIX 2   DYNE 1 2 3 4 5 6   DYNE 2 2 3 4 5 6   END HALT
+ESTIFF 1 0. 2. 1000. 1.   ESTIFF 2 0. 2. 1000. 1.   EM 1 1. 0.003   EM 2 1. 0.003   XF 5 0. 0.01 0.
 END END
 """
     coarse = spacar.flexure(spacar.parse_deck(text), move="5z=-0.03", steps=1)

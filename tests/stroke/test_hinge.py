@@ -100,17 +100,8 @@ def test_a_moment_instead_of_the_rotation(spatial):
 
 def test_a_deformation_as_the_drive():
     """A torsion spring in a pin: the body turns about it exactly, the moment is S e."""
-    text = """PLTOR 1 1 3
-PLRBEAM 2 2 3 4
-X 2 0. 0.
-X 4 0.3 0.
-FIX 1
-FIX 2
-DYNE 1 1
-END HALT
-ESTIFF 1 5.
-XM 4 2.
-END END
+    text = """PLTOR 1 1 3   PLRBEAM 2 2 3 4   X 2 0. 0.   X 4 0.3 0.   FIX 1   FIX 2   DYNE 1 1   END HALT
+ESTIFF 1 5.   XM 4 2.   END END
 """
     study = spacar.flexure(parse_deck(text), move="e[1,1]=+-0.5", steps=4, node=4, orientation=3)
     assert study.errors.turning

@@ -18,29 +18,11 @@ from spacar.studies.ensemble import ensemble, followed
 DATA = Path(__file__).parents[2] / "data"
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 
-BEAMS = """BEAM 1 1 2 3 4 0. 1. 0.
-BEAM 2 3 4 5 6 0. 1. 0.
-X 3 1. 0. 0.
-X 5 2. 0. 0.1
-FIX 1
-FIX 2
-DYNE 1 2 3 4 5 6
-DYNE 2 2 3 4 5 6
-END
-HALT
-EM 1 0.3 0.01 0.02 0.02
-EM 2 0.3 0.01 0.02 0.02
-XM 6 0.1 0. 0. 0.2 0. 0.3
-ESTIFF 1 0. 4. 5. 6.{shear}
-ESTIFF 2 0. 4. 5. 6.
-EDAMP 1 0. 0.4 0.5 0.6
-ESIG 2 0. 0.1
-XF 5 0. 0. -1.
-STARTDE 1 3 0. 0.1
-GRAVITY 0. 1. -9.81
-TIMESTEP 0.05 2
-END
-END
+BEAMS = """BEAM 1 1 2 3 4 0. 1. 0.   BEAM 2 3 4 5 6 0. 1. 0.   X 3 1. 0. 0.   X 5 2. 0. 0.1
+FIX 1   FIX 2   DYNE 1 2 3 4 5 6   DYNE 2 2 3 4 5 6   END HALT
+EM 1 0.3 0.01 0.02 0.02   EM 2 0.3 0.01 0.02 0.02   XM 6 0.1 0. 0. 0.2 0. 0.3
+ESTIFF 1 0. 4. 5. 6.{shear}   ESTIFF 2 0. 4. 5. 6.   EDAMP 1 0. 0.4 0.5 0.6   ESIG 2 0. 0.1
+XF 5 0. 0. -1.   STARTDE 1 3 0. 0.1   GRAVITY 0. 1. -9.81   TIMESTEP 0.05 2   END END
 """
 OPTIONS = {"rtol": 1e-8, "atol": 1e-8}
 

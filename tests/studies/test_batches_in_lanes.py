@@ -74,17 +74,8 @@ def test_rows_without_a_file_touch_no_file(robot, monkeypatch):
     assert [row["status"] for row in rows] == 2 * ["done"]
 
 
-PENDULUM = """PLTRUSS 1 1 2
-X 2 0. -1.
-FIX 1
-DYNX 2 1
-END
-HALT
-XM 2 1.
-GRAVITY 0. -10.
-STARTDX 2 1 0. 0.5
-END
-END
+PENDULUM = """PLTRUSS 1 1 2   X 2 0. -1.   FIX 1   DYNX 2 1   END HALT
+XM 2 1.   GRAVITY 0. -10.   STARTDX 2 1 0. 0.5   END END
 """
 
 

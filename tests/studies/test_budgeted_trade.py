@@ -118,17 +118,8 @@ def test_progress_says_what_runs_and_the_time_to_go(trade):
 
 # A flexible rod of one beam that swings out of the horizontal: its mesh matters at 1e-3.
 ROD = """
-PLBEAM 1 1 2 3 4
-X 3 1. 0.
-FIX 1
-FIX 2
-DYNE 1 2 3
-END HALT
-EM 1 1.
-ESTIFF 1 0. 2.
-GRAVITY 0. -1.
-TIMESTEP 2. 10
-END END
+PLBEAM 1 1 2 3 4   X 3 1. 0.   FIX 1   FIX 2   DYNE 1 2 3   END HALT
+EM 1 1.   ESTIFF 1 0. 2.   GRAVITY 0. -1.   TIMESTEP 2. 10   END END
 """
 
 
@@ -171,17 +162,8 @@ def test_a_lost_frequency_is_no_saving():
 
 # A pendulum whose rod is stiff: hardly bent.
 STIFF_PENDULUM = """
-PLBEAM 1 1 2 3 4
-X 3 1. 0.
-FIX 1
-DYNX 2 1
-DYNE 1 2 3
-END HALT
-EM 1 1.
-ESTIFF 1 0. 2000.
-GRAVITY 0. -9.81
-TIMESTEP 0.3 3
-END END
+PLBEAM 1 1 2 3 4   X 3 1. 0.   FIX 1   DYNX 2 1   DYNE 1 2 3   END HALT
+EM 1 1.   ESTIFF 1 0. 2000.   GRAVITY 0. -9.81   TIMESTEP 0.3 3   END END
 """
 
 

@@ -22,22 +22,9 @@ from spacar.studies.runs.setting import Setup, Trade
 
 # A stiff rod (1e6 times) carries a soft one; the soft one vibrates.
 ARM = """
-PLBEAM 1 1 2 3 4
-PLBEAM 2 3 4 5 6
-X 3 0.5 0.
-X 5 1.0 0.
-FIX 1
-FIX 2
-DYNE 1 2 3
-DYNE 2 2 3
-END HALT
-EM 1 1.
-EM 2 1.
-ESTIFF 1 0. 1e5
-ESTIFF 2 0. 1.
-XF 5 0. 0.5
-ITERSTEP 10 4 1e-9
-END END
+PLBEAM 1 1 2 3 4   PLBEAM 2 3 4 5 6   X 3 0.5 0.   X 5 1.0 0.
+FIX 1   FIX 2   DYNE 1 2 3   DYNE 2 2 3   END HALT
+EM 1 1.   EM 2 1.   ESTIFF 1 0. 1e5   ESTIFF 2 0. 1.   XF 5 0. 0.5   ITERSTEP 10 4 1e-9   END END
 """
 
 

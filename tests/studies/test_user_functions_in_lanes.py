@@ -19,19 +19,8 @@ from spacar.studies.ensemble import ensemble, why_not
 
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 
-MODEL = """PLBEAM 1 1 2 3 4
-X 3 1. 0.
-FIX 1
-{classes}
-END
-HALT
-XM 3 2.
-EM 1 0.5
-XM 4 0.1
-{more}
-TIMESTEP 0.4 4
-END
-END
+MODEL = """PLBEAM 1 1 2 3 4   X 3 1. 0.   FIX 1   {classes}   END HALT
+XM 3 2.   EM 1 0.5   XM 4 0.1   {more}   TIMESTEP 0.4 4   END END
 """
 HEAD = "import counted\n\ndef push(t, ne, le, e, ep, nx, lnp, x, xp):\n"
 SPRING = "    return t, [[1, 2, 3.0 * e[le[0][1]] + 0.05 * ep[le[0][1]]]], [[3, 2, -5.0 - xp[lnp[2][1]]]]\n"

@@ -14,89 +14,23 @@ from tests.command_line import call as spacar
 DATA = Path(__file__).resolve().parents[2] / "data"
 # a rigid part that hangs on a flexible beam, welded rotations, a spring, a preloaded hinge, constant loads, gravity
 ARM = """
-PLBEAM 1  1 2  3 4
-PLBEAM 2  3 5  6 7
-PLTOR  3  8 2
-PLTOR  4  4 5
-PLRBEAM 5 6 7 9
-PLTRUSS 6 9 10
-X 1 0. 0.
-X 3 0.5 0.2
-X 6 0.9 0.6
-X 9 1.0 0.9
-X 10 1.5 0.9
-FIX 1
-FIX 8
-FIX 10
-DYNE 1 2 3
-DYNE 3 1
-DYNE 4 1
-RLSE 6 1
-END
-HALT
-EM 1 0.8
-EM 2 1.2 0.01
-EM 5 0.4
-XM 9 0.3
-XM 7 0.02
-XF 9 1. -2.
-XF 4 0.1
-GRAVITY 0. -9.81
-ESTIFF 1 0. 40.
-ESTIFF 3 12.
-EDAMP 3 0.3
-ESIG 3 1.5
-ESTIFF 4 5.
-ESTIFF 6 3.
-EDAMP 6 0.2
-STARTDE 3 1 0.1 0.5
-STARTDE 1 2 0.01 0.1
-TIMESTEP 0.1 10
-END
-END
+PLBEAM 1  1 2  3 4   PLBEAM 2  3 5  6 7   PLTOR  3  8 2   PLTOR  4  4 5   PLRBEAM 5 6 7 9
+PLTRUSS 6 9 10   X 1 0. 0.   X 3 0.5 0.2   X 6 0.9 0.6   X 9 1.0 0.9   X 10 1.5 0.9
+FIX 1   FIX 8   FIX 10   DYNE 1 2 3   DYNE 3 1   DYNE 4 1   RLSE 6 1   END HALT
+EM 1 0.8   EM 2 1.2 0.01   EM 5 0.4   XM 9 0.3   XM 7 0.02   XF 9 1. -2.   XF 4 0.1
+GRAVITY 0. -9.81   ESTIFF 1 0. 40.   ESTIFF 3 12.   EDAMP 3 0.3   ESIG 3 1.5   ESTIFF 4 5.
+ESTIFF 6 3.   EDAMP 6 0.2   STARTDE 3 1 0.1 0.5   STARTDE 1 2 0.01 0.1   TIMESTEP 0.1 10   END END
 """
 # two ways to the same point, one of them over a prescribed hinge; the reached end of a beam is its q
 LOOP = """
-PLBEAM 1  1 2  3 4
-PLBEAM 2  5 6  3 7
-PLTOR  3  8 2
-PLTRUSS 4 5 9
-X 1 0. 0.
-X 3 0.3 0.4
-X 5 0.9 0.6
-X 9 1.2 0.
-FIX 1
-FIX 8
-FIX 9
-INPUTE 3 1
-END
-HALT
-EM 2 2.
-EM 4 1.5
-XM 3 0.1
-INPUTE 3 1 0. 2. 1.
-TIMESTEP 0.1 10
-END
-END
+PLBEAM 1  1 2  3 4   PLBEAM 2  5 6  3 7   PLTOR  3  8 2   PLTRUSS 4 5 9
+X 1 0. 0.   X 3 0.3 0.4   X 5 0.9 0.6   X 9 1.2 0.   FIX 1   FIX 8   FIX 9   INPUTE 3 1   END HALT
+EM 2 2.   EM 4 1.5   XM 3 0.1   INPUTE 3 1 0. 2. 1.   TIMESTEP 0.1 10   END END
 """
 SLIDER = """
-PLBEAM 1 1 2 3 4
-X 1 0. 0.
-X 3 0.6 0.8
-FIX 1
-DYNE 1 1
-DYNX 2 1
-END
-HALT
-XM 3 1.5
-XM 2 0.1
-ESTIFF 1 30.
-EDAMP 1 0.5
-GRAVITY 0. -9.81
-STARTDX 2 1 0.2 3.
-TIMESTEP 0.3 10
-END
-END
+PLBEAM 1 1 2 3 4   X 1 0. 0.   X 3 0.6 0.8   FIX 1   DYNE 1 1   DYNX 2 1   END HALT
+XM 3 1.5   XM 2 0.1   ESTIFF 1 30.   EDAMP 1 0.5   GRAVITY 0. -9.81
+STARTDX 2 1 0.2 3.   TIMESTEP 0.3 10   END END
 """
 
 
