@@ -32,8 +32,7 @@ def spacar(*words: object, folder: Path, **variables: str) -> Outcome:
 
 def prepare(folder: Path, name: str = "crank", mode: int = 1) -> None:
     """A run in this process, for a test that is about what comes after it."""
-    done = call(mode, folder / name)
-    assert done.status == 0, done.err
+    call.done(mode, folder / name)
 
 
 def many(lines: list[list[str]], folder: Path) -> list[Outcome]:

@@ -13,8 +13,7 @@ def check(call, tmp_path):
         (tmp_path / "m.dat").write_text(MODEL + ("" if beside else f"VISUALIZATION\n{settings}\n"))
         if beside:
             (tmp_path / "m.spv").write_text(settings + "\n")
-        result = call("check", "m")
-        assert result.status == 0
+        result = call.done("check", "m")
         return result.err + result.out
 
     return said

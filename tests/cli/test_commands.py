@@ -12,16 +12,14 @@ from .conftest import DATA
 
 
 def test_keywords_lists_every_keyword(call):
-    done = call("keywords")
-    assert done.status == 0
+    done = call.done("keywords")
     listed = {line.split()[0] for line in done.out.splitlines() if line.startswith("  ")}
     assert listed == {name for name, _ in KEYWORDS} | set(RULES) | {block.name for block in BLOCKS}
 
 
 @pytest.mark.parametrize("name", sorted({name for name, _ in KEYWORDS}))
 def test_every_keyword_is_explained(call, name):
-    done = call("keywords", name.lower())
-    assert done.status == 0
+    done = call.done("keywords", name.lower())
     for (keyword, block), row in KEYWORDS.items():
         if keyword == name:
             assert f"{name}: {row.help}" in done.out
@@ -37,8 +35,7 @@ def test_an_alias_is_explained_under_its_name_and_a_block_with_its_keys(call):
 
 @pytest.mark.parametrize("path", sorted(DATA.glob("*.dat")), ids=lambda p: p.stem)
 def test_the_examples_are_free_of_errors(call, path):
-    done = call("check", path)
-    assert done.status == 0, done.err
+    done = call.done("check", path)
     assert ": 0 errors" in done.out
 
 
@@ -58,9 +55,7 @@ def test_check_writes_nothing(call, tmp_path):
 
 
 def test_check_of_a_mode_that_does_not_exist(call):
-    done = call("check", "crank", "--mode", "5")
-    assert done.status == 2
-    assert "mode 5 does not exist" in done.err
+    assert "mode 5 does not exist" in call.refused("check", "crank", "--mode", "5")
 
 
 def test_examples_are_listed_and_copied(call, tmp_path):
@@ -85,9 +80,7 @@ def test_examples_in_folders(call, tmp_path):
 
 def test_examples_do_not_overwrite(call, tmp_path):
     (tmp_path / "slider.dat").write_text("mine")
-    done = call("examples", "slider")
-    assert done.status == 2
-    assert "--overwrite" in done.err
+    assert "--overwrite" in call.refused("examples", "slider")
     assert (tmp_path / "slider.dat").read_text() == "mine"
     assert call("examples", "slider", "--overwrite").status == 0
     assert (tmp_path / "slider.dat").read_text() != "mine"

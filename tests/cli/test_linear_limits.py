@@ -34,8 +34,7 @@ def test_motions_free_in_stiffness_and_load_have_no_multiplier_and_leave_the_res
     Reversed, the beam buckles: -12 and -60 EI/l^2 are those of one cubic element between hinges (exact: -9.87, -39.5).
     """
     (tmp_path / "free.dat").write_text(FREE_BEAM)
-    done = call(10, "free")
-    assert done.status == 0
+    done = call.done(10, "free")
     assert "2 common null vectors" in done.err
     assert "2 common null vectors" in (tmp_path / "free.log").read_text()
     result = spacar.run(10, parse_deck(FREE_BEAM, mode=10))

@@ -15,8 +15,7 @@ from .conftest import DATA
 def log_of(call, tmp_path):
     def run(mode: int, name: str, text: str | None = None, *options: str) -> str:
         (tmp_path / f"{name}.dat").write_text(text or (DATA / f"{name}.dat").read_text())
-        done = call(mode, name, *options)
-        assert done.status == 0, done.err
+        call.done(mode, name, *options)
         return (tmp_path / f"{name}.log").read_text()
 
     return run

@@ -29,12 +29,10 @@ def test_every_row_of_the_table_is_a_command_and_every_parameter_is_documented()
 def test_version_and_help(call):
     assert call("--version").out == f"spacar {spacar.__version__}\n"
     for word in ("--help", "-h"):
-        done = call(word)
-        assert done.status == 0
+        done = call.done(word)
         assert all(name in done.out for name in command_table.COMMANDS)
         assert all(mode.title in done.out for mode in MODES.values())
-    done = call("1", "--help")
-    assert done.status == 0
+    done = call.done("1", "--help")
     assert "--integrator" in done.out
     assert "--integrator" not in call("7", "--help").out
 
@@ -54,10 +52,9 @@ def test_exit_statuses_are_the_documented_ones():
     ],
 )
 def test_colours(call, terminal, variables, coloured):
-    done = call("1", "nofile", terminal=terminal, **variables)
-    assert done.status == 2
-    assert ("\x1b[" in done.err) is coloured
-    assert "nofile.dat: no such file" in done.err
+    err = call.refused("1", "nofile", terminal=terminal, **variables)
+    assert ("\x1b[" in err) is coloured
+    assert "nofile.dat: no such file" in err
 
 
 def test_a_terminal_gets_one_summary_line_a_pipe_gets_none(call, monkeypatch):
@@ -73,8 +70,7 @@ def test_a_terminal_gets_one_summary_line_a_pipe_gets_none(call, monkeypatch):
 def test_warnings_are_told_information_only_when_asked(call, tmp_path):
     text = (tmp_path / "crank.dat").read_text()
     (tmp_path / "warn.dat").write_text(text.replace("FIX 1\n", "FIX 1\nFIX 1 1\nX 77 1. 1.\n"))
-    done = call("0", "warn")
-    assert done.status == 0
+    done = call.done("0", "warn")
     assert {line.split(":")[0] for line in done.err.splitlines()} == {"warning"}
     assert "information: " in call("0", "warn", "--verbose").err
     assert call("0", "warn", "--quiet").err == ""
@@ -86,10 +82,9 @@ def test_an_unexpected_error_is_one_line_and_a_traceback_only_with_debug(call, m
         raise ZeroDivisionError("nobody thought of this")
 
     monkeypatch.setattr("spacar_cli.commands.run_mode.frames", broken)
-    done = call("1", "crank")
-    assert done.status == 1
-    assert done.err.startswith("error: internal error: ZeroDivisionError: nobody thought of this")
-    assert len(done.err.splitlines()) == 1
+    err = call.refused("1", "crank", status=1)
+    assert err.startswith("error: internal error: ZeroDivisionError: nobody thought of this")
+    assert len(err.splitlines()) == 1
     assert "ZeroDivisionError: nobody thought of this [internal]" in (tmp_path / "crank.log").read_text()
     with pytest.raises(ZeroDivisionError):
         call("1", "--debug", "crank")
@@ -109,8 +104,7 @@ def test_an_interrupt_before_the_first_step(call, monkeypatch, tmp_path):
 def test_the_progress_bar_appears_on_terminals_after_a_while(call, monkeypatch):
     monkeypatch.setattr("spacar_cli.progress.PATIENCE", 0.0)
     monkeypatch.setattr("spacar_cli.progress.REFRESH", 0.0)
-    done = call("1", "crank", terminal=True, TERM="xterm", COLUMNS="120")
-    assert done.status == 0
+    done = call.done("1", "crank", terminal=True, TERM="xterm", COLUMNS="120")
     assert "t = 0.1 s" in done.err
     assert "100%" in done.err
     assert call("1", "crank").err == ""

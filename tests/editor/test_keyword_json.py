@@ -62,7 +62,6 @@ def test_statements_of_a_model_are_what_the_reader_reads(name):
 def test_the_command_prints_both():
     assert command.name == "keywords"
     for kind, made in (("json", keywords_json()), ("textmate", textmate_grammar())):
-        status, out, _ = call("keywords", "--to", kind)
-        assert status == 0
+        out = call.done("keywords", "--to", kind).out
         assert json.loads(out) == json.loads(json.dumps(made))
     assert call("keywords", "FIX", "--to", "json")[0] == 2

@@ -29,8 +29,7 @@ def folder(tmp_path_factory):
     (place / "mm.dat").write_text(text)
     (place / "plain.dat").write_text(re.sub(r"UNITS mm.*", "", text))
     for name in ("mm", "plain"):
-        done = call("10", place / name)
-        assert done.status == 0, done.err
+        call.done("10", place / name)
     return place
 
 

@@ -98,8 +98,7 @@ def test_another_iterstep_is_refused(ten):
 
 def command(*words: object) -> str:
     """Standard output of a command that must succeed."""
-    done = call(*words)
-    assert done.status == 0, done.err
+    done = call.done(*words)
     return done.out
 
 

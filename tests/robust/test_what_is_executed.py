@@ -37,8 +37,7 @@ def test_check_lists_functions_and_imports_none(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.dat").write_text(DECK)
     (tmp_path / "push.py").write_text(PUSH)
-    status, _, err = run("check", "a")
-    assert status == 0
+    err = run.done("check", "a").err
     assert "USERSIG: runs of this model execute" in err
     assert not (tmp_path / "RUN").exists()
     assert run("check", "a", "--mode", 1)[0] == 0
@@ -50,12 +49,9 @@ def test_check_lists_functions_and_imports_none(tmp_path, monkeypatch):
 def test_check_tells_what_is_missing_without_running_anything(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.dat").write_text(DECK)
-    status, _, err = run("check", "a")
-    assert status == 2
-    assert "a.dat:10: USERSIG: the function file push.py was not found" in err
+    assert "a.dat:10: USERSIG: the function file push.py was not found" in run.refused("check", "a")
     (tmp_path / "push.py").write_text("raise SystemExit\n")
-    status, _, err = run("check", "a")
-    assert status == 0
+    err = run.done("check", "a").err
     assert "does not seem to define a function push" in err
 
 
@@ -68,8 +64,7 @@ def test_who_executes_functions_of_a_model(tmp_path, monkeypatch):
     for line in ("0 a", "check a", "1 a", "7 a", "sweep a --set EM.1=1 -r x[3,1]@end", "trade a --target 1e-2",
                  "sensitivity a -p EM.1 --of x[3,1]@end", "flexure a --move 3y=1e-6", "draw a -o a.svg", "eigen a",
                  "plot a x[3,1] --csv -", "checksbf a", "report a", "view a", "stress a"):  # fmt: skip
-        status, _, err = run(*line.split())
-        assert status == 0, (line, err)
+        run.done(*line.split())
         said[line.split()[0]] = (tmp_path / "RUN").exists()
         (tmp_path / "RUN").unlink(missing_ok=True)
     assert {word for word, ran in said.items() if ran} == {"1", "7", "sweep", "trade", "sensitivity", "flexure"}
@@ -81,8 +76,7 @@ def test_a_function_that_ends_the_program_ends_its_run(tmp_path, raised, engine)
     """A sentence and status 1, later as at the start; a failed row in a study, whose other cases run."""
     (tmp_path / "a.dat").write_text(DECK)
     (tmp_path / "push.py").write_text(f"def push(t, *rest):\n    if t > 0.06: {raised}\n    return t, [], []\n")
-    status, _, err = run(1, tmp_path / "a.dat", engine)
-    assert status == 1
+    err = run.refused(1, tmp_path / "a.dat", engine, status=1)
     [sentence] = [line for line in err.splitlines() if line.startswith("error: ")]
     assert "the user function push failed at t = " in sentence
     told = "GeneratorExit" if "Gen" in raised else "SystemExit: 3" if "3" in raised else "SystemExit"
@@ -97,23 +91,18 @@ def test_a_function_that_ends_the_program_ends_its_run(tmp_path, raised, engine)
 def test_a_file_of_functions_that_ends_the_program_is_refused(tmp_path):
     (tmp_path / "a.dat").write_text(DECK)
     (tmp_path / "push.py").write_text("raise SystemExit(3)\n")
-    status, _, err = run(1, tmp_path / "a.dat")
-    assert status == 2
+    err = run.refused(1, tmp_path / "a.dat")
     assert "a.dat:10: USERSIG: " in err
     assert "push.py cannot be loaded: SystemExit: 3" in err
     (tmp_path / "a.py").write_text("import sys\nsys.exit(3)\n")
-    status, _, err = run("symbolic", "check", tmp_path / "a.py")
-    assert status == 2
-    assert "a.py:2: SystemExit: 3" in err
+    assert "a.py:2: SystemExit: 3" in run.refused("symbolic", "check", tmp_path / "a.py")
 
 
 @pytest.mark.parametrize("name", ["../push", "a/push", "push.x", "..", "os;x"])
 def test_names_with_separators_are_refused(tmp_path, name):
     (tmp_path / "a.dat").write_text(DECK.replace("push", name))
     (tmp_path / "push.py").write_text(PUSH)
-    status, _, err = run(1, tmp_path / "a.dat")
-    assert status == 2
-    assert "USERSIG" in err
+    assert "USERSIG" in run.refused(1, tmp_path / "a.dat")
 
 
 # -- compiled libraries ------------------------------------------------------------------------------------------

@@ -87,8 +87,7 @@ def test_inputs_that_stay_are_not_asked_for_again(model: Path, monkeypatch: pyte
 def test_the_log_says_which_engine(model: Path, general: bool) -> None:
     source = model.with_name("b.sim")
     source.write_text("[simulation]\ntime = 0.1\nstep = 0.05\n\n[truss]\nblock = spasim\nmodel = a\n\n[wires]\n")
-    done = call("sim", source, *["--general"] * general)
-    assert done.status == 0, done.err
+    call.done("sim", source, *["--general"] * general)
     log = source.with_name("b_sim.log").read_text()
     assert ("engine: general (--general or compiled=False asks for it)" in log) == general
     assert ("engine: compiled (" in log) != general

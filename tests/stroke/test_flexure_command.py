@@ -7,7 +7,6 @@ import io
 import json
 import re
 import shutil
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -27,8 +26,7 @@ def call(tmp_path, monkeypatch):
     shutil.copy(DATA / "leafguide.dat", tmp_path)
     (tmp_path / "planar.dat").write_text(models.two_leaves(models.GUIDE, 2))
     monkeypatch.chdir(tmp_path)
-
-    return partial(command_line.call, "flexure")
+    return command_line.CommandLine("flexure")
 
 
 def test_tables_are_in_the_unit_of_the_file_and_files_in_metres(call, tmp_path):
@@ -64,8 +62,7 @@ def test_the_same_model_in_metres(tmp_path):
 
 
 def test_the_page_holds_everything(call, tmp_path):
-    status, out, _ = call("planar", "--move", "9x=+-0.01", "--steps", "2", "-o", "page.html")
-    assert status == 0
+    out = call.done("planar", "--move", "9x=+-0.01", "--steps", "2", "-o", "page.html").out
     assert out.startswith("page.html\n")
     page = (tmp_path / "page.html").read_text()
     assert "http" not in page.replace("http-equiv", "")
@@ -118,15 +115,12 @@ def test_wrong_questions_are_one_sentence(call, words, sentence):
 
 
 def test_a_model_without_a_drive_asks_for_one(call):
-    status, _, err = call("planar")
-    assert status == 2
-    assert "planar.dat moves no single coordinate (DELINPX, DELINPE, DELXF)" in err
+    assert "planar.dat moves no single coordinate (DELINPX, DELINPE, DELXF)" in call.refused("planar")
 
 
 @pytest.mark.slow
 def test_a_stroke_that_is_too_long_fails_without_files(call, tmp_path):
-    status, _, err = call("planar", "--move", "9x=1", "--steps", "1", "--csv", "a.csv", "-o", "a.html")
-    assert status == 1
+    err = call.refused("planar", "--move", "9x=1", "--steps", "1", "--csv", "a.csv", "-o", "a.html", status=1)
     assert err.startswith("error: ")
     assert "; the range of 9x, 1 m, exceeds the size of the model" in err
     assert not (tmp_path / "a.csv").exists()

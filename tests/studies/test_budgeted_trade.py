@@ -33,8 +33,7 @@ def trade():
 def test_the_recommended_command_keeps_the_target(call):
     """Against x = 1 + 0.01 cos 20 t, run as it was recommended."""
     Path("osc.dat").write_text(OSCILLATOR)
-    done = call("trade", "osc", "--target", "1e-4", "--budget", "20", "--variable", "x[2,1]", "--json")
-    assert done.status == 0, done.err
+    done = call.done("trade", "osc", "--target", "1e-4", "--budget", "20", "--variable", "x[2,1]", "--json")
     found = json.loads(done.out)
     words = shlex.split(found["command"])
     assert words[:3] == ["spacar", "1", "osc.dat"]
@@ -147,8 +146,7 @@ def test_a_motion_is_compared_with_finer_meshes(call):
 def test_what_cannot_be_divided_is_named(call):
     """A flexible tube: its mesh is not compared, and that is said."""
     Path("tube.dat").write_text(ROD.replace("PLBEAM", "PLTUBE").replace("TIMESTEP 2. 10", "TIMESTEP 0.2 2"))
-    done = call("trade", "tube", "--target", "1e-3", "--repeats", "1", "--budget", "20")
-    assert done.status == 0, done.err
+    done = call.done("trade", "tube", "--target", "1e-3", "--repeats", "1", "--budget", "20")
     assert "the error of the mesh of beam 1 is not known: it cannot be divided: a tube is not divided" in done.out
 
 

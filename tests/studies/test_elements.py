@@ -25,8 +25,7 @@ def test_the_same_as_the_divided_model(deck):
 
 def test_the_command(call):
     """The log repeats the option, the json counts the divided model's freedoms, the results have its nodes."""
-    done = call("7", "plbeam5", "--elements", "3", "--json")
-    assert done.status == 0, done.err
+    done = call.done("7", "plbeam5", "--elements", "3", "--json")
     report = json.loads(done.out)
     assert report["nddof"] == 3 * 10
     text = Path("plbeam5.log").read_text(encoding="utf-8")

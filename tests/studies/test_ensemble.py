@@ -143,8 +143,7 @@ def test_sweep_with_and_without_batches(call):
     words = sweep_words("--set", "XM.8=20:40:6")
     assert call(*words, "--batch", "-o", "a.csv").status == 0
     assert call(*words, "--no-batch", "-o", "b.csv").status == 0
-    general = call(*words, "--general", "-o", "c.csv")
-    assert general.status == 0
+    general = call.done(*words, "--general", "-o", "c.csv")
     assert "one by one, not in batches: --general" in general.out
     assert call(*words, "--batch", "--general", "-o", "d.csv").status == 2
     alone = column("b.csv", "z")
@@ -154,8 +153,7 @@ def test_sweep_with_and_without_batches(call):
 
 
 def test_every_case_runs_once(call):
-    done = call(*sweep_words("--set", "XM.8=20:40:20", "-o", "c.csv"))
-    assert done.status == 0, done.err
+    call.done(*sweep_words("--set", "XM.8=20:40:20", "-o", "c.csv"))
     assert len(column("c.csv", "z")) == 20
 
 
@@ -163,8 +161,7 @@ def test_every_case_runs_once(call):
 def test_a_failing_case_fails_alone(call):
     """A beam of length zero is a failed row, the others are right."""
     words = sweep_words("--set", "X.8[coordinate x1]=0.5,0.268,0.55", "--set", "X.8[coordinate x3]=0,0.6467")
-    done = call(*words, "--batch", "-o", "d.csv")
-    assert done.status == 1
+    call.refused(*words, "--batch", "-o", "d.csv", status=1)
     rows = list(csv.DictReader(Path("d.csv").read_text().splitlines()))
     bad = [r for r in rows if r["status"] == "failed"]
     assert len(rows) == 6
@@ -173,9 +170,7 @@ def test_a_failing_case_fails_alone(call):
 
 
 def test_batch_that_is_not_possible(call):
-    done = call("sweep", "crank", "--set", "XM.6=1,2", "-r", "x[6,1]@end", "--batch")
-    assert done.status == 2
-    assert "nothing is integrated" in done.err
+    assert "nothing is integrated" in call.refused("sweep", "crank", "--set", "XM.6=1,2", "-r", "x[6,1]@end", "--batch")
 
 
 def test_reason_of_another_mode(deck):

@@ -86,8 +86,7 @@ def test_what_is_different_is_not_merged():
 
 def test_trade_tells_the_prices(call):
     Path("arm.dat").write_text(ARM)
-    done = call("trade", "arm", "--mode", "7", "--target", "1e-2", "--budget", "30", "--variable", "x[5,2]")
-    assert done.status == 0, done.err
+    done = call.done("trade", "arm", "--mode", "7", "--target", "1e-2", "--budget", "30", "--variable", "x[5,2]")
     assert "not needed for 0.01: the flexibility of beam 1" in done.out
     assert "needed: the flexibility of beam 2" in done.out
     report = json.loads(call("trade", "arm", "-m", "7", "--target", "1e-2", "--variable", "x[5,2]", "--json").out)

@@ -73,9 +73,7 @@ def test_another_user_function_is_another_case(call):
 
 def test_failed_cases_say_why(call):
     words = ("sweep", "plbeam5", "-m", "7", "--set", "ESTIFF.*[EI]=100,1e-9", "-r", "x[11,2]@end", "-o", "r.jsonl")
-    done = call(*words)
-    assert done.status == 1
-    assert "ESTIFF.*[EI] = 1e-09" in done.err
+    assert "ESTIFF.*[EI] = 1e-09" in call.refused(*words, status=1)
     good, bad = map(json.loads, Path("r.jsonl").read_text().splitlines())
     assert (good["status"], bad["status"]) == ("done", "failed")
     assert "load step 1 of 10" in bad["reason"]
@@ -84,8 +82,7 @@ def test_failed_cases_say_why(call):
 
 
 def test_a_quantity_that_does_not_exist_is_a_failed_case(call):
-    done = call("sweep", "crank", "--time", "0.001", "--steps", "1", "--set", "XM.6=1", "-r", "x[99,1]@end")
-    assert done.status == 1
+    call.refused("sweep", "crank", "--time", "0.001", "--steps", "1", "--set", "XM.6=1", "-r", "x[99,1]@end", status=1)
     assert rows("crank.sweep.csv")[0]["reason"] == "'x[99,1]@end': node 99 does not exist; nodes are 1 to 7"
 
 
@@ -115,9 +112,7 @@ def test_tables(call):
     ],
 )
 def test_wrong_usage(call, words, why):
-    done = call("sweep", "crank", *words)
-    assert done.status == 2
-    assert why in done.err
+    assert why in call.refused("sweep", "crank", *words)
     assert not Path("crank.sweep.csv").exists()
 
 
@@ -153,8 +148,7 @@ def test_killed_and_started_again(call):
     process.communicate()
     kept = rows(path)
     assert 3 <= len(kept) < 24, "the process was not killed in the middle"
-    done = call(*words[3:])
-    assert done.status == 0, done.err
+    done = call.done(*words[3:])
     assert f"{24 - len(kept)} run" in done.out
     found = rows(path)
     assert len({r["case"] for r in found}) == len(found) == 24
@@ -193,9 +187,7 @@ def running(pid):
 
 def test_a_cluster_without_dask(call, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
-    done = call(*CRANK, "--scheduler", "localhost:1")
-    assert done.status == 2
-    assert "pip install 'spacar[dask]'" in done.err
+    assert "pip install 'spacar[dask]'" in call.refused(*CRANK, "--scheduler", "localhost:1")
 
 
 def test_a_cluster(call):

@@ -186,10 +186,9 @@ def test_command_json(call, pendulum):
 @pytest.mark.slow
 def test_models_of_a_flexible_mechanism(call):
     """A rigid rod is a model with an error of its own, larger than that of integration."""
-    done = call("trade", "crankfl", "--time", "0.002", "--steps", "2", "-i", "853", "-t", "1e-3",
+    call.done("trade", "crankfl", "--time", "0.002", "--steps", "2", "-i", "853", "-t", "1e-3",
                 "--target", "1e-3", "--rigid", "--linear",
                 "--repeats", "1", "--variable", "x[6,2]", "-j", "2", "-o", "m.json")  # fmt: skip
-    assert done.status == 0, done.err
     found = {s["model"]: s["error"] for s in json.loads(Path("m.json").read_text())["settings"]}
     assert found["as given"] < 1e-3 < found["rigid beams"]
     assert found["as given"] < found["as given, linear strain"] < 1.0
@@ -215,9 +214,8 @@ def test_models_of_a_flexible_mechanism(call):
 def test_wrong_usage(call, words, why):
     import re
 
-    done = call("trade", *words)
-    assert done.status == 2
-    assert re.search(why, done.err), done.err
+    err = call.refused("trade", *words)
+    assert re.search(why, err), err
 
 
 def test_a_motion_without_dynamics_has_nothing_to_trade(call):
@@ -251,14 +249,12 @@ def test_compiled_runs_give_the_same_errors(call):
     words = ("trade", "robotsim", "--time", "0.1", "--steps", "2", "-t", "1e-3,1e-5", "-i", "155", "--json")
     errors = []
     for more in (("--general",), ("--compiled",)):
-        done = call(*words, *more)
-        assert done.status == 0, done.err
+        done = call.done(*words, *more)
         errors.append([row["error"] for row in json.loads(done.out)["settings"]])
     # the paths guess positions differently and leave them at a part of the tolerance: the errors agree in size only
     assert np.allclose(*errors, rtol=0.2)
 
 
 def test_a_wrong_reference_is_refused_before_anything_runs(call):
-    done = call("trade", "robotsim", "--time", "0.1", "--steps", "2", "--reference", "853,430")
-    assert done.status == 2
-    assert "two different methods with variable step" in done.err
+    err = call.refused("trade", "robotsim", "--time", "0.1", "--steps", "2", "--reference", "853,430")
+    assert "two different methods with variable step" in err

@@ -51,14 +51,12 @@ mass = "m"
 def result(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "pendulum.toml").write_text(MODEL)
-    status, _, err = spacar("symbolic", "simulate", "pendulum.toml", "--time", "0.5", "--steps", "20")
-    assert status == 0, err
+    spacar.done("symbolic", "simulate", "pendulum.toml", "--time", "0.5", "--steps", "20")
     return tmp_path
 
 
 def table(*arguments: str) -> np.ndarray:
-    status, out, err = spacar("plot", "pendulum", *arguments, "--csv", "-")
-    assert status == 0, err
+    out = spacar.done("plot", "pendulum", *arguments, "--csv", "-").out
     return np.array(list(csv.reader(io.StringIO(out)))[1:], float)
 
 
@@ -89,9 +87,7 @@ def test_a_result_knows_the_model_it_came_from(result):
     file.close()
     (result / "pendulum.toml").write_text(MODEL + "# changed\n")
     for command in ("draw", "report"):
-        status, _, err = spacar(command, "pendulum")
-        assert status == 2
-        assert "pendulum.toml, which has changed since" in err
+        assert "pendulum.toml, which has changed since" in spacar.refused(command, "pendulum")
     assert spacar("plot", "pendulum", "q", "--stale-ok")[0] == 0
 
 
@@ -123,8 +119,7 @@ def test_flexible_and_spatial_models_are_drawn(tmp_path, monkeypatch):
     outputs = "".join(f'"t{a}" = "rod.tip.{a}"\n' for a in "xyz")
     text = text.replace("[outputs]", f"{beam}field = 1\n[outputs]\n{outputs}")
     (tmp_path / "rod.toml").write_text(text)
-    status, _, err = spacar("symbolic", "simulate", "rod.toml", "--time", "0.02", "--steps", "2", "--rtol", "1e-5")
-    assert status == 0, err
+    spacar.done("symbolic", "simulate", "rod.toml", "--time", "0.02", "--steps", "2", "--rtol", "1e-5")
     source = open_source("rod")
     tip = [source.named[f"t{a}"][-1] for a in "xyz"]
     last = source.scene.elements[-1]
@@ -141,9 +136,7 @@ def test_what_has_no_points_says_so(tmp_path, monkeypatch):
         "P = system.point('P', system.O, 0 * system.N[1], velocity=s * system.N[1])\nsystem.particle('p', P, 1)\n"
     )
     assert spacar("symbolic", "simulate", "m.py", "--steps", "2")[0] == 0
-    status, _, err = spacar("draw", "m")
-    assert status == 2
-    assert "has no points that could be drawn: use spacar plot" in err
+    assert "has no points that could be drawn: use spacar plot" in spacar.refused("draw", "m")
     assert spacar("plot", "m", "q")[0] == 0
 
 
@@ -152,17 +145,14 @@ def test_what_has_no_points_says_so(tmp_path, monkeypatch):
 def test_a_compiler_that_cannot_be_used_is_told_before_anything_is_written(result, monkeypatch, cc):
     monkeypatch.setenv("CC", cc)
     before = (result / "pendulum.sbd").read_bytes()
-    status, _, err = spacar("symbolic", "simulate", "pendulum.toml", "--compiled")
-    assert status == 2
+    err = spacar.refused("symbolic", "simulate", "pendulum.toml", "--compiled")
     assert ("is empty" if not cc else "'no-such-compiler', was not found") in err
     assert (result / "pendulum.sbd").read_bytes() == before
 
 
 @pytest.mark.parametrize("text", ["bogus", "x[1,2]", "q[1,1]"])
 def test_an_unknown_name_is_answered_with_the_known_ones(result, text):
-    status, _, err = spacar("plot", "pendulum", text)
-    assert status == 2
-    assert "q, s, T + V, P.y" in err
+    assert "q, s, T + V, P.y" in spacar.refused("plot", "pendulum", text)
 
 
 @pytest.mark.skipif(compiler() is None, reason="no C compiler")
@@ -212,9 +202,7 @@ def test_a_place_without_a_number_is_no_error(tmp_path, monkeypatch):
     point = '[[point]]\nname = "Q"\nbase = "P"\noffset = ["a", 0, 0]\nin = "B"\n'
     text = MODEL.replace("[outputs]", f"{point}[outputs]").replace("g = 9.81", 'g = 9.81\na = ""')
     (tmp_path / "m.toml").write_text(text)
-    status, _, err = spacar("symbolic", "simulate", "m.toml", "--steps", "2", "--time", "0.1")
-    assert status == 0, err
+    spacar.done("symbolic", "simulate", "m.toml", "--steps", "2", "--time", "0.1")
     assert spacar("draw", "m")[0] == 2
-    status, _, err = spacar("symbolic", "simulate", "m.toml", "--steps", "2", "--time", "0.1", "--set", "a=0.2")
-    assert status == 0, err
+    spacar.done("symbolic", "simulate", "m.toml", "--steps", "2", "--time", "0.1", "--set", "a=0.2")
     assert spacar("draw", "m", "-o", "m.png")[0] == 0

@@ -39,8 +39,7 @@ THROWN = (
 
 def exported(*words: str | Path) -> tuple[str, float]:
     """What `spacar symbolic export` says, and by how much the positions differ from those of mode 1 [m]."""
-    status, out, err = call("symbolic", "export", *words)
-    assert status == 0, err
+    out = call.done("symbolic", "export", *words).out
     found = re.search(r"positions +differ by at most (\S+) m", out)
     assert found
     return out, float(found[1])
