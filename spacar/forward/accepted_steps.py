@@ -42,6 +42,10 @@ def fail_at(t: float, error: AnalysisError) -> NoReturn:
     raise AnalysisError(f"at t = {t:.9g}: {error}", error.code, t=t, **error.data) from error
 
 
+# Codes of errors that may be those of a dead point.
+ENDED = ("integrator.step-too-small", "integrator.too-many-steps", "integrator.newton", "position.no-convergence")
+
+
 class SingularityMonitor:
     """Half turns of nodes, the charts of those that may pass them, and the continuity of the motion at dead points."""
 
@@ -176,6 +180,13 @@ class StepHistory:
         at = self.evaluator.moving()
         if at is not None:
             self.steps.append(Accepted(y.copy(), at, 1.0, 0.0))
+
+    def explained(self, error: AnalysisError) -> AnalysisError:
+        """What ended the integration: a dead point, where the last step is at one."""
+        if self.continuity is None or error.code not in ENDED:
+            return error
+        self._fetch()
+        return self.continuity.explained(error)
 
     # -- of steps one by one ---------------------------------------------------------------------------------------
     def accepted(self, t: float, y: Array) -> None:

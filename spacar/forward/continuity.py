@@ -75,6 +75,7 @@ APART = 0.5  # part of the way to a dead point that a step without one may go
 MORE = 4.0  # times the last acceleration that is known: what it may become while the dead point is passed
 REMEMBERED = 200  # steps: towards a dead point they become shorter, by orders of magnitude
 DEEPEST = 40  # halvings; the path is followed to the dead point, ERROR ends that before
+MET = 1e-6  # part of the duration: a dead point that is nearer has ended an integration that cannot go on
 STANDING = 2  # steps in a row that rounding cannot tell from a dead point
 SAME = float(np.sqrt(np.finfo(float).eps))  # scaled difference of positions: half of the digits, more than rounding
 
@@ -180,6 +181,18 @@ class Continuity:
         else:
             self._came_back(self._closer(), a, now, t)
 
+    def explained(self, error: AnalysisError) -> AnalysisError:
+        """The dead point where the integration came to an end, or the error itself."""
+        duration = self.evaluator.model.mechanism.settings.duration or 0.0
+        if self.steps and self._closer().meets(self.steps[-1], MET * duration):
+            t = self.steps[-1].at.t
+            return AnalysisError(
+                f"singular position at t = {t:.9g}: the motion comes to a dead point of the degrees of freedom, where"
+                " the integration cannot go on; choose other degrees of freedom, or keep what is prescribed away from"
+                " it", "position.singular", t=t,
+            )  # fmt: skip
+        return error
+
     def _came_back(self, closer: Closer, a: Accepted, b: Accepted, t: float) -> None:
         """On the branch of before: it has turned, or passed twice while all was near, as with an ERROR that is wide."""
         if self.crossings:
@@ -260,6 +273,11 @@ class Closer:
     def near(self, p: Accepted) -> bool:
         """Is the dead point nearer than the degrees of freedom are known?"""
         return self._fold(p).near
+
+    def meets(self, p: Accepted, within: float) -> bool:
+        """Is the dead point as near, or reached within that time?"""
+        found = self._fold(p)
+        return found.near or -found.rate * within >= found.s
 
     def stands(self, steps: list[Accepted]) -> bool:
         """Are these steps all nearer to the dead point than rounding resolves?"""

@@ -198,6 +198,8 @@ def frames(
                 frame = checked(shown, float(out.t), out.y, limits)
                 frame.statistics = dict(zip(WORK, out.work, strict=True))
                 yield shown, (frame,)
+    except AnalysisError as error:
+        raise trail.explained(error) from error
     finally:
         trail.elsewhere = None
     if trail.continuity is not None:

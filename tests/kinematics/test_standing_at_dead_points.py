@@ -65,3 +65,22 @@ def test_a_slider_at_its_dead_centre_ends_with_few_positions(tolerance: float, m
     assert work.newton < 1.5 * work.rhs + 100
     t = float(str(found.value).split("t = ")[1].split(":")[0])
     assert np.isclose(t, 0.4, atol=2e-4)  # the crank turns with -1 rad/s from 0.4
+
+
+STRETCHED = """
+PLTRUSS 1 1 3  PLTRUSS 2 2 3  PLTRUSS 3 3 4
+X 1 0. 0.  X 2 1.5 0.  X 3 0.75 0.6614378277661477  X 4 0.75 1.5
+FIX 1  FIX 2  INPUTE 2 1  DYNE 3 1  DYNX 4 1  END HALT
+XM 3 1.  XM 4 1.  ESTIFF 3 100.  INPUTE 2 1 0. 1.  TIMESTEP 2. 20  END END
+"""
+
+
+@pytest.mark.parametrize("code", [-1, 0, 155, 853])
+@pytest.mark.parametrize("compiled", [True, False])
+def test_bars_that_are_driven_to_their_whole_length(code: int, compiled: bool) -> None:
+    """Two bars of 1 m between supports 1.5 m apart, one of them 1 + t long: in line at t = 1.5 s. The velocity is
+    infinite there; the error is that of the dead point, not of a stiff model."""
+    with pytest.raises(AnalysisError, match="dead point of the degrees of freedom, where the integration") as found:
+        spacar.run(1, spacar.parse_deck(STRETCHED, mode=1), integrator=code, compiled=None if compiled else False)
+    assert found.value.code == "position.singular"
+    assert np.isclose(found.value.data["t"], 1.5, rtol=0, atol=1e-6)
