@@ -2,6 +2,7 @@
 
     python benchmarks/frames.py                                   # 84 to 9792 beams in space, 30 x 30 to 80 x 80 grids
     python benchmarks/frames.py --only space --cells 19x10x10 --modes 7 10
+    python benchmarks/frames.py --only space --cells 12x6x6 --modes 1 --integrator 320
     python benchmarks/frames.py --peer /path/to/python            # one in which openseespy is installed
 
 Every point is a whole process with one thread; ours and the peer's take turns (A B A B), and the smaller of both runs
@@ -54,7 +55,7 @@ def _number(at: Iterable[int], shape: list[int]) -> int:
     return found
 
 
-def deck(cells: tuple[int, ...], mode: int) -> str:
+def deck(cells: tuple[int, ...], mode: int, integrator: int | None = None) -> str:
     """The input file. Node k has the position 2 k + 1 and the orientation 2 k + 2."""
     space, shape = len(cells) == 3, [k + 1 for k in cells]
     keyword, stiffness = ("BEAM", f"{AREA} {SHEAR} {BENDING} {BENDING}") if space else ("PLBEAM", f"{AREA} {BENDING}")
@@ -71,7 +72,8 @@ def deck(cells: tuple[int, ...], mode: int) -> str:
     releases = [f"RLSE {k + 1}" for k in range(len(elements))]
     tip = 2 * _number((cells[0], *(0 for _ in cells[1:])), shape) + 1
     loads = [f"XF {tip} " + "0. " * (len(cells) - 1) + f"{LOAD}", "MODES 6"]
-    end = "TIMESTEP 1e-9 1" if mode == 1 else "ITERSTEP 20 5 1e-8"
+    motion = "TIMESTEP 1e-9 1" if integrator is None else f"TIMESTEP 0.004 2\nINTEGRAT {integrator} 0.002"
+    end = motion if mode == 1 else "ITERSTEP 20 5 1e-8"
     return "\n".join([*elements, *nodes, *releases, "END", "HALT", *properties, *loads, end, "END", "END", ""])
 
 
@@ -126,6 +128,7 @@ def main() -> None:
     parser.add_argument("--only", choices=("space", "plane"))
     parser.add_argument("--cells", nargs="+", help="sizes such as 12x6x6 or 30x30")
     parser.add_argument("--modes", nargs="+", type=int, default=[0, 1, 7, 8, 10])
+    parser.add_argument("--integrator", type=int, help="of mode 1, two steps of 2 ms; else its start only")
     parser.add_argument("--rounds", type=int, default=2)
     parser.add_argument("--peer", default=sys.executable if importlib.util.find_spec("openseespy") else None)
     parser.add_argument("--opensees", nargs=2, help=argparse.SUPPRESS)
@@ -144,7 +147,7 @@ def main() -> None:
             commands = {}
             for mode in chosen.modes:
                 file = Path(folder) / f"{size}_{mode}.dat"
-                file.write_text(deck(cells, mode))
+                file.write_text(deck(cells, mode, chosen.integrator))
                 commands[f"mode {mode}"] = [ours, str(mode), str(file), "--output-dir", folder]
             if chosen.peer and 7 in chosen.modes:
                 for solver in SOLVERS:
