@@ -11,7 +11,7 @@ import numpy as np
 
 from spacar.errors import AnalysisError
 
-Jacobian = Callable[[float, np.ndarray], tuple[np.ndarray, np.ndarray]]
+Jacobian = Callable[[float, np.ndarray], tuple[Any, np.ndarray]]
 Rate = Callable[[float, np.ndarray], np.ndarray]
 
 
@@ -58,7 +58,7 @@ class Problem:
     need `len(y) == 2 * n_positions`. `rhs` may return the same array at every call: integrators copy what
     they keep. It must neither change nor keep the `y` it is given. What a problem does not have stays as it is here.
 
-    jacobian   (t, y) -> (dF/dy, dF/dt), shapes (n, n) and (n,); the linearly implicit and implicit codes need it
+    jacobian   (t, y) -> (dF/dy, dF/dt), shapes (n, n), or a sparse form (`resolvent`), and (n,); implicit codes need it
     by_case    the shape (blocks, components, lanes) of a state of many cases, each of which keeps the tolerance
                (Runge-Kutta codes)
     may_jump   whether F may jump at times that are not told as `breaks` (`spacar.integrators.jumps`)
@@ -201,7 +201,7 @@ class Evaluation:
             raise AnalysisError(text, "integrator.not-finite", t=t, component=i)
         return f
 
-    def jacobian(self, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def jacobian(self, t: float, y: np.ndarray) -> tuple[Any, np.ndarray]:
         """(dF/dy, dF/dt) at the clipped time."""
         self.statistics.n_jacobian += 1
         assert self.jacobian_of is not None  # `integrate` has asked

@@ -125,11 +125,13 @@ class _Unknowns:
 
     def bordered(self, G: Any) -> Any:
         """[G + c part c^T/size, c; c^T, 0] in compressed rows, G (nx, nx)."""
-        from scipy.sparse import block_array, diags_array
+        from scipy.sparse import bmat, csr_array
+
+        from spacar.linear_systems.sparse_factors import diagonal
 
         c = self.coupling
-        part = diags_array(self.part / self.size)
-        return block_array([[G + c @ part @ c.T, c], [c.T, None]], format="csr") if self.m else G
+        part = diagonal(self.part / self.size)
+        return csr_array(bmat([[G + c @ part @ c.T, c], [c.T, None]])) if self.m else G
 
 
 def _columns(tangent: SparseTangent, rows: Index, values: Array) -> Any:

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array, csc_matrix, csr_array, csr_matrix, diags_array
+from scipy.sparse import coo_array, csc_matrix, csr_array, csr_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra, maximum_flow
 from scipy.sparse.linalg import splu
 
@@ -68,7 +68,7 @@ class SparseFactors:
         n = A.shape[0]
         row_scale, column_scale = _equilibration(A)
         self._row_scale, self._column_scale = row_scale[:, None], column_scale[:, None]
-        self._A = A = csr_array(diags_array(row_scale) @ A @ diags_array(column_scale))
+        self._A = A = csr_array(diagonal(row_scale) @ A @ diagonal(column_scale))
         self._sizes = abs(A)
         rows, child, parent, pivot, other = _substitutions(A)
         follows = np.flatnonzero(parent < n)
@@ -85,10 +85,10 @@ class SparseFactors:
         R.eliminate_zeros()
         row_scale, column_scale = _equilibration(R)
         order = _diagonal(R, kept, roots)
-        left = diags_array(row_scale)
+        left = diagonal(row_scale)
         self._kept, self._rest = kept[order], (left @ rest)[order]
-        self._left, self._T = row_scale[order, None], T @ diags_array(column_scale)
-        self._R = csc_matrix((left @ R @ diags_array(column_scale))[order])
+        self._left, self._T = row_scale[order, None], T @ diagonal(column_scale)
+        self._R = csc_matrix((left @ R @ diagonal(column_scale))[order])
         self._factor(SYMMETRIC)
 
     def solve(self, b: Array) -> Array:
@@ -112,6 +112,12 @@ class SparseFactors:
     def _direct(self, b: Array) -> Array:
         y = self._SB @ b
         return np.asarray(y + self._T @ self._lu.solve(self._left * b[self._kept] - self._rest @ y))
+
+
+def diagonal(values: Array) -> Any:
+    """The diagonal matrix (n, n), which SciPy 1.11 makes of another kind."""
+    n = len(values)
+    return csr_array((values, np.arange(n), np.arange(n + 1)), (n, n))
 
 
 def _csr(values: Array, rows: Index, columns: Index, n: int) -> Any:
