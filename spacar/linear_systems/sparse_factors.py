@@ -124,6 +124,12 @@ def _csr(values: Array, rows: Index, columns: Index, n: int) -> Any:
     return coo_array((values, (rows, columns)), (n, n)).tocsr()
 
 
+def _graph(values: Array, tail: Index, head: Index, n: int) -> Any:
+    """With indices of 32 bits, which SciPy 1.11 asks for."""
+    A = _csr(values, tail, head, n)
+    return csr_matrix((A.data, A.indices.astype(np.int32), A.indptr.astype(np.int32)), A.shape)
+
+
 def _diagonal(R: Any, rows: Index, columns: Index) -> Index:
     """The rows of R (m, m) in an order that leaves no zero on the diagonal: as many as possible stay where their number
     in `rows` is that of the column in `columns`. Raises RuntimeError where there is none."""
@@ -151,8 +157,7 @@ def _matched(R: Any) -> tuple[Index, Index]:
     every = np.arange(m)
     tail = np.concatenate((np.full(m, 2 * m), np.repeat(every, np.diff(R.indptr)), m + every))
     head = np.concatenate((every, m + R.indices, np.full(m, 2 * m + 1)))
-    graph = coo_array((np.ones(len(tail), np.int32), (tail, head)), (2 * m + 2, 2 * m + 2)).tocsr()
-    graph = csr_matrix((graph.data, graph.indices.astype(np.int32), graph.indptr.astype(np.int32)), graph.shape)
+    graph = _graph(np.ones(len(tail), np.int32), tail, head, 2 * m + 2)
     found = coo_array(maximum_flow(graph, 2 * m, 2 * m + 1).flow)
     taken = (found.data > 0) & (found.row < m)
     return found.row[taken], found.col[taken] - m
@@ -186,8 +191,8 @@ def _substitutions(A: Any) -> tuple[Index, Index, Index, Array, Array]:
     row, i, j, left, right = row[edge], i[edge], j[edge], terms[0][edge], terms[1][edge]
 
     def graph(more: Index) -> Any:
-        at = np.concatenate((i, np.full(len(more), n))), np.concatenate((j, more))
-        return coo_array((np.ones(len(at[0])), at), (n + 1, n + 1)).tocsr()
+        tail, head = np.concatenate((i, np.full(len(more), n))), np.concatenate((j, more))
+        return _graph(np.ones(len(tail)), tail, head, n + 1)
 
     label = connected_components(graph(np.zeros(0, np.int64)), directed=False)[1]
     short = np.zeros(n + 1)
