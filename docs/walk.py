@@ -29,7 +29,7 @@ def files_of_a_run(words: list[str] = WORDS) -> list[str]:
         main(words)
     finally:
         sys.setprofile(None)
-    inside = [Path(f) for f in seen if f.startswith(str(HOUSE)) and "/.venv/" not in f]
+    inside = [Path(f) for f in seen if f.startswith(str(HOUSE)) and "/site-packages/" not in f]
     return [f.relative_to(HOUSE).as_posix() for f in inside if f.name not in ("walk.py", "__init__.py")]
 
 
