@@ -10,7 +10,7 @@ import numpy as np
 import spacar
 from spacar.dynamics import Dynamics
 
-from .case import NOTHING, Case, Found, worst
+from .case import GENERAL, NOTHING, Case, Found, worst
 from .compare import quantities
 from .model import Model, Vector
 from .motion_relations import started
@@ -180,6 +180,29 @@ def load_steps(case: Case) -> Found:
     last = {k: v[-1:] for k, v in case.values.items()}
     end = {k: v[-1:] for k, v in quantities(model, other).items()}
     return case.same(last, end, 1e-11 * case.condition)
+
+
+def torsion(case: Case) -> Found:
+    """Stresses 2, 7, 8 of a BEAMW are derivatives of its energy, the integral of (GIt alpha^2 + ECw alpha'^2) / 2 with
+    the twist rate alpha of a cubic twist angle (theory-warping.md 3)."""
+    model, result = case.model, case.base
+    if case.divides or model.has("ESIG", "USERSIG", "DELESIG", "BEAMSEC"):
+        return NOTHING
+    n, place = result.mechanism.numbering, {r[1]: np.array(r[2]) for r in model.rows("X", block=1)}
+    constants = {r[1]: r[2:] for r in model.rows("ESTIFF")}
+    xi, weight = np.polynomial.legendre.leggauss(4)
+    xi, weight = (1.0 + xi) / 2.0, weight / 2.0
+    found = []
+    for _, number, p, _, _, q, *_ in model.rows("BEAMW"):
+        if number in constants and all(n.e_index(number, m) >= n.e_class["input"].stop for m in (2, 7, 8)):
+            length, GIt, ECw = float(np.linalg.norm(place[q] - place[p])), constants[number][1], constants[number][6]
+            e, want = ([result.element(number, m, of)[-1] for m in (2, 7, 8)] for of in ("e", "sig"))
+            rate = np.array([0 * xi + 1, -1 + 4 * xi - 3 * xi**2, 3 * xi**2 - 2 * xi]) / length**2
+            slope = np.array([0 * xi, 4 - 6 * xi, 6 * xi - 2]) / length**3
+            got = length * ((GIt * (e @ rate) * rate + ECw * (e @ slope) * slope) @ weight)
+            stiff = GIt / length**3 + ECw / length**5  # times a metre, to which positions are known to GENERAL
+            found.append(case.close(want, got, f"torsion of element {number}", GENERAL, stiff))
+    return worst(found)
 
 
 def merged(model: Model) -> Model | None:

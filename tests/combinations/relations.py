@@ -33,6 +33,7 @@ from .linear_relations import (
     sensitivities,
     small_division,
     state_space,
+    torsion,
 )
 from .motion_relations import energy, inverse, momentum, restarted, rigid_parts, started
 from .options import with_mass
@@ -213,6 +214,7 @@ RELATIONS: dict[str, Relation] = {
     "small division": Relation(small_division, STILL),
     "eigen and buckling": Relation(eigen_and_buckling, (10,)),
     "state space": Relation(state_space, (9,)),
+    "torsion": Relation(torsion, STILL),
     "compliances": Relation(compliances, (8,)),
     "sensitivities": Relation(sensitivities, (7, 8, 10)),
 }
