@@ -24,6 +24,8 @@ from spacar.integrators import METHODS
 from spacar.kinematics.regularity import HalfTurns
 
 FAR = 8  # steps between outputs beyond which an output is not placed from the one before
+# Codes of errors that may be those of a dead point
+ENDED = ("integrator.step-too-small", "integrator.too-many-steps", "integrator.newton", "position.no-convergence")
 CAUSE = 0.1  # chosen: lambda0 of a node below which a dead point is its half turn, 11 degrees
 
 
@@ -40,10 +42,6 @@ def fail_at(t: float, error: AnalysisError) -> NoReturn:
     if "t" in error.data:
         raise error
     raise AnalysisError(f"at t = {t:.9g}: {error}", error.code, t=t, **error.data) from error
-
-
-# Codes of errors that may be those of a dead point.
-ENDED = ("integrator.step-too-small", "integrator.too-many-steps", "integrator.newton", "position.no-convergence")
 
 
 class SingularityMonitor:
@@ -114,16 +112,13 @@ class StepHistory:
     Outputs inside the last step are placed from the begin of that step. The output before may lie many turns earlier:
     the way from there would be long and could be another one. Where only a few steps lie between outputs, each output
     is placed from the one before: a determinant that changes its sign along this way tells of a dead point at which
-    steps that are too long have turned back. After an implicit step of fixed size the evaluator stands at a stage.
-    `require_time` is `Run.require_time`.
+    steps that are too long have turned back. `require_time` is `Run.require_time`.
     """
 
     def __init__(
         self, evaluator: Evaluator, watch: SingularityMonitor | None, require_time: Callable[[float | None], None]
     ) -> None:
         self.evaluator, self.watch, self.require_time = evaluator, watch, require_time
-        method = METHODS[evaluator.model.mechanism.settings.integrator]
-        self.at_stage = method.needs_jacobian and not method.variable_step
         self.continuity = None if watch is None else watch.continuity
         self.steps: deque[Accepted] = deque(maxlen=2) if self.continuity is None else self.continuity.steps
         self.elsewhere: Callable[[int], list[Accepted]] | None = None  # gives the last k steps that were made at a time
@@ -181,12 +176,11 @@ class StepHistory:
         if at is not None:
             self.steps.append(Accepted(y.copy(), at, 1.0, 0.0))
 
-    def explained(self, error: AnalysisError) -> AnalysisError:
-        """What ended the integration: a dead point, where the last step is at one."""
-        if self.continuity is None or error.code not in ENDED:
-            return error
-        self._fetch()
-        return self.continuity.explained(error)
+    def ended(self, error: AnalysisError) -> None:
+        """Raises AnalysisError 'position.singular' where it is a dead point that has ended the integration so."""
+        if self.continuity is not None and error.code in ENDED:
+            self._fetch()
+            self.continuity.ended(error)
 
     # -- of steps one by one ---------------------------------------------------------------------------------------
     def accepted(self, t: float, y: Array) -> None:
@@ -195,11 +189,6 @@ class StepHistory:
         self.n += 1
         self._fetch()
         self.begin = self.steps[-1].at if self.steps else None
-        if self.at_stage and self.watch is not None:
-            try:
-                self.evaluator.rhs(t, y)  # with which the next step begins
-            except AnalysisError as error:
-                fail_at(t, error)
         if self.continuity is None:
             self._keep(t, y)
         if self.watch is not None:

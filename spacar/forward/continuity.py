@@ -181,17 +181,17 @@ class Continuity:
         else:
             self._came_back(self._closer(), a, now, t)
 
-    def explained(self, error: AnalysisError) -> AnalysisError:
-        """The dead point where the integration came to an end, or the error itself."""
+    def ended(self, error: AnalysisError) -> None:
+        """The integration has ended with this error: raises AnalysisError 'position.singular' where the last step is at
+        a dead point."""
         duration = self.evaluator.model.mechanism.settings.duration or 0.0
         if self.steps and self._closer().meets(self.steps[-1], MET * duration):
             t = self.steps[-1].at.t
-            return AnalysisError(
+            raise AnalysisError(
                 f"singular position at t = {t:.9g}: the motion comes to a dead point of the degrees of freedom, where"
                 " the integration cannot go on; choose other degrees of freedom, or keep what is prescribed away from"
                 " it", "position.singular", t=t,
-            )  # fmt: skip
-        return error
+            ) from error  # fmt: skip
 
     def _came_back(self, closer: Closer, a: Accepted, b: Accepted, t: float) -> None:
         """On the branch of before: it has turned, or passed twice while all was near, as with an ERROR that is wide."""

@@ -110,6 +110,10 @@ class Integrand(Problem):
             self.starting = None
         return f
 
+    def settle(self, t: float, y: Array) -> None:
+        if self.trail is not None and self.trail.watch is not None:
+            self.rhs(t, y)
+
     def rhs_for_differences(self) -> Callable[[float, Array], Array]:
         """F with a position that is exact enough for differences, by an evaluator that leaves this one where it is."""
         assert self.trail is not None  # without it there is no Jacobian, and nobody asks
@@ -199,7 +203,8 @@ def frames(
                 frame.statistics = dict(zip(WORK, out.work, strict=True))
                 yield shown, (frame,)
     except AnalysisError as error:
-        raise trail.explained(error) from error
+        trail.ended(error)
+        raise
     finally:
         trail.elsewhere = None
     if trail.continuity is not None:

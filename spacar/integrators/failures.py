@@ -71,7 +71,7 @@ def newton_failed(
 
 
 def singular_iteration(t: float, h: float) -> AnalysisError:
-    """An eigenvalue of the Jacobian is that of the step; codes with variable steps try another size."""
+    """s of `resolvent` is an eigenvalue of the Jacobian; codes with variable steps try another size."""
     return AnalysisError(
         f"the iteration matrix of the implicit integrator is singular at t = {t:.9g} s with step size {h:.3g} s (an"
         " unstable mode grows exactly with this step): change the step size (INTEGRAT position 2)",

@@ -34,8 +34,14 @@ class _FixedStep:
 
     def factored(self, jacobian: Any, t: float, h: float, gh: float) -> Resolvent:
         """b -> (I - gh J)^-1 b. Raises AnalysisError `integrator.singular`."""
-        solve, s = resolvent(jacobian, 1.0 / gh, self.nq, t, h), 1.0 / gh
+        s = 1.0 / gh
+        solve = resolvent(jacobian, s, self.nq, t, h)
         return lambda b: solve(s * b)
+
+    def end(self, t: float, y: np.ndarray) -> None:
+        """The end of the step."""
+        self.y_new = y
+        self.evaluation.settle(t, y)
 
 
 class Rosenbrock1(_FixedStep):
@@ -44,7 +50,7 @@ class Rosenbrock1(_FixedStep):
     def fixed(self, t: float, h: float, y: np.ndarray) -> None:
         jacobian, f_t = self.evaluation.jacobian(t, y)
         solve = self.factored(jacobian, t, h, h)
-        self.y_new = y + h * solve(self.evaluation.rhs(t, y) + h * f_t)
+        self.end(t + h, y + h * solve(self.evaluation.rhs(t, y) + h * f_t))
 
 
 class Rosenbrock2(_FixedStep):
@@ -57,7 +63,7 @@ class Rosenbrock2(_FixedStep):
         solve = self.factored(jacobian, t, h, gh)
         k1 = solve(self.evaluation.rhs(t, y) + gh_ft)
         k2 = solve(self.evaluation.rhs(t + h, y + h * k1) - 2.0 * k1 - gh_ft)
-        self.y_new = y + (1.5 * h) * k1 + (0.5 * h) * k2
+        self.end(t + h, y + (1.5 * h) * k1 + (0.5 * h) * k2)
 
 
 class Rosenbrock3(_FixedStep):
@@ -78,7 +84,7 @@ class Rosenbrock3(_FixedStep):
         f = self.evaluation.rhs(t + GAMMA_3 * h, y + u1)
         u2 = solve(hg * (f + (self.c21 / h) * u1 + g[1] * h_ft))
         u3 = solve(hg * (f + (self.c31 / h) * u1 + (self.c32 / h) * u2 + g[2] * h_ft))
-        self.y_new = y + m[0] * u1 + m[1] * u2 + m[2] * u3
+        self.end(t + h, y + m[0] * u1 + m[1] * u2 + m[2] * u3)
 
 
 def sdirk_tableau(code: int) -> tuple[np.ndarray, np.ndarray]:
@@ -128,7 +134,7 @@ class SinglyDiagonallyImplicit(_FixedStep):
                     raise newton_failed(
                         self.evaluation, t, h, float(change[worst]), worst, float(self.tolerance.absolute)
                     )
-        self.y_new = base + hg * stages[-1]
+        self.end(t + h, base + hg * stages[-1])
 
     def _newton(self, solve: Resolvent, t: float, h: float, base: np.ndarray, k: np.ndarray) -> bool:
         """Improves k in place; whether it converged."""

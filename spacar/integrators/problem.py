@@ -85,6 +85,9 @@ class Problem:
         """State component i in words; empty: it has its number only."""
         return ""
 
+    def settle(self, t: float, y: np.ndarray) -> None:
+        """At the end of a step whose last evaluation was elsewhere, before `accepted`."""
+
     def accepted(self, t: float, y: np.ndarray) -> None:
         """After each accepted step; a problem can update its branch memory."""
 
@@ -206,6 +209,10 @@ class Evaluation:
         self.statistics.n_jacobian += 1
         assert self.jacobian_of is not None  # `integrate` has asked
         return self.jacobian_of(min(max(t, self.first), self.last), y)
+
+    def settle(self, t: float, y: np.ndarray) -> None:
+        """Lets the problem stand at the end of a step whose last evaluation was elsewhere."""
+        self.problem.settle(min(t, self.last), y)
 
     def step_accepted(self, t: float, y: np.ndarray) -> None:
         """Counts a step and tells the problem about it."""

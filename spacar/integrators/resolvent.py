@@ -1,6 +1,7 @@
 """(s I - J)^-1 b of the implicit codes, J = dF/dy, s real or complex.
 
-J is an array, or an object with `resolvent(s)` that factors a sparse form of it (`spacar.linearization.descriptor`).
+J is an array, or an object whose `resolvent(s)` has factors of a sparse form of it and gives what is not finite where
+s turns out to be an eigenvalue (`spacar.linearization.descriptor`).
 With y = (q, u), q' = v, v the last part of u, and b alike, the rows q of an array are eliminated:
 
     (s I - J_uu - [0, J_uq / s]) w_u = b_u + J_uq b_q / s,      w_q = (b_q + w_v) / s
@@ -50,13 +51,22 @@ class DenseResolvent:
 
 
 def resolvent(jacobian: Any, s: complex, nq: int, t: float, h: float) -> Resolvent:
-    """b (n,) -> (s I - J)^-1 b in the step h from t. Raises AnalysisError `integrator.singular`."""
+    """b (n,) -> (s I - J)^-1 b in the step h from t. Raises, as what it returns does, AnalysisError
+    `integrator.singular`."""
     try:
         if isinstance(jacobian, np.ndarray):
             return DenseResolvent(jacobian, s, nq)
-        return jacobian.resolvent(s)
+        solve = jacobian.resolvent(s)
     except RuntimeError:
         raise singular_iteration(t, h) from None
+
+    def finite(b: np.ndarray) -> np.ndarray:
+        w: np.ndarray = solve(b)
+        if not np.isfinite(w).all():
+            raise singular_iteration(t, h)
+        return w
+
+    return finite
 
 
 def eliminated(n: int, n_positions: int) -> int:

@@ -29,6 +29,7 @@ from spacar.mechanism.lumped_inertia import LumpedMass, symmetric
 from spacar.mechanism.mechanism import Drive, DriveState, Mechanism, Polynomial
 
 NAMES = {k.name for k in TRAJECTORIES}
+UNMOVED = 1e-9  # of the size: a fixed coordinate that a path names with the digits of a file
 
 
 @dataclass(frozen=True)
@@ -151,8 +152,6 @@ def _user_drive(mechanism: Mechanism, statement: Statement, leg: Leg) -> Drive:
     numbering, interval = mechanism.numbering, leg.duration / leg.steps
     divided = divided_inputs(mechanism.deck, numbering)
     return UserDrive(function, name, numbering, Polynomial(x, e), interval, divided=divided)
-
-UNMOVED = 1e-9  # of the size: a fixed coordinate that a path names with the digits of a file
 
 
 def _leg(

@@ -7,12 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 
 import spacar
 from spacar.deck import parse_deck, read_deck
 from spacar.dynamics import Dynamics
+from spacar.errors import AnalysisError
 from spacar.integrators.resolvent import eliminated, resolvent
 from spacar.linearization import state_jacobian as jacobian
+from spacar.linearization.descriptor import DescriptorSystem
 from spacar.mechanism import build
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -51,6 +54,23 @@ def test_runs_agree(code, monkeypatch):
     monkeypatch.setattr(jacobian, "LARGE", 0)
     sparse = spacar.run(1, deck, **options)["x"]
     np.testing.assert_allclose(sparse, dense, rtol=0, atol=1e-9)
+
+
+class Nowhere:
+    """A form whose factors turn out to be useless."""
+
+    def resolvent(self, s):
+        return lambda b: np.full_like(b, np.nan)
+
+
+@pytest.mark.parametrize("form", ["dense", "sparse", "found late"])
+def test_an_eigenvalue_of_the_step(form):
+    """y' = diag(1, 2) y with s = 1: said with time, step and what to change."""
+    A = np.diag([1.0, 2.0])
+    J = {"dense": A, "sparse": DescriptorSystem(csr_array(A), None, None, 2), "found late": Nowhere()}[form]
+    with pytest.raises(AnalysisError, match=r"singular at t = 3 s with step size 0.1 s .*INTEGRAT position 2") as found:
+        resolvent(J, 1.0, 0, 3.0, 0.1)(np.ones(2))
+    assert found.value.code == "integrator.singular"
 
 
 def test_what_is_remembered_of_a_step_is_its_end(monkeypatch):

@@ -25,7 +25,7 @@ from spacar.deck.rewrite.refine import flexible_beams
 from spacar.errors import AnalysisError, SpacarError
 from spacar.integrators.methods import AUTOMATIC
 from spacar.mechanism.element_batches import by_angles
-from spacar.studies.policies.mesh import divisible
+from spacar.studies.policies.mesh import divisible, measured
 from spacar.studies.policies.reference_run import massless, reference, run_of
 from spacar.studies.policies.trade import Entry, Reference, assess, recommend, row_error
 from spacar.studies.runs.error_norm import distance
@@ -148,8 +148,8 @@ def search(trade: Trade, target: float, budget: float, tick: Tick = lambda _what
         text = f"the reference reaches an error of {error:.2g} of the motion in its time only ({found.reference.text});"
         raise AnalysisError(f"{text} more --budget, a shorter --time, or the --variable that counts", "study.reference")
     found.goal = target if error <= ROOM * target else 2.0 * error
-    given = Setup(measure=run.mechanism.settings.beams or "angle" if beams else "")
-    found.climb(found.ladders([*_rigid(trade), *(_models(found, meshes) if meshes else [given])]))
+    flexible = _models(found, meshes) if meshes else [Setup(measure=measured(run) if beams else "")]
+    found.climb(found.ladders([*_rigid(trade), *flexible]))
     return found
 
 

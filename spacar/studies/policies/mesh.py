@@ -56,6 +56,11 @@ def divisible(run: Run) -> tuple[tuple[int, ...], dict[int, str]]:
     return beams, reasons
 
 
+def measured(run: Run) -> str:
+    """The measure of the beams whose meshes are compared: that of the run, else "angle"."""
+    return run.mechanism.settings.beams or "angle"
+
+
 def undivided(reasons: dict[int, str]) -> str:
     """In words."""
     return "; ".join(f"beam {b} cannot be divided: {text}" for b, text in reasons.items())
@@ -74,7 +79,7 @@ class MeshSearch:
     in_time: float | None = None  # error that the integration may have; None: the settings of the file
 
     def __post_init__(self) -> None:
-        self.measure = self.run.mechanism.settings.beams or "angle"
+        self.measure = measured(self.run)
         self.ones = dict.fromkeys(self.beams, 1)
 
     def compute(self, pieces: dict[int, int], measure: str) -> Computed:
