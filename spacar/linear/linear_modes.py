@@ -26,7 +26,7 @@ from spacar.linear.descriptor_modes import lowest_modes
 from spacar.linear.eigen import vibration_modes
 from spacar.linear.eigenmodes import Modes
 from spacar.linear.internal_unknowns import buckling_matrices
-from spacar.linear.lowest import WANTED, lowest_vibration, sparse_compliances
+from spacar.linear.lowest import WANTED, compliances_in_motion, lowest_vibration, sparse_compliances
 from spacar.linear.lowest_multipliers import lowest_buckling
 from spacar.linear.steady_equations import require_steady
 from spacar.linear.stored_system import StoredSystem, buckling_motions, sparse_matrices, vibration_motions
@@ -105,8 +105,8 @@ def state_space_matrices(run: Run) -> Iterator[Sequence[Frame]]:
 
 @dataclass(frozen=True)
 class LinearizedSolution:
-    """A stored stationary solution with its linearization L, for large systems the sparse tangent instead, or their
-    coefficients `sparse` where there is no such tangent.
+    """A stored stationary solution with its linearization L, for large systems the sparse tangent instead, and their
+    coefficients `sparse` where it does not hold all of the equations, the `solver` where not all of the stiffness.
 
     `wanted`: number of lowest modes; `reduced`: no dense matrices at any step of the run.
     """
@@ -118,6 +118,7 @@ class LinearizedSolution:
     wanted: int
     reduced: bool
     sparse: Coefficients | None = None
+    solver: StationarySolver | None = None
 
 
 def _stored_system(run: Run, may_move: bool) -> StoredSystem:
@@ -147,7 +148,7 @@ def stationary(run: Run, store: StoredSystem | None = None) -> Iterator[Lineariz
     descriptor = store is not None and store.sparse
     wanted = settings.modes or n.nddof
     large = store is None and form.stores_sparse(n.nddof, settings, settings.modes or 0)
-    moving = large and not solver.sparse and run.mode.number == 7 and not len(n.twist_rates)
+    moving = large and not solver.sparse and not len(n.twist_rates) and (n.holonomic or run.mode.number == 7)
     reduced = large and (solver.sparse or moving)
     if reduced:
         wanted = settings.modes or WANTED
@@ -181,7 +182,10 @@ def stationary(run: Run, store: StoredSystem | None = None) -> Iterator[Lineariz
             continue
         if moving:
             linear = coefficients(dynamics, state.xdd, state.sigma)
-            yield LinearizedSolution(frame, dynamics, None, None, wanted, True, sparse=linear)
+            tangent = solver.sparse_tangent()
+            tangent.sigma = state.sigma
+            of_stiffness = None if solver.resting else solver
+            yield LinearizedSolution(frame, dynamics, None, tangent, wanted, True, linear, of_stiffness)
             continue
         if reduced or singular:
             tangent = solver.sparse_tangent()
@@ -279,7 +283,7 @@ class Unknown(NamedTuple):
 
 def _store_tangent(solution: LinearizedSolution) -> None:
     """What takes the place of the reduced matrices of a large model, last: it is as large as the factors."""
-    if solution.reduced and solution.tangent is not None:
+    if solution.reduced and solution.tangent is not None and solution.sparse is None:
         if solution.tangent.last_step:
             solution.tangent.forget_factors()
         solution.frame.matrices.update(sparse_matrices(solution.tangent))
@@ -289,12 +293,12 @@ def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
     if not run.mechanism.numbering.nddof:
         run.report.add("no dynamic degrees of freedom: there are no eigenvalues")
         return
-    if solution.tangent is not None:
-        modes = _sparse_vibration(run, solution.tangent, solution.wanted)
-    elif solution.sparse is not None:
+    if solution.sparse is not None:
         n = run.mechanism.numbering
         system = SparseLinearization(solution.dynamics, (), ())(solution.sparse)
         modes = lowest_modes(system, n.nkddof, n.nx, run.report, min(solution.wanted, n.nddof))
+    elif solution.tangent is not None:
+        modes = _sparse_vibration(run, solution.tangent, solution.wanted)
     else:
         assert solution.L is not None
         rows, static = chosen_rows(run.mechanism.numbering), run.mechanism.numbering.twist_rates
@@ -329,7 +333,9 @@ def _sparse_vibration(run: Run, tangent: SparseTangent, wanted: int) -> Modes:
 
 def _store_compliances(run: Run, solution: LinearizedSolution) -> None:
     frame, numbering = solution.frame, run.mechanism.numbering
-    if solution.tangent is not None and numbering.nddof:
+    if solution.solver is not None:
+        frame.xcompl = compliances_in_motion(solution.solver)
+    elif solution.tangent is not None and numbering.nddof:
         frame.xcompl = sparse_compliances(solution.tangent)
     elif solution.L is not None:
         frame.xcompl = directional_compliances(solution.L, numbering.dynamic, run.report)
@@ -348,7 +354,8 @@ def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = Tru
     tangent, L, n = solution.tangent, solution.L, min(solution.wanted, len(dynamic))
     try:
         if tangent is not None:
-            modes = lowest_buckling(tangent, run.report, solution.wanted)
+            c = None if solution.solver is None else solution.sparse
+            modes = lowest_buckling(tangent, run.report, solution.wanted, c)
             if not len(modes.multipliers):
                 run.report.add(NO_STRESS)
         else:

@@ -13,12 +13,15 @@ known (theta is an eigenvalue of an operator that differs by that much): value a
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
 from spacar.linear.eigenmodes import Modes, arranged
@@ -33,7 +36,12 @@ from spacar.linear.subspace import (
     with_shift,
 )
 from spacar.linear_systems import SingularMatrixError
+from spacar.stationary.solution import StationarySolver
 from spacar.stationary.tangent import STATIC, SparseTangent
+
+if TYPE_CHECKING:
+    from spacar.linear_systems.banded import BandedSystem
+    from spacar.stationary.moving_tangent import MovingTangent
 
 WANTED = 20  # modes
 SHIFT = 1e-2  # s^2 as a fraction of the highest wanted omega^2
@@ -42,7 +50,6 @@ RIGID = 1e-10  # least s^2 M of rods without springs: below 1e-14 a matrix count
 SYMMETRIC = 1e-9  # relative asymmetry of the loading that is rounding
 LEAST = 1e-9  # part of the largest theta with which smaller ones are compared: op knows them to n eps of the largest
 NO_DIGIT = 0.1  # relative residual above which not even the first digit of a value is known
-COLUMNS = 256  # right-hand sides at once
 
 
 def lowest_vibration(tangent: SparseTangent, report: Report, wanted: int = WANTED, undamped: bool = False) -> Modes:
@@ -65,8 +72,7 @@ def lowest_vibration(tangent: SparseTangent, report: Report, wanted: int = WANTE
 
 
 def sparse_compliances(tangent: SparseTangent) -> Array:
-    """(nx,) directional compliances: the diagonal of the inverse of the tangent, by selected inversion of band storage
-    and of the condensed matrix, else one solution for every free coordinate; infinite where K is singular."""
+    """(nx,) directional compliances: the diagonal of the inverse of the tangent, infinite where K is singular."""
     n = tangent.dynamics.numbering
     out = np.zeros(n.nx)
     try:
@@ -74,28 +80,36 @@ def sparse_compliances(tangent: SparseTangent) -> Array:
     except SingularMatrixError:
         out[tangent.F] = np.inf
         return out
-    from spacar.linear_systems.banded import BandedSystem
-    from spacar.linear_systems.condensed import CondensedSystem
-    from spacar.linear_systems.selected_inverse import inverse_diagonal
+    from spacar.linear_systems.selected_inverse import leading_inverse_diagonal
 
-    if isinstance(system, BandedSystem):
-        if any(b.family.compiled for b in tangent.elastic):
-            from spacar.compiled.compiled_elements import band_inverse
-
-            out[tangent.F] = inverse_diagonal(system, band_inverse)[: tangent.nf]
-        else:
-            out[tangent.F] = inverse_diagonal(system)[: tangent.nf]
-        return out
-    diagonal = system.inverse_diagonal() if isinstance(system, CondensedSystem) else None
-    if diagonal is not None:
-        out[tangent.F] = diagonal
-        return out
-    for first in range(0, tangent.nf, COLUMNS):
-        rows = tangent.F[first : first + COLUMNS]
-        unit = np.zeros((n.nx, len(rows)))
-        unit[rows, np.arange(len(rows))] = 1.0
-        out[rows] = tangent.displacement(system, unit)[rows, np.arange(len(rows))]
+    out[tangent.F] = leading_inverse_diagonal(system, tangent.nf, _band_inverse(tangent.dynamics))
     return out
+
+
+def compliances_in_motion(solver: StationarySolver) -> Array:
+    """The same of a state that moves or has user functions, by the exact tangent of the equilibrium."""
+    d = solver.dynamics
+    n = d.numbering
+    out = np.zeros(n.nx)
+    try:
+        equations, tangent = solver.factorized()
+    except SingularMatrixError:
+        out[np.r_[n.x_class["calculable"], n.x_class["dynamic"]]] = np.inf
+        return out
+    from spacar.linear_systems.selected_inverse import leading_inverse_diagonal
+
+    system = cast("MovingTangent", tangent).system
+    out[equations.F] = leading_inverse_diagonal(system, equations.nf, _band_inverse(d))
+    return out
+
+
+def _band_inverse(dynamics: Dynamics) -> Callable[[BandedSystem], Array] | None:
+    """The inverse of band storage in C, where elements are."""
+    if not any(b.family.compiled for b in dynamics.mechanism.batches):
+        return None
+    from spacar.compiled.compiled_elements import band_inverse
+
+    return band_inverse
 
 
 def _shift(tangent: SparseTangent, wanted: int) -> tuple[float, RefinedOperator]:
@@ -211,11 +225,16 @@ def lost_pairs(
     `values`, the eigenvalues that belong to theta.
     """
     image = operator(z.real) + 1j * operator(z.imag) if np.iscomplexobj(z) else operator(z)
-    size = np.maximum(np.abs(theta), LEAST * np.max(np.abs(theta), initial=0.0)) * np.linalg.norm(z, axis=0)
+    size = np.maximum(np.abs(theta), LEAST * np.nanmax(np.abs(theta), initial=0.0)) * np.linalg.norm(z, axis=0)
     residual = np.linalg.norm(image - z * theta, axis=0) / np.where(size > 0.0, size, 1.0)
-    lost = ~(residual <= NO_DIGIT)
+    lost, found = ~(residual <= NO_DIGIT), ~np.isnan(theta)
+    if not found.all():
+        report.add(
+            f"warning: {int((~found).sum())} of {len(theta)} {what} are not found (nan): too many lie close together,"
+            " as those of strong damping in proportion to stiffness do; MODES 0 asks for all of them"
+        )
     advice = "MODES 0 asks for all of them"
-    if lost.any():
-        advice += f"; {int(lost.sum())} of which no digit is known are nan"
-    backward_error.warn(report, residual, values, what, SUFFICIENT, advice)
+    if lost[found].any():
+        advice += f"; {int(lost[found].sum())} of which no digit is known are nan"
+    backward_error.warn(report, residual[found], values[found], what, SUFFICIENT, advice)
     return np.asarray(lost)

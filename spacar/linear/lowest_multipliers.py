@@ -2,6 +2,7 @@
 
     all loads      op = -K_S^-1 G,  theta = 1/lambda, K_S = V^T S V, G = Hs(sigma) + load; where K_S is singular,
                    op = -(K_S + s G)^-1 G, theta = 1/(lambda - s)
+    in motion, user functions   the same by the descriptor system of section 5.7 without rates, of the stiffness alone
     an extra load  op = -K^-1 G1, K = K_S + G of the present state, G1 of the stresses s1 of the extra load alone
 
 Unknowns a inside elements (`spacar.linear.internal_unknowns`) stand beside the coordinates: z = (x, b), with b = a
@@ -11,6 +12,9 @@ warning. Doubtful pairs are treated as in `spacar.linear.lowest`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -30,7 +34,11 @@ from spacar.linear.lowest import (
     start_block,
 )
 from spacar.linear.subspace import NOTHING, SUFFICIENT, RefinedOperator, dominant, real_vectors
-from spacar.linear_systems import LinearSystem, SingularMatrixError
+from spacar.linear_systems import SingularMatrixError
+from spacar.linear_systems.linear_system import zero_matrix
+from spacar.linearization.coefficients import Coefficients
+from spacar.linearization.sparse_linearization import SparseLinearization
+from spacar.stationary.stationary_equations import SINGULAR
 from spacar.stationary.tangent import STATIC, SparseTangent
 
 SHIFTS = (1e-2, 0.3, 1.0)  # of the present load: no multiplier of interest
@@ -41,28 +49,83 @@ NO_TWIST_GRADIENT = (
 )
 
 
-def lowest_buckling(tangent: SparseTangent, report: Report, wanted: int = WANTED) -> BucklingModes:
-    """The `wanted` load multipliers of smallest modulus. Raises AnalysisError when K0 and G0 are singular
-    together."""
-    if not any(tangent.parts[k].values().any() for k in LOADING):
+def lowest_buckling(
+    tangent: SparseTangent, report: Report, wanted: int = WANTED, c: Coefficients | None = None
+) -> BucklingModes:
+    """The `wanted` load multipliers of smallest modulus.
+
+    c   of a state that moves or has user functions, which are no parts of `tangent`
+
+    Raises AnalysisError when K0 and G0 are singular together.
+    """
+    if c is None:
+        sigma, factor = tangent.sigma, partial(_stiffness_at_rest, tangent)
+        loading, symmetric = tangent.assembled(LOADING), is_symmetric_loading(tangent)
+    else:
+        sigma, factor = c.sigma, partial(_stiffness_in_motion, tangent, c)
+        loading, symmetric = _between_free(tangent, c.geometric + c.load_x), False
+    if not abs(loading).sum():
         return BucklingModes(np.zeros(0), np.zeros((tangent.dynamics.numbering.nddof, 0)))
-    unknowns = _Unknowns(tangent, tangent.sigma)
+    unknowns = _Unknowns(tangent, sigma)
     shift = 0.0
     try:
-        system = tangent.factor({})
+        displacement = factor(shift)
     except SingularMatrixError:
         if unknowns.m:
             report.add(NO_TWIST_GRADIENT)
             unknowns = _Unknowns(tangent, None)
-        shift, system = _shifted(tangent)
+        shift, displacement = _shifted(factor)
         report.add(SINGULAR_K0)
-    loading = unknowns.bordered(tangent.assembled(LOADING))
 
     def solve(force: Array, refined: bool = False) -> Array:
         x, b = unknowns.split(force)
-        return np.vstack((tangent.displacement(system, x, refined), b / unknowns.size))
+        return np.vstack((displacement(x, refined), b / unknowns.size))
 
-    return _modes(tangent, unknowns, solve, loading, is_symmetric_loading(tangent), shift, wanted, report)
+    return _modes(tangent, unknowns, solve, unknowns.bordered(loading), symmetric, shift, wanted, report)
+
+
+def _stiffness_at_rest(tangent: SparseTangent, shift: float) -> RefinedOperator:
+    """Displacements (nx, k) by forces (nx, k): (K_S + shift G)^-1. Raises SingularMatrixError."""
+    return partial(tangent.displacement, tangent.factor(dict.fromkeys(LOADING, shift) if shift else {}))
+
+
+def _stiffness_in_motion(tangent: SparseTangent, c: Coefficients, shift: float) -> RefinedOperator:
+    """The same with the stiffness that user functions state. Raises SingularMatrixError."""
+    from spacar.linear_systems.sparse_factors import SparseFactors
+
+    d, size = tangent.dynamics, tangent.flexibility.size
+    nx, ne = d.numbering.nx, d.numbering.ne
+    still, none = zero_matrix((ne, nx)), zero_matrix((nx, nx))
+    alone = replace(
+        c, rate_x=still, second_v=still, second_x=still, stress_v=still, inertia_x=none, inertia_v=none, user_v=none,
+        geometric=shift * c.geometric, load_x=shift * c.load_x,
+    )  # fmt: skip
+    system = SparseLinearization(d, (), ()).once(alone)
+    first, n = system.n_states, system.A.shape[0]
+    try:
+        factors = SparseFactors(system.shifted(0.0))
+    except RuntimeError:
+        raise SingularMatrixError("the stiffness is singular") from None
+
+    def displacement(force: Array, refined: bool = True) -> Array:
+        right = np.zeros((n, force.shape[1]))
+        right[first + tangent.F] = -force[tangent.F]
+        return np.asarray(factors.solve(right)[first + nx : first + 2 * nx])
+
+    growth = float(np.abs(displacement(np.full((nx, 1), size))).max(initial=0.0))
+    if not growth < SINGULAR:
+        raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
+    return displacement
+
+
+def _between_free(tangent: SparseTangent, A: Any) -> Any:
+    """A (nx, nx) in compressed rows with its rows and columns F only."""
+    from scipy.sparse import csr_array
+
+    from spacar.linear_systems.sparse_factors import diagonal
+
+    free = diagonal((tangent.place >= 0).astype(float))
+    return csr_array(free @ A @ free)
 
 
 def lowest_extra_load(
@@ -182,11 +245,11 @@ def _modes(
     return BucklingModes(multipliers[order], modes / size, x / size)
 
 
-def _shifted(tangent: SparseTangent) -> tuple[float, LinearSystem]:
-    """K0 + s G0 for K0 singular, and s > 0: (K0 + s G0) v = -(lambda - s) G0 v. Raises AnalysisError."""
+def _shifted(factor: Callable[[float], RefinedOperator]) -> tuple[float, RefinedOperator]:
+    """s > 0 and the factors of K0 + s G0 for K0 singular: (K0 + s G0) v = -(lambda - s) G0 v. Raises AnalysisError."""
     for shift in SHIFTS:
         try:
-            return shift, tangent.factor(dict.fromkeys(LOADING, shift))
+            return shift, factor(shift)
         except SingularMatrixError:
             continue
     raise AnalysisError(

@@ -65,9 +65,7 @@ def dominant(
                 break
         found, vectors = _arnoldi(operator, Q, start[:, first], count, within)
         new = np.abs(found) > (1.0 + ALIKE) * least
-        if not len(found) and len(theta) < wanted:
-            continue
-        if not new.any():
+        if not new.any():  # or values lie so close together that none converges
             break
         Q, image = _extended(operator, Q, image, vectors[:, new])
         theta, z = _ritz(Q, image, wanted)

@@ -57,6 +57,12 @@ class MovingTangent:
         self._system: LinearSystem | None = None
         self._places: tuple[Any, Any] = np.zeros(0), np.zeros(0)
 
+    @property
+    def system(self) -> LinearSystem:
+        """The factors of a model that is not small: x_F first."""
+        assert self._system is not None
+        return self._system
+
     def factor(self, point: Iterate) -> None:
         """Form and factor the matrix. Raises SingularMatrixError when the velocities are not determined."""
         self._form(point)

@@ -75,9 +75,14 @@ class StationarySolver:
         return self._evaluator.dynamics
 
     @property
+    def resting(self) -> bool:
+        """Does the sparse tangent hold everything that the stiffness contains?"""
+        return self._evaluator.plain
+
+    @property
     def sparse(self) -> bool:
-        """Does the sparse tangent hold everything that the linearized equations contain?"""
-        return self._evaluator.plain and not len(self.mechanism.deformation_inertia[0])
+        """The same of the linearized equations."""
+        return self.resting and not len(self.mechanism.deformation_inertia[0])
 
     def sparse_tangent(self) -> SparseTangent:
         """The sparse tangent of the present evaluator."""
