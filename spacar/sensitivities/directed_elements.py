@@ -7,16 +7,14 @@ direction, without any linear system: residuals, and the blocks of the stiffness
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.deck.directed import STEP
 from spacar.dynamics.loaded_mechanism import moment_gradient
-from spacar.elements.family import Configuration, Family
+from spacar.elements.family import Configuration
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import DriveState, Loads, Mechanism
 from spacar.stationary.loading import LoadLevel, SteadyDrive, loads_at, with_flow
@@ -39,15 +37,9 @@ class ElementMatrices:
     columns: Index
     values: Array
 
-    @property
-    def rate(self) -> ElementMatrices:
-        """The derivatives of the matrices along the direction, real."""
-        return ElementMatrices(self.rows, self.columns, self.values.imag / STEP)
-
-    def form(self, left: Array, right: Array) -> Array:
-        """left^T (sum of the matrices) right, (k, m), of left (., k) and right (., m)."""
-        product = np.einsum("abn,bnm->anm", self.values, right[self.columns])
-        return np.asarray(np.einsum("ank,anm->km", left[self.rows], product))
+    def times(self, right: Array) -> Array:
+        """The matrix of every element times its rows of right (., m): (rows, n, m)."""
+        return np.asarray(np.einsum("abn,bnm->anm", self.values, right[self.columns]))
 
 
 class DirectedElements:
@@ -153,19 +145,19 @@ class DirectedElements:
     def gradient(self) -> list[ElementMatrices]:
         return [ElementMatrices(b.e, b.x, V) for b, _, _, V in self.evaluated if len(b.e)]
 
-    def stiffness(self, first: int) -> list[ElementMatrices]:
-        """S of the rows from `first`."""
-        return self._law(0, first)
+    def stiffness(self) -> list[ElementMatrices]:
+        """S of the rows that are neither fixed nor prescribed."""
+        return self._law(0)
 
-    def damping(self, first: int) -> list[ElementMatrices]:
-        """S_d of the rows from `first`."""
-        return self._law(1, first)
+    def damping(self) -> list[ElementMatrices]:
+        """S_d of the same rows."""
+        return self._law(1)
 
-    def _law(self, which: int, first: int) -> list[ElementMatrices]:
+    def _law(self, which: int) -> list[ElementMatrices]:
         found = []
         for b, *_ in self.evaluated:
             if len(b.e):
-                keep = b.e >= first
+                keep = b.e >= self.mechanism.numbering.e_class["input"].stop
                 found.append(ElementMatrices(b.e, b.e, b.family.stiffness()[which] * keep[:, None] * keep[None] + 0j))
         return found
 
@@ -179,11 +171,9 @@ class DirectedElements:
                 found.append(ElementMatrices(b.x, b.x, block))
         return found
 
-    def loading(self, flow: bool, v: Array | None = None, a: Array | None = None) -> list[ElementMatrices]:
+    def loading(self, flow: bool, v: Array, a: Array) -> list[ElementMatrices]:
         """-df/dx of gravity and global moments; with `flow` also d(M a + h)/dx, which at rest comes from the fluid in
         tubes only."""
-        still = np.zeros(self.nx, complex)
-        v, a = still if v is None else v, still if a is None else a
         heavy, _ = self.inertia_gradient(v, a, gravity=True)
         if not flow:
             light, _ = self.inertia_gradient(v, a, gravity=False)
@@ -205,27 +195,20 @@ class DirectedElements:
                 by_v.append(ElementMatrices(b.x, b.x, rate))
         return by_x, by_v
 
-    def flow(self) -> list[ElementMatrices]:
-        """dh/dv at rest."""
-        still = np.zeros(self.nx, complex)
-        return self.inertia_gradient(still, still, gravity=False)[1]
-
     def gradient_rate(self, v: Array) -> list[ElementMatrices]:
         """H1(v)."""
-        return self._by_rows(v, lambda f, c, vb, out: f.gradient_rate(c, vb, out))
+        return self._by_rows("gradient_rate", v)
 
     def rate_gradient(self, v: Array) -> list[ElementMatrices]:
         """T(v)."""
-        return self._by_rows(v, lambda f, c, vb, out: f.rate_gradient(c, vb, out))
+        return self._by_rows("rate_gradient", v)
 
-    def _by_rows(
-        self, v: Array, write: Callable[[Family, Configuration, Array, Array], None]
-    ) -> list[ElementMatrices]:
+    def _by_rows(self, method: str, v: Array) -> list[ElementMatrices]:
         found = []
         for b, c, _, _ in self.evaluated:
             if len(b.e) and not b.family.constant_gradient:
                 block = np.zeros((len(b.e), len(b.x), b.family.n), complex)
-                write(b.family, c, v[b.x] + 0j, block)
+                getattr(b.family, method)(c, v[b.x] + 0j, block)
                 found.append(ElementMatrices(b.e, b.x, block))
         return found
 

@@ -37,7 +37,6 @@ from spacar.mechanism.build import along
 from spacar.modes import registered
 from spacar.sensitivities.expression_derivatives import ChainValue, derivative, steps_of, variables
 from spacar.sensitivities.linear_quantities import LinearQuantities
-from spacar.sensitivities.pencil_derivatives import LinearizedState
 from spacar.sensitivities.state_derivatives import state_derivatives
 from spacar.sensitivities.step_quantities import (
     LINEAR,
@@ -298,8 +297,7 @@ class _Analysis:
                 linear = None
                 if any(name in LINEAR for name, _ in here):
                     self._require_determined(d, stored)
-                    about = LinearizedState(d, linearize(d, state.xdd, state.sigma))
-                    linear = LinearQuantities(about, states, report, solver.moving)
+                    linear = LinearQuantities(d, linearize(d, state.xdd, state.sigma), states, report, solver.moving)
                 at = StepQuantities(frame, mechanism.numbering, states, linear, stresses)
                 for variable in here:
                     values, rates = self.found[variable]
