@@ -100,23 +100,19 @@ def _unit_integral(p: sp.Poly) -> sp.Expr:
 
 def cantilever(number: int) -> Shapes:
     """Bending modes of a uniform cantilever, ψ(L) = 1 or −1: cosh kξ − cos kξ − σ (sinh kξ − sin kξ), halved."""
+    z = sp.Symbol("z")
+    guesses = [1.8751, *(sp.pi.evalf() * (n - sp.Rational(1, 2)) for n in range(2, number + 1))]
+    roots = [sp.nsolve(sp.cos(z) + 1 / sp.cosh(z), z, guess, prec=34) for guess in guesses[:number]]
 
     def family(x: sp.Expr, L: sp.Expr) -> tuple[sp.Expr, ...]:
         modes = []
-        for k in _cantilever_roots(number):
+        for k in roots:
             sigma = (sp.cosh(k) + sp.cos(k)) / (sp.sinh(k) + sp.sin(k))
             z = k * x / L
             modes.append((sp.cosh(z) - sp.cos(z) - sigma * (sp.sinh(z) - sp.sin(z))) / 2)
         return tuple(modes)
 
     return family
-
-
-@lru_cache(maxsize=8)
-def _cantilever_roots(number: int) -> tuple[sp.Float, ...]:
-    k = sp.Symbol("k")
-    guesses = [1.8751, *(sp.pi.evalf() * (n - sp.Rational(1, 2)) for n in range(2, number + 1))]
-    return tuple(sp.nsolve(sp.cos(k) + 1 / sp.cosh(k), k, g, prec=34) for g in guesses[:number])
 
 
 def shape_functions(field: Any, x: sp.Symbol, L: sp.Expr, clamped: int) -> tuple[sp.Expr, ...]:
@@ -162,26 +158,13 @@ def _dimensionless(f: sp.Expr, x: sp.Symbol, L: sp.Expr) -> tuple[sp.Expr, Power
     return scale, tuple((n, Fraction(int(r.p), int(r.q))) for n, r in sorted(ratios.items()))
 
 
-def _product(a: Powers, b: Powers) -> Powers:
-    total: dict[int, Fraction] = {}
-    for n, c in a:
-        for m, d in b:
-            total[n + m] = total.get(n + m, Fraction(0)) + c * d
-    return tuple(total.items())
-
-
-@lru_cache(maxsize=4096)
-def _scaled(a: sp.Expr, b: sp.Expr, L: sp.Expr) -> sp.Expr:
-    return a * b * L
-
-
 def product_integral(f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:
     """∫ f g dx from 0 to L: a dimensionless rational number times the scales of f and g where both are polynomials."""
     a, b = _dimensionless(sp.sympify(f), x, L), _dimensionless(sp.sympify(g), x, L)
     if a is None or b is None:
         return integral(f * g, x, L)
     number = sum((c * d / (n + m + 1) for n, c in a[1] for m, d in b[1]), Fraction(0))
-    return sp.Rational(number) * _scaled(a[0], b[0], L)
+    return sp.Rational(number) * (a[0] * b[0] * L)
 
 
 def weighted_integral(weight: sp.Expr, f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:
@@ -196,8 +179,8 @@ def running_integral(f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr, end: sp.E
     a, b = _dimensionless(sp.sympify(f), x, L), _dimensionless(sp.sympify(g), x, L)
     if a is None or b is None:
         return integral(f * g, x, end)
-    primitive = sp.Add(*(sp.Rational(c / (n + 1)) * (end / L) ** (n + 1) for n, c in _product(a[1], b[1])))
-    return a[0] * b[0] * L * primitive
+    terms = ((n + m + 1, c * d) for n, c in a[1] for m, d in b[1])
+    return a[0] * b[0] * L * sp.Add(*(sp.Rational(c / n) * (end / L) ** n for n, c in terms))
 
 
 def integral(integrand: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:

@@ -81,7 +81,8 @@ def check_constraints(system: Description) -> None:
         return
     values = system.pseudo_values()
     rows = constraint_rows(system, lambda e: transform(e).xreplace(values))
-    rank = _rank(_random_numbers(rows.matrix))
+    numbers = _random_numbers(rows.matrix)
+    rank = int(np.linalg.matrix_rank(numbers, tol=1e-9)) if numbers.size else 0
     if rank < rows.count:
         every = ((c.name, str(c.velocity if c.position is None else c.position)) for c in system.constraints)
         texts = "; ".join(f"{name}: {text if len(text) < 60 else text[:57] + '...'} = 0" for name, text in every)
@@ -98,7 +99,3 @@ def _random_numbers(rows: sp.Matrix) -> np.ndarray:
     numbers = np.array(rows.xreplace(point | {TIME: sp.Float(chance.uniform(0.2, 2.0))}).evalf(), dtype=float)
     lengths = np.linalg.norm(numbers, axis=1, keepdims=True)
     return numbers / np.where(lengths > 0, lengths, 1.0)
-
-
-def _rank(numbers: np.ndarray) -> int:
-    return int(np.linalg.matrix_rank(numbers, tol=1e-9)) if numbers.size else 0

@@ -45,9 +45,7 @@ class Field:
 
     def value(self, x: sp.Expr, derivative: int = 0) -> sp.Expr:
         """Σ φ_k ψ_k, or a derivative with respect to x, at x."""
-        return sp.Add(
-            *(p * psi.diff(X, derivative).subs(X, x) for p, psi in zip(self.coordinates, self.shapes, strict=True))
-        )
+        return sp.Add(*(p * g for p, g in self.gradient(x, derivative).items()))
 
     def gradient(self, x: sp.Expr, derivative: int = 0) -> dict[sp.Expr, sp.Expr]:
         """∂(value)/∂φ_k for every coordinate."""

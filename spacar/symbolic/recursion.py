@@ -136,51 +136,30 @@ class Recursion:
     def frame(self, frame: ReferenceFrame) -> FrameMotion:
         """Angular motion of a frame, in its own components."""
         if frame not in self.frames:
-            if frame.attitude is not None:
-                self.frames[frame] = self._attitude_frame(frame)
-            elif frame.rotation is None:
-                self.frames[frame] = self._free_frame(frame)
-            else:
-                self.frames[frame] = self._jointed_frame(frame)
+            self.frames[frame] = self._turning(frame)
         return self.frames[frame]
 
-    def _jointed_frame(self, frame: ReferenceFrame) -> FrameMotion:
-        base, R = self.turn(frame)
-        _, axis, _ = merged_rotation(frame)
+    def _turning(self, frame: ReferenceFrame) -> FrameMotion:
+        """That of its base and its own; N is the base of a frame of which only the angular velocity is known."""
+        if frame.rotation is not None:
+            base, R = self.turn(frame)
+            _, axis, _ = merged_rotation(frame)
+            relative = sp.Add(*omega(base, frame).terms.values()) * sp.eye(3)[:, axis - 1]
+        else:
+            base, R = self.system.N, sp.eye(3)
+            if frame.attitude is not None:
+                base = frame.attitude.parent
+                R = self.cosines.matrix(frame, base).xreplace(self.values)
+            relative = self.cosines.components(omega(base, frame), frame)
         parent = self.frame(base)
-        spin = sp.Add(*omega(base, frame).terms.values())
-        e = sp.Matrix([sp.Integer(i == axis) for i in (1, 2, 3)])
-        turned = {r: self.reads(R * W) for r, W in parent.partials.items()}
-        w0 = self.reads(R * parent.velocity)
-        for r, value in self.partials(spin).items():
-            turned[r] = self.reads(turned.get(r, NOTHING) + value * e)
-        speed = self.read(spin) * e
-        al0 = self.reads(R * parent.bias + w0.cross(speed) + self.bias(spin) * e)
-        return FrameMotion(turned, self.reads(w0 + speed), al0)
-
-    def _attitude_frame(self, frame: ReferenceFrame) -> FrameMotion:
-        """A frame of given direction cosines and angular velocity in its parent, in its own components."""
-        assert frame.attitude is not None
-        base = frame.attitude.parent
-        R, parent = self.cosines.matrix(frame, base).xreplace(self.values), self.frame(base)
-        relative = self.cosines.components(omega(base, frame), frame)
         partials = {r: self.reads(R * W) for r, W in parent.partials.items()}
-        w0, spin = self.reads(R * parent.velocity), self.reads(relative)
+        w0 = self.reads(R * parent.velocity)
         for i, component in enumerate(relative):
             for r, value in self.partials(component).items():
-                e = sp.Matrix([sp.Integer(i == k) for k in range(3)])
-                partials[r] = self.reads(partials.get(r, NOTHING) + value * e)
+                partials[r] = self.reads(partials.get(r, NOTHING) + value * sp.eye(3)[:, i])
+        spin = self.reads(relative)
         al0 = self.reads(R * parent.bias + w0.cross(spin) + relative.applyfunc(self.bias))
         return FrameMotion(partials, self.reads(w0 + spin), al0)
-
-    def _free_frame(self, frame: ReferenceFrame) -> FrameMotion:
-        """A frame of which only the angular velocity is known, in its own components."""
-        w = self.cosines.components(omega(self.system.N, frame), frame)
-        partials: dict[sp.Expr, Column] = {}
-        for i, component in enumerate(w):
-            for r, value in self.partials(component).items():
-                partials.setdefault(r, sp.zeros(3, 1))[i] = value
-        return FrameMotion(partials, self.reads(w), w.applyfunc(self.bias))
 
     # -- points ------------------------------------------------------------------------------------------------
 

@@ -142,8 +142,6 @@ def derive(system: Description, strategy: str, recurrence: bool = True) -> Symbo
     for z in list(table.definitions):  # in three dimensions measure numbers contain dots; cosines are new definitions
         if table.definitions[z].has(UnevaluatedDot):
             table.definitions[z] = transform(table.definitions[z], derivation.cosines)
-    for z, definition in table.definitions.items():
-        table.definitions[z] = definition.xreplace(derivation.values)
     constraints = None
     if system.constraints:
 
@@ -153,7 +151,7 @@ def derive(system: Description, strategy: str, recurrence: bool = True) -> Symbo
 
         constraints = constraint_rows(system, read)
     kinematics = {q: system.rates[q.diff()].xreplace(derivation.values) for q in system.coordinates}
-    for z, definition in table.definitions.items():  # cosines of the constraints may be new
+    for z, definition in table.definitions.items():
         table.definitions[z] = definition.xreplace(derivation.values)
     rows = [*constraints.matrix, *constraints.bias, *constraints.velocity] if constraints else []
     places = constraints.position.values() if constraints else []
