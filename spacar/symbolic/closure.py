@@ -13,12 +13,12 @@ projected back. Source: decision; `symbolic.md`, section 3.5.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
 from spacar.errors import AnalysisError, UsageError
-from spacar.symbolic.ordered import OrderedProgram
+from spacar.symbolic.ordered import Constrained, OrderedProgram
 
 ITERATIONS = 60
 DRIFT = {"DOP853": 0.1, "Radau": 0.1, "LSODA": 10.0}
@@ -39,14 +39,17 @@ class Manifold:
     def nq(self) -> int:
         return len(self.program.coordinates)
 
+    @property
+    def constraints(self) -> Constrained:
+        assert self.program.constraints is not None
+        return self.program.constraints
+
     def numbers(self, t: float, y: np.ndarray) -> tuple[np.ndarray, ...]:
         """D, J, J_g, e, g, W."""
         M, J, e, g, W = self.function.manifold(t, y.tolist())
         diagonal = M.diagonal()
         D = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
-        constraints = self.program.constraints
-        assert constraints is not None
-        return D, J, J[list(constraints.closed)], e, g, W
+        return D, J, J[list(self.constraints.closed)], e, g, W
 
     def project(self, t: float, y: np.ndarray) -> np.ndarray:
         """The nearest state that satisfies the constraints; AnalysisError when Newton's method finds none."""
@@ -104,8 +107,6 @@ class Manifold:
         return [rigid, everything] if not rigid.all() else [everything]
 
     def _close_gaps(self, t: float, y: np.ndarray, fixed: list[bool]) -> np.ndarray:
-        if not self.program.constraints or not self.program.constraints.position:
-            return y
         if self._gap(t, y) == 0.0:
             return y
         hold = np.flatnonzero(fixed)
@@ -116,17 +117,14 @@ class Manifold:
         found = self._newton(t, y, np.array([], dtype=int), np.ones(self.program.n, dtype=bool))
         if found is not None and np.max(np.abs(found - y)) <= NEARLY * max(np.max(np.abs(y[: self.nq])), 1e-300):
             return found
-        self._refuse(t, y, self.numbers(t, y)[4], self.program.constraints.closed, hold, "open by")
-        return y
+        self._refuse(y, self.numbers(t, y)[4], self.constraints.closed, hold, "open by")
 
-    def _refuse(self, t: float, y: np.ndarray, gaps: Any, rows: Any, hold: np.ndarray, words: str) -> None:
-        constraints = self.program.constraints
-        assert constraints is not None
+    def _refuse(self, y: np.ndarray, gaps: Any, rows: Any, hold: np.ndarray, words: str) -> NoReturn:
         worst = int(np.argmax(np.abs(gaps)))
         names = [s.name for s in self.program.state]
         kept = ", ".join(f"{names[k]} = {y[k]:g}" for k in hold) or "none"
         raise UsageError(
-            f"start: {constraints.names[rows[worst]]} is {words} {gaps[worst]:.6g} and cannot be closed with the "
+            f"start: {self.constraints.names[rows[worst]]} is {words} {gaps[worst]:.6g} and cannot be closed with the "
             f"values given ({kept}): leave one of them out, or give values that fit",
             "constraint",
         )
@@ -162,8 +160,6 @@ class Manifold:
     def _close_speeds(self, t: float, y: np.ndarray, fixed: list[bool]) -> np.ndarray:
         n, held = self.nq, np.array(fixed, dtype=bool)
         D, J, _, e, _, _ = self.numbers(t, y)
-        constraints = self.program.constraints
-        assert constraints is not None
 
         def closed(delta: np.ndarray) -> bool:
             scale = np.abs(J) @ (np.abs(y[n:]) + np.abs(delta)) + np.abs(e)
@@ -179,8 +175,7 @@ class Manifold:
         if closed(delta) and np.max(np.abs(delta)) <= NEARLY * max(np.max(np.abs(y[n:])), 1e-300):
             y[n:] += delta
             return y
-        self._refuse(t, y, e, range(len(e)), n + np.flatnonzero(held), "violated at a rate of")
-        return y
+        self._refuse(y, e, range(len(e)), n + np.flatnonzero(held), "violated at a rate of")
 
     # -- end -----------------------------------------------------------------------------------------------------
 

@@ -150,18 +150,18 @@ def _each(value: Value, function: Any) -> Value:
     return function(sp.sympify(value))
 
 
-def definition_order(definitions: Mapping[sp.Symbol, sp.Expr], results: Iterable[sp.Expr]) -> list[sp.Symbol]:
-    """The symbols of `definitions` that `results` need, each after everything that it reads."""
-    order: dict[sp.Symbol, None] = {}
+def definition_order(definitions: Mapping[sp.Symbol, sp.Expr], results: Iterable[sp.Expr]) -> dict[sp.Symbol, sp.Expr]:
+    """Those of the definitions that `results` need, each after everything that it reads."""
+    order: dict[sp.Symbol, sp.Expr] = {}
     stack: list[tuple[sp.Symbol, bool]] = []
     for result in results:
         stack += [(s, False) for s in sorted(result.free_symbols & definitions.keys(), key=str, reverse=True)]
         while stack:
             symbol, ready = stack.pop()
             if ready:
-                order[symbol] = None
+                order[symbol] = definitions[symbol]
             elif symbol not in order:
                 stack.append((symbol, True))
                 needed = definitions[symbol].free_symbols & definitions.keys()
                 stack += [(s, False) for s in sorted(needed, key=str, reverse=True) if s not in order]
-    return list(order)
+    return order

@@ -139,17 +139,16 @@ class _Evaluator:
 
     def __init__(self, eq: DerivedEquations, wanted: Mapping[str, list[sp.Expr]]) -> None:
         flat = [e for group in wanted.values() for e in group]
-        order = definition_order(eq.table.definitions, flat)
-        definitions = {z: eq.table.definitions[z] for z in order}
+        definitions = definition_order(eq.table.definitions, flat)
         rule = plain_symbols([*definitions, *definitions.values(), *flat, *eq.coordinates, *eq.speeds])
         self.coordinates = [rule[q].name for q in eq.coordinates]
         self.speeds = [rule[s].name for s in eq.speeds]
-        known = {rule[z] for z in order}
+        known = {rule[z] for z in definitions}
         used = set().union(*(e.xreplace(rule).free_symbols for e in [*definitions.values(), *flat])) - known
         used |= {rule[s] for s in [*eq.coordinates, *eq.speeds]}
         self.names = sorted(s.name for s in used)
         given = sorted(used, key=str)  # names of the model stay out of the text that is executed
-        local = {s: sp.Symbol(f"v{k}") for k, s in enumerate([*given, *(rule[z] for z in order)])}
+        local = {s: sp.Symbol(f"v{k}") for k, s in enumerate([*given, *(rule[z] for z in definitions)])}
 
         def plain(e: sp.Expr) -> sp.Expr:
             return e.xreplace(rule).xreplace(local)

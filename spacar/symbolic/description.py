@@ -290,15 +290,15 @@ class Description:
         """A force per length [N/m] on the middle line of a beam; its measure numbers may depend on `x` along the beam,
         as polynomials, and on states and time. Source: (B) of `held.py`, f."""
         _demand_vector(f"load on beam {beam.name}", vector)
-        parts: dict[sp.Expr, dict[Key, list[sp.Expr]]] = {}
+        parts: dict[sp.Expr, list[tuple[Key, sp.Expr]]] = {}
         for key, c in vector.xreplace(self.rates).terms.items():
             for term in sp.Add.make_args(sp.expand(c)):
                 factor, along = term.as_independent(X, as_Add=False)
                 if not along.is_polynomial(X):
                     raise UsageError(f"load on beam {beam.name}: {along} is not a polynomial in x", "field")
-                parts.setdefault(along, {}).setdefault(key, []).append(factor)
-        loads = ((Vector({k: sp.Add(*c) for k, c in terms.items()}), along) for along, terms in parts.items())
-        self.distributed_loads.append(DistributedLoad(beam, tuple(loads)))
+                parts.setdefault(along, []).append((key, factor))
+        loads = tuple((Vector.collect(terms), along) for along, terms in parts.items())
+        self.distributed_loads.append(DistributedLoad(beam, loads))
 
     def spring(self, a: GeometricPoint, b: GeometricPoint, stiffness: Any, length: Any = 0, damping: Any = 0) -> None:
         """A linear spring with a damper between two points; `length` is the length without force."""

@@ -102,17 +102,17 @@ class ModelFile:
         except UsageError as error:
             self.fail(str(error), error.code)
 
-    def claim(self, name: str, place: str) -> None:
+    def claim(self, name: str) -> None:
+        """A name that is given at the present place."""
         if not is_name(name):
             self.fail(f"'{name}' is not a name (letters, digits and _)")
         # programs keep q1 and a parameter Q1 apart (the paper has both); within one kind such pairs are slips
         for known, where in self.claimed:
-            alike = known.lower() == name.lower() and _kind_of(where) == _kind_of(place)
+            alike = known.lower() == name.lower() and _kind_of(where) == _kind_of(self.place)
             if known == name or alike:
-                self.place = place
                 same = "the same name" if known == name else f"'{known}', which differs only in case,"
                 self.fail(f"the name '{name}' is already used: {same} stands in {where}", "name")
-        self.claimed.append((name, place))
+        self.claimed.append((name, self.place))
 
 
 def label_of(table: str, row: dict[str, Any], number: int) -> str:

@@ -88,10 +88,13 @@ class _TomlReader(ModelFile):
         except UsageError as error:
             self.fail(str(error), error.code)
 
-    def _vector(self, values: list[Any], frame: ReferenceFrame, names: dict[str, sp.Expr] | None = None) -> Vector:
+    def _components(self, values: list[Any], names: dict[str, sp.Expr] | None = None) -> list[sp.Expr]:
         if len(values) != 3:
             self.fail(f"must be a list of 3 expressions, not {len(values)}")
-        return sum((self.expression(v, names) * frame[i] for i, v in enumerate(values, 1)), ZERO)
+        return [self.expression(v, names) for v in values]
+
+    def _vector(self, values: list[Any], frame: ReferenceFrame, names: dict[str, sp.Expr] | None = None) -> Vector:
+        return sum((c * frame[i] for i, c in enumerate(self._components(values, names), 1)), ZERO)
 
     # -- scalars -----------------------------------------------------------------------------------------------
 
@@ -99,7 +102,7 @@ class _TomlReader(ModelFile):
         values: dict[str, float] = {}
         for name, value in table.items():
             self.place = f"[parameters] {name}"
-            self.claim(name, self.place)
+            self.claim(name)
             self.symbols[name] = sp.Symbol(name, real=True)
             if value == "":
                 continue  # a value must come from --set
@@ -115,13 +118,13 @@ class _TomlReader(ModelFile):
             if not isinstance(row, dict):
                 self.fail(f'must be a table such as {{ speed = "s", start = 0.0 }}, not {row!r}')
             self.checked(row, TABLES["coordinate"])
-            self.claim(name, self.place)
+            self.claim(name)
             self.scalars[name] = self.system.coordinate(name)
             for key, what in (("start", start), ("guess", self.guess)):
                 if key in row:
                     what[name] = float(row[key])
             if "speed" in row:
-                self.claim(row["speed"], self.place)
+                self.claim(row["speed"])
                 speed = self.scalars[row["speed"]] = self.system.speed(row["speed"])
                 self.system.kinematic(self.scalars[name], speed)
                 if "speed_start" in row:
@@ -131,8 +134,8 @@ class _TomlReader(ModelFile):
     def _speeds(self, rows: list[dict[str, Any]]) -> dict[str, float]:
         start = {}
         for row in rows:
-            place = f"[[speed]] {row['name']}"
-            self.claim(row["name"], place)
+            self.place = f"[[speed]] {row['name']}"
+            self.claim(row["name"])
             self.scalars[row["name"]] = self.system.speed(row["name"])
             if "start" in row:
                 start[row["name"]] = float(row["start"])
@@ -150,7 +153,7 @@ class _TomlReader(ModelFile):
             ):
                 names = [f"{row[key]}{i}" for i in indices]
                 for name in names:
-                    self.claim(name, self.place)
+                    self.claim(name)
                 made.append([make(name) for name in names])
                 start |= dict(zip(names, self.numbers(row, values, len(names)), strict=False))
             self.turning[row["name"]] = made
@@ -184,7 +187,7 @@ class _TomlReader(ModelFile):
         waiting = [(table, n, row) for table in makers for n, row in enumerate(self.rows(tables, table), 1)]
         for table, n, row in waiting:
             self.place = label_of(table, row, n)
-            self.claim(row["name"], self.place)
+            self.claim(row["name"])
         names = {f"{row['name']}.tip" if table == "beam" else row["name"] for table, _, row in waiting}
         while waiting:
             ready = [item for item in waiting if not self._missing(*item)]
@@ -281,7 +284,7 @@ class _TomlReader(ModelFile):
     # -- bodies, loads, constraints ----------------------------------------------------------------------------
 
     def _body(self, row: dict[str, Any], number: int) -> None:
-        self.claim(row["name"], self.place)
+        self.claim(row["name"])
         mass, point = self.expression(row["mass"]), self.point_of(row, "at")
         if "frame" not in row:
             self.system.particle(row["name"], point, mass)
@@ -295,16 +298,14 @@ class _TomlReader(ModelFile):
         """Every measure number that is not constant zero becomes an input with that law."""
         frame, place = self.components_in(row), self.place
         self.place = f"{place} vector"
-        if len(row["vector"]) != 3:
-            self.fail(f"must be a list of 3 expressions, not {len(row['vector'])}")
-        laws = [self.expression(v) for v in row["vector"]]
+        laws = self._components(row["vector"])
         self.place = place
         stem = row.get("name", f"{kind}{number}")
         acting = [i for i, law in enumerate(laws, 1) if law != 0]
         total = ZERO
         for i in acting:
             name = stem if len(acting) == 1 else f"{stem}_{i}"
-            self.claim(name, place)
+            self.claim(name)
             total += self.system.input(name, laws[i - 1]) * frame[i]
         return total
 

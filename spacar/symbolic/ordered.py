@@ -120,8 +120,7 @@ class OrderedProgram:
 
     def order(self, results: Iterable[sp.Expr]) -> Assignments:
         """The step assignments that some results need, in order."""
-        definitions = dict(self.step)
-        return tuple((s, definitions[s]) for s in definition_order(definitions, results))
+        return tuple(definition_order(dict(self.step), results).items())
 
     @cached_property
     def digest(self) -> str:

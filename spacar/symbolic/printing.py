@@ -126,10 +126,6 @@ def _combination(value: Any, style: str) -> str:
     return ("-" if pieces[0] == "-" else "") + " ".join(pieces[1:])
 
 
-def combination_text(value: Any) -> str:
-    return _combination(value, "text")
-
-
 def text(value: Any) -> str:
     """Plain ASCII text of a scalar, vector or dyad.
 

@@ -81,8 +81,7 @@ def make_program(eq: DerivedEquations, outputs: dict[str, Any]) -> EquationProgr
         "outputs": list(values.values()),
     }  # fmt: skip
     flat = [e for group in results.values() for e in group]
-    order = definition_order(eq.table.definitions, flat)
-    definitions = {z: eq.table.definitions[z] for z in order}
+    definitions = definition_order(eq.table.definitions, flat)
     plain = DirectionCosines()
     feeds = {s: None if e is None else eq.scalar(e, plain) for s, e in eq.system.inputs.items()}
     accelerations = [eq.system.accelerations.get(s, sp.Symbol(f"{s.func}_dot", real=True)) for s in eq.speeds]

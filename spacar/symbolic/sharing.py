@@ -65,7 +65,7 @@ def _common(
             alias[s] = everything[s]
     results = [e.xreplace(alias) for e in results]
     order = definition_order(everything, [*results, *sorted(kept, key=str)])
-    return {s: everything[s] for s in order if s not in alias}, list(results)
+    return {s: e for s, e in order.items() if s not in alias}, list(results)
 
 
 class Hoist:

@@ -165,10 +165,12 @@ def picture(system: MultibodySystem, run: SimulatedMotion, values: Mapping[str, 
     planar = not places[..., 2].any() and (not turns.size or bool(np.all(turns[..., 2, 2] == 1.0)))
     if not (np.isfinite(places).all() and np.isfinite(turns).all()):
         return None
-    used = sorted({n for line in parts.lines for n in line.ends} | _masses(parts))
+    masses = {n for body in system.bodies if (n := parts.point(body.point)) is not None}
+    used = sorted({n for line in parts.lines for n in line.ends} | masses)
     if not used:
         return None
-    return _tables(parts, places, turns, planar, used, _directions(parts, run, values))
+    columns = [sp.zeros(3, 1) if line.along is None else line.along for line in parts.lines]
+    return _tables(parts, places, turns, planar, used, _numbers(columns, run, values)[0].reshape(-1, 3))
 
 
 def _parameters(parts: _Parts) -> set[str]:
@@ -178,15 +180,6 @@ def _parameters(parts: _Parts) -> set[str]:
     return {str(a.func) if isinstance(a, AppliedUndef) else a.name for a in atoms if a != TIME}
 
 
-def _masses(parts: _Parts) -> set[int]:
-    return {n for body in parts.system.bodies if (n := parts.point(body.point)) is not None}
-
-
-def _directions(parts: _Parts, run: SimulatedMotion, values: Mapping[str, float]) -> list[np.ndarray]:
-    columns = [sp.zeros(3, 1) if line.along is None else line.along for line in parts.lines]
-    return list(_numbers(columns, run, values)[0].reshape(-1, 3))
-
-
 def _numbers(rows: list[sp.Matrix], run: SimulatedMotion, values: Mapping[str, float]) -> np.ndarray:
     """(steps, entries) of expressions; names of the model stay out of the text that is executed."""
     flat = [e for row in rows for e in row]
@@ -194,7 +187,7 @@ def _numbers(rows: list[sp.Matrix], run: SimulatedMotion, values: Mapping[str, f
     result = np.empty((len(run.time), len(flat)))
     known: dict[sp.Basic, sp.Symbol] = {}
     columns = []
-    for k, atom in enumerate(a for a in atoms if isinstance(a, AppliedUndef) or a.is_Symbol):
+    for k, atom in enumerate(atoms):
         known[atom] = sp.Symbol(f"v{k}")
         name = str(atom.func) if isinstance(atom, AppliedUndef) else atom.name
         if atom == TIME:
@@ -208,7 +201,7 @@ def _numbers(rows: list[sp.Matrix], run: SimulatedMotion, values: Mapping[str, f
 
 
 def _tables(
-    parts: _Parts, places: np.ndarray, turns: np.ndarray, planar: bool, used: list[int], along: list[np.ndarray]
+    parts: _Parts, places: np.ndarray, turns: np.ndarray, planar: bool, used: list[int], along: np.ndarray
 ) -> Picture:
     k, r, modes = (2, 1, 3) if planar else (3, 4, 6)
     used = sorted(used, key=lambda n: (not parts.fixed[n], n))  # fixed coordinates come first

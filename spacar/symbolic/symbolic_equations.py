@@ -156,10 +156,9 @@ def derive(system: Description, strategy: str, recurrence: bool = True) -> Symbo
     rows = [*constraints.matrix, *constraints.bias, *constraints.velocity] if constraints else []
     places = constraints.position.values() if constraints else []
     needed = [*derivation.mass_matrix, *derivation.rhs, *kinematics.values(), *rows, *places]
-    order = definition_order(table.definitions, needed)
     return SymbolicEquations(
         system=system, strategy=strategy, coordinates=tuple(system.coordinates), speeds=tuple(system.speeds),
-        kinematics=kinematics, definitions={z: table.definitions[z] for z in order},
+        kinematics=kinematics, definitions=definition_order(table.definitions, needed),
         mass_matrix=sp.ImmutableMatrix(derivation.mass_matrix), rhs=sp.ImmutableMatrix(derivation.rhs),
         held_by_speed=derivation.held, table=table, cosines=derivation.cosines, seconds=time.perf_counter() - start,
         constraints=constraints,

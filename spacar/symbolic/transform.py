@@ -13,7 +13,7 @@ from sympy.physics import vector as sympy_vector
 from spacar.errors import UsageError
 from spacar.symbolic.collect import ZTable
 from spacar.symbolic.reference_frames import ReferenceFrame
-from spacar.symbolic.unit_vectors import TIME, Key, UnevaluatedCross, UnevaluatedDot, Unit, UnitDot
+from spacar.symbolic.unit_vectors import Key, UnevaluatedCross, UnevaluatedDot, Unit, UnitDot
 from spacar.symbolic.vectors import ZERO, Vector
 
 
@@ -146,15 +146,3 @@ def from_sympy(vector: sympy_vector.Vector, frames: dict[sympy_vector.ReferenceF
     for components, frame in vector.args:
         total += sum((c * frames[frame][i] for i, c in enumerate(components, 1)), ZERO)
     return total
-
-
-def reference_frames(frames: list[ReferenceFrame]) -> dict[ReferenceFrame, sympy_vector.ReferenceFrame]:
-    """SymPy reference frames with the same turns, for comparisons; the first frame is the base of all."""
-    made = {frames[0]: sympy_vector.ReferenceFrame(frames[0].name)}
-    for frame in frames[1:]:
-        assert frame.rotation is not None
-        parent = made[frame.rotation.parent]
-        axis = (parent.x, parent.y, parent.z)[frame.rotation.axis - 1]
-        made[frame] = parent.orientnew(frame.name, "Axis", (frame.rotation.angle, axis))
-    assert TIME is sympy_vector.dynamicsymbols._t
-    return made

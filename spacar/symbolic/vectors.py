@@ -14,7 +14,7 @@ from typing import Any
 
 import sympy as sp
 
-from spacar.symbolic.printing import combination_text, latex
+from spacar.symbolic.printing import latex, text
 from spacar.symbolic.unit_vectors import Key, Unit, cross_keys, dot_keys
 
 
@@ -103,7 +103,7 @@ class _Combination:
         return set().union(*(c.atoms(*types) for c in self.terms.values()))
 
     def __str__(self) -> str:
-        return combination_text(self)
+        return text(self)
 
     __repr__ = __str__
 

@@ -92,8 +92,7 @@ def compiled_routines(program: OrderedProgram, jacobian: bool = False) -> tuple[
         entries = [*J.drates, *J.dg, *J.dh]
         results = tuple(("J", k, e) for k, e in enumerate(entries))
         assert len(entries) == (ny + program.m) * ny
-        definitions = dict(J.step)
-        body = tuple((s, definitions[s]) for s in definition_order(definitions, entries))
+        body = tuple(definition_order(dict(J.step), entries).items())
         routines.append(routine("slopes", ("t", *given, "a", "J"), "J", body, results))
     return once, routines
 
