@@ -10,6 +10,7 @@ pole           c = x + (w x v)/w^2, with the velocities v of the node and w of t
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -56,7 +57,8 @@ def error_motions(
     turned          the drive turns the body itself
     """
     displacement = places - places[zero]
-    rotation = np.array([rotation_vector(turn, turns[zero]) for turn in turns])
+    rotations = relative_rotations(turns, turns[zero])
+    rotation = rotations.as_rotvec()
     pole = np.array([_pole(*state, length) for state in zip(places, moves, spins, strict=True)])
     tangent, axis = _unit(moves[zero]), _unit(spins[zero])
     if not np.isfinite(pole[zero]).all():
@@ -65,7 +67,7 @@ def error_motions(
     turning = pivot is not None or distance < NEAR * length or (turned and np.isfinite(distance))
     centre = pole[zero] if pivot is None else pivot
     arm = centre - places[zero]
-    shift = displacement + np.array([rotated(theta, arm) for theta in rotation]) - arm
+    shift = displacement + rotations.apply(arm) - arm
     angle = rotation @ axis
     return ErrorMotions(
         displacement, rotation, displacement - np.outer(displacement @ tangent, tangent), shift,
@@ -73,22 +75,12 @@ def error_motions(
     )  # fmt: skip
 
 
-def rotation_vector(turn: Array, reference: Array) -> Array:
-    """(3,) of R(turn) R(reference)^T, both Euler parameters (4,); its length is at most pi."""
-    w = turn @ reference
-    v = reference[0] * turn[1:] - turn[0] * reference[1:] - np.cross(turn[1:], reference[1:])
-    if w < 0.0:
-        w, v = -w, -v
-    sine = float(np.linalg.norm(v))
-    return np.asarray(v * (2.0 * np.arctan2(sine, w) / sine if sine > 0.0 else 2.0))
+def relative_rotations(turns: Array, references: Array) -> Any:
+    """The scipy Rotations R(turn) R(reference)^T of Euler parameters (k, 4)."""
+    from scipy.spatial.transform import Rotation
 
-
-def rotated(theta: Array, c: Array) -> Array:
-    """c (3,) turned by the rotation vector theta (3,) (Rodrigues)."""
-    angle = float(np.linalg.norm(theta))
-    half = np.sinc(0.5 * angle / np.pi)  # sin(angle/2)/(angle/2)
-    cross = np.cross(theta, c)
-    return np.asarray(c + np.sinc(angle / np.pi) * cross + 0.5 * half**2 * np.cross(theta, cross))
+    ours, theirs = (Rotation.from_quat(np.roll(np.atleast_2d(lam), -1, axis=1)) for lam in (turns, references))
+    return ours * theirs.inv()
 
 
 def _unit(v: Array) -> Array:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.elements.rotations.rotation import rotate
 from spacar.errors import UsageError
 from spacar.modes import registered
 from spacar.result import Result
@@ -266,10 +267,7 @@ class Flexure:
 
 def _body_axes(node: ObservedNode, x: Array) -> Array:
     """(m, m) from global axes to those that turn with the node."""
-    turn = node.turn(x)
-    w, v = turn[0], turn[1:]
-    cross = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
-    R = np.eye(3) + 2.0 * w * cross + 2.0 * cross @ cross
+    R = rotate(node.turn(x)[:, None], np.eye(3))
     m = len(node.names)
     B = np.eye(m)
     points = node.points

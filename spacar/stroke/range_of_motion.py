@@ -16,7 +16,6 @@ missing is the error of the integrals.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 from numbers import Integral
 from typing import Any
 
@@ -32,7 +31,7 @@ from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
 from spacar.result import Result
 from spacar.stroke.driven_deck import Row, driven, load_row, own_move
-from spacar.stroke.error_motions import error_motions, rotation_vector
+from spacar.stroke.error_motions import error_motions, relative_rotations
 from spacar.stroke.extra_load import ExtraLoad
 from spacar.stroke.flexure_results import Flexure
 from spacar.stroke.mixed_drive import MixedDrive
@@ -259,11 +258,10 @@ def load_work(forces: Array, x: Array, zero: int) -> Array:
 
 def moment_work(moments: Array, turns: Array, zero: int) -> Array:
     """(k,) work of constant global moments (n, 3) on nodes with the Euler parameters turns (k, n, 4) [J]."""
-    parts = [
-        sum(float(M @ rotation_vector(b, a)) for M, a, b in zip(moments, before, after, strict=True))
-        for before, after in pairwise(turns)
-    ]
-    return _from_zero(np.array(parts, float), zero)
+    parts = np.zeros(len(turns) - 1)
+    for k, moment in enumerate(moments):
+        parts += relative_rotations(turns[1:, k], turns[:-1, k]).as_rotvec() @ moment
+    return _from_zero(parts, zero)
 
 
 def _from_zero(parts: Array, zero: int) -> Array:

@@ -16,10 +16,10 @@ import csv
 import math
 import re
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import chain, product
+from itertools import chain
 from operator import eq
 from pathlib import Path
 from typing import overload
@@ -243,10 +243,6 @@ class Combinations(Sequence[tuple[float, ...]]):
             rest, own = divmod(rest, len(table))
             rows.append(table[own])
         return tuple(chain.from_iterable(reversed(rows)))
-
-    def __iter__(self) -> Iterator[tuple[float, ...]]:
-        for rows in product(*self.tables):
-            yield tuple(chain.from_iterable(rows))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Sequence) and len(self) == len(other) and all(map(eq, self, other))

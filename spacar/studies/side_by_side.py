@@ -78,18 +78,15 @@ def _like(statements: list[tuple[Statement, list[int]]], others: list[Statement]
 def _start(single: Mechanism, together: Mechanism, x_of: Array, e_of: Array) -> Array:
     """State of every case at the start, (cases, components), in the order of `Start.state`."""
     one, n = single.numbering, together.numbering
-    x, e = np.zeros((2, n.nx)), np.zeros((2, n.ne))
-    parts = [  # values and rates, in the order of the state
-        (x[0], x_of, "x_class", "dynamic"), (e[0], e_of, "e_class", "dynamic"),
-        (x[0], x_of, "x_class", "kinematic"), (e[0], e_of, "e_class", "kinematic"),
-        (x[1], x_of, "x_class", "dynamic"), (e[1], e_of, "e_class", "dynamic"),
-    ]  # fmt: skip
-    y, at = start_of(together), 0
-    for values, _, classes, name in parts:
-        rows = getattr(n, classes)[name]
-        values[rows] = y[at : at + rows.stop - rows.start]
-        at += rows.stop - rows.start
-    return np.hstack([values[where[:, getattr(one, classes)[name]]] for values, where, classes, name in parts])
+    y, at, parts = start_of(together), 0, []
+    for name in ("dynamic", "kinematic", "dynamic"):  # values, then rates
+        for where, own, rows in (
+            (x_of, one.x_class[name], n.x_class[name]),
+            (e_of, one.e_class[name], n.e_class[name]),
+        ):
+            parts.append(y[at + where[:, own] - rows.start])
+            at += rows.stop - rows.start
+    return np.hstack(parts)
 
 
 def start_of(mechanism: Mechanism) -> Array:
