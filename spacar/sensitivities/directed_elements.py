@@ -112,11 +112,7 @@ class DirectedElements:
 
     def viscous(self, rates: Array) -> Array:
         """S_d de/dt of all rows (ne,)."""
-        out = np.zeros(self.ne, complex)
-        for b, _, _, _ in self.evaluated:
-            if len(b.e):
-                out[b.e] += np.einsum("abn,bn->an", b.family.stiffness()[1], rates[b.e])
-        return out
+        return self._by_law(1, rates)
 
     def coupling(self, accelerations: Array) -> Array:
         """Stresses (ne,) of MEE by second rates (ne,) of the deformations."""
@@ -135,10 +131,13 @@ class DirectedElements:
 
     def law(self, deformations: Array) -> Array:
         """S e and the preload of all rows (ne,)."""
-        out = self.loads.preload + np.zeros(self.ne, complex)
-        for b, _, _, _ in self.evaluated:
+        return self.loads.preload + self._by_law(0, deformations)
+
+    def _by_law(self, which: int, values: Array) -> Array:
+        out = np.zeros(self.ne, complex)
+        for b, *_ in self.evaluated:
             if len(b.e):
-                out[b.e] += np.einsum("abn,bn->an", b.family.stiffness()[0], deformations[b.e])
+                out[b.e] = np.einsum("abn,bn->an", b.family.stiffness()[which], values[b.e])
         return out
 
     # -- matrices ------------------------------------------------------------------------------------------------
@@ -163,13 +162,7 @@ class DirectedElements:
 
     def geometric(self, sigma: Array) -> list[ElementMatrices]:
         """Hs(sigma)."""
-        found = []
-        for b, c, _, _ in self.evaluated:
-            if len(b.e) and not b.family.constant_gradient:
-                block = np.zeros((len(b.x), len(b.x), b.family.n), complex)
-                b.family.geometric_stiffness(c, sigma[b.e] + 0j, block)
-                found.append(ElementMatrices(b.x, b.x, block))
-        return found
+        return self._second("geometric_stiffness", "x", "e", sigma)
 
     def loading(self, flow: bool, v: Array, a: Array) -> list[ElementMatrices]:
         """-df/dx of gravity and global moments; with `flow` also d(M a + h)/dx, which at rest comes from the fluid in
@@ -197,19 +190,22 @@ class DirectedElements:
 
     def gradient_rate(self, v: Array) -> list[ElementMatrices]:
         """H1(v)."""
-        return self._by_rows("gradient_rate", v)
+        return self._second("gradient_rate", "e", "x", v)
 
     def rate_gradient(self, v: Array) -> list[ElementMatrices]:
         """T(v)."""
-        return self._by_rows("rate_gradient", v)
+        return self._second("rate_gradient", "e", "x", v)
 
-    def _by_rows(self, method: str, v: Array) -> list[ElementMatrices]:
+    def _second(self, method: str, rows: str, of: str, values: Array) -> list[ElementMatrices]:
+        """What a method of families writes about second derivatives, with the values of each batch: rows and values are
+        those of its coordinates "x" or of its deformations "e"."""
         found = []
         for b, c, _, _ in self.evaluated:
             if len(b.e) and not b.family.constant_gradient:
-                block = np.zeros((len(b.e), len(b.x), b.family.n), complex)
-                getattr(b.family, method)(c, v[b.x] + 0j, block)
-                found.append(ElementMatrices(b.e, b.x, block))
+                own = getattr(b, rows)
+                block = np.zeros((len(own), len(b.x), b.family.n), complex)
+                getattr(b.family, method)(c, values[getattr(b, of)] + 0j, block)
+                found.append(ElementMatrices(own, b.x, block))
         return found
 
     def mass(self) -> list[ElementMatrices]:

@@ -307,11 +307,13 @@ class _Analysis:
 
 @dataclass(frozen=True)
 class DeckNumber:
-    """A number of the deck: its setting, present value in the unit of the file, and that unit."""
+    """A number of the deck: its setting, present value in the unit of the file, and that unit; places: statements,
+    numbers of arguments (from 1), and what a unit of the number is in SI."""
 
     setting: Setting
     value: float
     unit: str
+    places: tuple[tuple[Statement, int, float], ...]
 
 
 def deck_numbers(deck: Deck, names: Sequence[str]) -> tuple[Deck, list[DeckNumber]]:
@@ -334,7 +336,7 @@ def deck_numbers(deck: Deck, names: Sequence[str]) -> tuple[Deck, list[DeckNumbe
 
 
 def _number(deck: Deck, directed: DirectedDeck, given: Setting) -> DeckNumber:
-    values, unit = [], ""
+    values, places, unit = [], [], ""
     for target in given.targets:
         for s, p in target.places(deck):
             deck.require_written(s)
@@ -342,13 +344,14 @@ def _number(deck: Deck, directed: DirectedDeck, given: Setting) -> DeckNumber:
             if parameters[p - 1].kind != "real":
                 text = f"{given.name} is no real number; derivatives are with respect to real numbers"
                 raise UsageError(text, "sensitivity.parameter")
-            values.append(float(s.values[p - 1]) / directed.factor(s, p, parameters))
+            places.append((s, p, directed.factor(s, p, parameters)))
+            values.append(float(s.values[p - 1]) / places[-1][2])
             unit = shown_in(parameters[p - 1].unit, deck.metre)[1]
     if max(values) - min(values) > 1e-12 * max(map(abs, values)):
         listed = ", ".join(f"{v:.9g}" for v in values[:4])
         text = f"{given.name} stands for {len(values)} different numbers ({listed}); make them equal, or name one"
         raise UsageError(text, "sensitivity.parameter")
-    return DeckNumber(given, values[0], unit)
+    return DeckNumber(given, values[0], unit, tuple(places))
 
 
 def directions(mechanism: Mechanism, deck: Deck, numbers: Sequence[DeckNumber]) -> list[Mechanism]:
@@ -363,16 +366,8 @@ def directions(mechanism: Mechanism, deck: Deck, numbers: Sequence[DeckNumber]) 
     with nothing_lost():
         for number in numbers:
             try:
-                found.append(along(mechanism, directed.along(_places(deck, directed, number.setting))))
+                found.append(along(mechanism, directed.along(number.places)))
             except (TypeError, RuntimeWarning) as error:
                 text = f"derivatives with respect to {number.setting.name} are not followed ({error})"
                 raise UsageError(text, "sensitivity.parameter") from None
     return found
-
-
-def _places(deck: Deck, directed: DirectedDeck, given: Setting) -> list[tuple[Statement, int, float]]:
-    return [
-        (s, p, directed.factor(s, p, parameters_of(deck, s)))
-        for target in given.targets
-        for s, p in target.places(deck)
-    ]

@@ -23,7 +23,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.simulation.blocks import Sampled, fitting
-from spacar.simulation.control_blocks import canonical, filter_of, gains, tracking_rate
+from spacar.simulation.control_blocks import PID, canonical
 from spacar.simulation.switching_blocks import Numbers, limits
 
 
@@ -92,20 +92,17 @@ def sampled_pid(
     tracking_time: float | None = None, size: int = 1, offset: float = 0.0,
 ) -> Sampled:  # fmt: skip
     """PID controller of errors e (size,); arguments as of control_blocks.PID, formulas above. Raises UsageError."""
-    P, Ki, Kd = gains(name, size, kp, ki, kd)
-    low, high = limits(name, lower, upper, size)
-    N = filter_of(name, Kd, filter)
-    track = tracking_rate(name, anti_windup, tracking_time, P, Ki, Kd)
-    clamps = anti_windup == "clamping"
+    of = PID(name, kp, ki, kd, filter=filter, lower=lower, upper=upper, anti_windup=anti_windup,
+             tracking_time=tracking_time, size=size)  # fmt: skip
 
     def law(t: float, memory: tuple[Array, Array, Array | None], e: Array) -> tuple[tuple[Array, Array, Array], Array]:
         integral, slope, old = memory
-        slope = (slope + Kd * N * (e - (e if old is None else old))) / (1.0 + N * period)
-        v = P * e + integral + slope
-        y = np.clip(v, low, high)
-        pushing = (v - y) * Ki * e > 0.0
-        growth = np.where(pushing, 0.0, Ki * e) if clamps else Ki * e
-        return (integral + period * (growth + track * (y - v)), slope, e), y
+        slope = (slope + of.kd * of.N * (e - (e if old is None else old))) / (1.0 + of.N * period)
+        v = of.kp * e + integral + slope
+        y = np.clip(v, of.lower, of.upper)
+        held = of.clamps & ((v - y) * of.ki * e > 0.0)
+        growth = np.where(held, 0.0, of.ki * e) + of.tracking * (y - v)
+        return (integral + period * growth, slope, e), y
 
     zero = np.zeros(size)
     return Sampled(name, law, period, size, size, x0=(zero, zero.copy(), None), offset=offset)

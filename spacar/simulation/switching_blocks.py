@@ -233,7 +233,5 @@ def region(u: Array, lower: Array, upper: Array) -> NDArray[np.int64]:
 
 def region_margins(mode: NDArray[np.int64], u: Array, lower: Array, upper: Array) -> Array:
     """(2 size,) distances to the ends of the region in the unit of u, not negative inside it; two for every signal."""
-    if not mode.any():
-        return np.concatenate((u - lower, upper - u))
     first = np.where(mode < 0, lower - u, np.where(mode > 0, u - upper, u - lower))
     return np.concatenate((first, np.where(mode == 0, upper - u, first)))

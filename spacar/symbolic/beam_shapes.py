@@ -158,13 +158,14 @@ def _dimensionless(f: sp.Expr, x: sp.Symbol, L: sp.Expr) -> tuple[sp.Expr, Power
     return scale, tuple((n, Fraction(int(r.p), int(r.q))) for n, r in sorted(ratios.items()))
 
 
-def product_integral(f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:
-    """∫ f g dx from 0 to L: a dimensionless rational number times the scales of f and g where both are polynomials."""
+def product_integral(f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr, end: sp.Expr | None = None) -> sp.Expr:
+    """∫ f g dx from 0 to `end` (L): where both are polynomials their scales times the dimensionless primitive."""
+    end = L if end is None else end
     a, b = _dimensionless(sp.sympify(f), x, L), _dimensionless(sp.sympify(g), x, L)
     if a is None or b is None:
-        return integral(f * g, x, L)
-    number = sum((c * d / (n + m + 1) for n, c in a[1] for m, d in b[1]), Fraction(0))
-    return sp.Rational(number) * (a[0] * b[0] * L)
+        return integral(f * g, x, end)
+    terms = ((n + m + 1, c * d) for n, c in a[1] for m, d in b[1])
+    return a[0] * b[0] * L * sp.Add(*(sp.Rational(c / n) * (end / L) ** n for n, c in terms))
 
 
 def weighted_integral(weight: sp.Expr, f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:
@@ -172,15 +173,6 @@ def weighted_integral(weight: sp.Expr, f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: 
     if weight.has(x):
         return product_integral(sp.expand(weight * f), g, x, L)
     return weight * product_integral(f, g, x, L)
-
-
-def running_integral(f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr, end: sp.Expr) -> sp.Expr:
-    """∫ f g dx from 0 to `end`, for polynomials by the dimensionless primitive."""
-    a, b = _dimensionless(sp.sympify(f), x, L), _dimensionless(sp.sympify(g), x, L)
-    if a is None or b is None:
-        return integral(f * g, x, end)
-    terms = ((n + m + 1, c * d) for n, c in a[1] for m, d in b[1])
-    return a[0] * b[0] * L * sp.Add(*(sp.Rational(c / n) * (end / L) ** n for n, c in terms))
 
 
 def integral(integrand: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:

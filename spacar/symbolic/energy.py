@@ -57,9 +57,8 @@ def power(eq: DerivedEquations) -> sp.Expr:
     for load in system.loads:
         if load.point is not None:
             total += dot(load.vector, load.point.velocity)
-        for frame, sign in ((load.frame, 1), (load.reaction, -1)):
-            if frame is not None:
-                total += sign * dot(load.vector, omega(system.N, frame))
+        for frame, sign in load.turned:
+            total += sign * dot(load.vector, omega(system.N, frame))
     for spread in system.distributed_loads:
         total += _power_along(system, spread)
     for beam in system.beams:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from spacar.symbolic.beam_shapes import X, running_integral, weighted_integral
+from spacar.symbolic.beam_shapes import X, product_integral, weighted_integral
 from spacar.symbolic.unit_vectors import TIME
 
 
@@ -84,7 +84,7 @@ class Foreshortening:
             slopes = [psi.diff(X) for psi in f.shapes]
             for i, p in enumerate(f.coordinates):
                 for j, q in enumerate(f.coordinates[: i + 1]):
-                    value = running_integral(slopes[i], slopes[j], X, self.length, x)
+                    value = product_integral(slopes[i], slopes[j], X, self.length, x)
                     table[p, q] = table[q, p] = value
         return table
 

@@ -195,10 +195,8 @@ class HeldDerivation:
         for load in self.system.all_loads():
             if load.point is not None:
                 wrenches.append(Wrench(load.point.velocity, load.vector, ZERO, ZERO))
-            if load.frame is not None:
-                wrenches.append(Wrench(ZERO, ZERO, omega(N, load.frame), load.vector))
-            if load.reaction is not None:
-                wrenches.append(Wrench(ZERO, ZERO, omega(N, load.reaction), -load.vector))
+            for frame, sign in load.turned:
+                wrenches.append(Wrench(ZERO, ZERO, omega(N, frame), sign * load.vector))
         return wrenches
 
     @staticmethod

@@ -265,9 +265,7 @@ class Recursion:
         if load.point is not None:
             home = self._home(load.point)
             targets.append((home, self.point(load.point, home).partials, 1))
-        for frame, sign in ((load.frame, 1), (load.reaction, -1)):
-            if frame is not None:
-                targets.append((frame, self.frame(frame).partials, sign))
+        targets += [(frame, self.frame(frame).partials, sign) for frame, sign in load.turned]
         for frame, partials, sign in targets:
             vector = self.reads(self.cosines.components(load.vector, frame))
             for r, column in partials.items():

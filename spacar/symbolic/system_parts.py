@@ -156,6 +156,11 @@ class Load:
     frame: ReferenceFrame | None = None
     reaction: ReferenceFrame | None = None
 
+    @property
+    def turned(self) -> list[tuple[ReferenceFrame, int]]:
+        """The frames that the torque turns, with its sign."""
+        return [(frame, sign) for frame, sign in ((self.frame, 1), (self.reaction, -1)) if frame is not None]
+
 
 @dataclass(frozen=True, eq=False)
 class DistributedLoad:
