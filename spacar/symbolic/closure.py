@@ -202,36 +202,25 @@ def _null_space(A: np.ndarray) -> np.ndarray:
     return np.asarray(Vt[rank:].T)
 
 
-@dataclass
-class ProjectedSolution:
-    """What `solve_ivp` gives, of an integration in pieces."""
-
-    t: np.ndarray
-    y: np.ndarray
-    success: bool
-    message: str
-    nfev: int
-    njev: int
-    projections: int
-
-
 def integrate(
     manifold: Manifold, f: Callable[..., Any], times: np.ndarray, y0: np.ndarray, method: str,
     options: Mapping[str, Any],
-) -> ProjectedSolution:  # fmt: skip
-    """Integrate and keep to the constraints: outputs are projected, and so is the state when it has drifted."""
+) -> Any:  # fmt: skip
+    """Integrate and keep to the constraints: outputs are projected, and so is the state when it has drifted.
+
+    What `solve_ivp` gives, and the number of `projections`.
+    """
     from scipy import integrate as scipy_integrate
+    from scipy.optimize import OptimizeResult
 
     make = getattr(scipy_integrate, method)
     rtol, atol = options["rtol"], options["atol"]
     solver = make(f, float(times[0]), y0, float(times[-1]), **options)
-    found, count, nfev, njev, projections = [y0], 1, 0, 0, 0
+    found, count, nfev, njev, projections, message = [y0], 1, 0, 0, 0, None
     while solver.status == "running":
         message = solver.step()
         if solver.status == "failed":
-            return ProjectedSolution(
-                times[:count], np.array(found).T, False, f"{message}. ", nfev + solver.nfev, njev, projections
-            )
+            break
         if count < len(times) and times[count] <= solver.t:
             dense = solver.dense_output()
             while count < len(times) and times[count] <= solver.t:
@@ -243,4 +232,7 @@ def integrate(
             nfev, njev, projections = nfev + solver.nfev, njev + solver.njev, projections + 1
             first = {} if method == "LSODA" else {"first_step": min(solver.h_abs, abs(times[-1] - solver.t))}
             solver = make(f, solver.t, state, float(times[-1]), **options, **first)
-    return ProjectedSolution(times, np.array(found).T, True, "", nfev + solver.nfev, njev + solver.njev, projections)
+    return OptimizeResult(
+        t=times[:count], y=np.array(found).T, success=solver.status != "failed", message=f"{message}. ",
+        nfev=nfev + solver.nfev, njev=njev + solver.njev, projections=projections,
+    )  # fmt: skip

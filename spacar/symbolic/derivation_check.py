@@ -82,19 +82,13 @@ def check(eq: DerivedEquations, digits: int = 30, seed: int = 1) -> DerivationCh
     with mpmath.workdps(3 * digits):
         point = {name: mpmath.mpf(chance.uniform(0.4, 1.2)) for name in evaluate.names}
         here = evaluate(point)
-        M, f = mpmath.matrix(n, n), mpmath.matrix(here["rhs"])
-        for i in range(n):
-            for j in range(n):
-                M[i, j] = here["mass"][i * n + j]
-        both, right = mpmath.zeros(n + m), mpmath.zeros(n + m, 1)
-        both[:n, :n], right[:n, 0] = M, f
-        for k in range(m):
-            right[n + k] = -here["bias"][k]
-            for i in range(n):
-                both[n + k, i], both[i, n + k] = here["J"][k * n + i], -here["J"][k * n + i]
+        rows = [here["J"][k * n : k * n + n] for k in range(m)]
+        both = [here["mass"][i * n : i * n + n] + [-row[i] for row in rows] for i in range(n)]
+        both += [row + m * [0] for row in rows]
+        right = here["rhs"] + [-b for b in here["bias"]]
         positive = _positive(np.array(here["mass"], float).reshape(n, n), np.array(here["J"], float).reshape(m, n))
         try:
-            solution = mpmath.lu_solve(both, right)
+            solution = mpmath.lu_solve(mpmath.matrix(both), mpmath.matrix(right))
         except ZeroDivisionError:
             return DerivationCheck(None, False, None, "the mass matrix is singular")
         step = mpmath.mpf(10) ** -digits
@@ -108,7 +102,7 @@ def check(eq: DerivedEquations, digits: int = 30, seed: int = 1) -> DerivationCh
 
         energy_error = None
         if energies:
-            forces = [solution[n + k] * here["J"][k * n + i] * speeds[i] for k in range(m) for i in range(n)]
+            forces = [solution[n + k] * rows[k][i] * speeds[i] for k in range(m) for i in range(n)]
             parts = [here["power"][0], *forces]
             inertia = [s * x for s, x in zip(speeds, here["rhs"], strict=True)]
             total = abs(slope("E")[0] - sum(parts))
@@ -116,11 +110,10 @@ def check(eq: DerivedEquations, digits: int = 30, seed: int = 1) -> DerivationCh
             energy_error = float(total / scale) if scale else 0.0
         errors = []
         for k, de in enumerate(slope("e")):
-            row = here["J"][k * n : k * n + n]
-            parts = [*(j * a for j, a in zip(row, solution, strict=False)), here["bias"][k], *row]
+            parts = [*(j * a for j, a in zip(rows[k], solution, strict=False)), here["bias"][k], *rows[k]]
             errors.append(float(abs(de) / max(map(abs, parts))))
         for at, dg in zip(c.position if c else (), slope("g"), strict=True):
-            parts = [here["J"][at * n + i] * speeds[i] for i in range(n)] + [here["e"][at]]
+            parts = [j * s for j, s in zip(rows[at], speeds, strict=True)] + [here["e"][at]]
             errors.append(float(abs(dg - here["e"][at]) / max(map(abs, parts))))
     return DerivationCheck(energy_error, positive, max(errors) if errors else None, note)
 

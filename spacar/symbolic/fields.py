@@ -30,18 +30,9 @@ class Field:
     stiffness: sp.Expr
 
     @property
-    def strain(self) -> sp.Derivative:
-        """u_xx for bending, θ_x or e_x otherwise, of the field symbol."""
-        return sp.Derivative(self.function, (X, self.order)) if self.order > 1 else sp.Derivative(self.function, X)
-
-    @property
     def order(self) -> int:
+        """Of the derivative to x that is the strain: u_xx for bending, else θ_x or e_x."""
         return 2 if self.kind == "bending" else 1
-
-    @property
-    def energy_density(self) -> sp.Expr:
-        """Strain energy per length [J/m] of the field symbol; its derivative to `strain` is the stress resultant."""
-        return self.stiffness * self.strain**2 / 2
 
     def value(self, x: sp.Expr, derivative: int = 0) -> sp.Expr:
         """Σ φ_k ψ_k, or a derivative with respect to x, at x."""

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,6 @@ import sympy as sp
 from spacar.errors import UsageError
 from spacar.symbolic.collect import definition_order
 from spacar.symbolic.compiled_program import CompiledFunction
-from spacar.symbolic.constraints import ConstraintRows
 from spacar.symbolic.derivation import DerivedEquations
 from spacar.symbolic.emit import emit
 from spacar.symbolic.ordered import Constrained, OrderedProgram, plain_symbols
@@ -109,28 +109,22 @@ def make_program(eq: DerivedEquations, outputs: dict[str, Any]) -> EquationProgr
     parameters = sorted(fixed, key=lambda s: s.name)
     names = NameSource([*parameters, *states, *inputs, *definitions, *unknowns])
     once, step, flat = share(definitions, flat, set(parameters), names)
-    groups: dict[str, list[sp.Expr]] = {}
-    start = 0
-    for key, group in results.items():
-        groups[key] = flat[start : start + len(group)]
-        start += len(group)
+    rest = iter(flat)
+    groups = {key: tuple(islice(rest, len(group))) for key, group in results.items()}
+    constraints = None
+    if c:
+        rows = {key: groups[key] for key in ("matrix", "bias", "velocity", "position", "turning")}
+        constraints = Constrained(c.names, forces=tuple(unknowns[n:]), closed=tuple(c.position), **rows)
     return EquationProgram(
         title=eq.system.title, parameters=tuple(parameters), coordinates=tuple(states[: len(eq.coordinates)]),
-        speeds=tuple(states[len(eq.coordinates) :]), inputs=inputs, once=once, step=step, mass=tuple(groups["mass"]),
-        rhs=tuple(groups["rhs"]), rates=tuple(groups["rates"]),
+        speeds=tuple(states[len(eq.coordinates) :]), inputs=inputs, once=once, step=step, mass=groups["mass"],
+        rhs=groups["rhs"], rates=groups["rates"],
         outputs=dict(zip(values, groups["outputs"], strict=True)), accelerations=tuple(unknowns[:n]),
-        constraints=_constrained(c, groups, tuple(unknowns[n:])) if c else None,
+        constraints=constraints,
         fields=tuple(rule[s] for beam in eq.system.beams for s in (*beam.coordinates, *beam.speeds)),
         positive=_signs(eq, parameters),
         quaternions=tuple(tuple(map(eq.coordinates.index, e)) for e in eq.system.quaternions), seconds=eq.seconds,
     )  # fmt: skip
-
-
-def _constrained(rows: ConstraintRows, groups: dict[str, list[sp.Expr]], forces: tuple[sp.Symbol, ...]) -> Constrained:
-    matrix, bias, velocity, position, turning = (
-        tuple(groups[k]) for k in ("matrix", "bias", "velocity", "position", "turning")
-    )
-    return Constrained(rows.names, matrix, bias, velocity, forces, position, tuple(rows.position), turning)
 
 
 def _check_laws(feeds: dict[sp.Symbol, sp.Expr | None], forbidden: set[sp.Symbol]) -> None:

@@ -34,16 +34,11 @@ class Jacobian:
         return sum(int(sp.count_ops(e)) for e in [*(e for _, e in self.step), *self.dg, *self.drates, *self.dh])
 
 
-@dataclass(frozen=True, eq=False)
-class Gradients:
-    """Derivatives of several expressions with respect to the state: rows in the symbols of `step`."""
-
-    step: Assignments
-    rows: list[list[sp.Expr]]
-
-
-def gradients(program: OrderedProgram, expressions: list[sp.Expr], constant: tuple[sp.Symbol, ...] = ()) -> Gradients:
-    """Forward chain rule through the inputs and the step of a program; `step` is extended by the derivatives.
+def gradients(
+    program: OrderedProgram, expressions: list[sp.Expr], constant: tuple[sp.Symbol, ...]
+) -> tuple[dict[sp.Symbol, sp.Expr], list[sp.Expr]]:
+    """Derivatives of expressions with respect to the state, row by row, and the step that they read: that of the
+    program with the derivatives in it, by the forward chain rule through inputs and step.
 
     `constant` are symbols in the expressions that do not depend on the state.
     """
@@ -73,7 +68,7 @@ def gradients(program: OrderedProgram, expressions: list[sp.Expr], constant: tup
         if slopes:
             known[symbol] = {y: d for y, d in slopes.items() if d != 0}
     rows = [gradient(e) for e in expressions]
-    return Gradients(tuple(definitions.items()), [[row.get(y, sp.S.Zero) for y in program.state] for row in rows])
+    return definitions, [row.get(y, sp.S.Zero) for row in rows for y in program.state]
 
 
 def _plain(slope: sp.Expr) -> sp.Expr:
@@ -98,12 +93,11 @@ def jacobian_of(program: OrderedProgram) -> Jacobian:
         J = sp.Matrix(program.m, n, c.matrix)
         g = [e + sum(J[k, i] * force for k, force in enumerate(c.forces)) for i, e in enumerate(g)]
         h = [c.bias[k] + sum(J[k, i] * accelerations[i] for i in range(n)) for k in range(program.m)]
-    raw = gradients(program, [*g, *program.rates, *h], program.unknowns)
-    flat = [e for row in raw.rows for e in row]
+    definitions, flat = gradients(program, [*g, *program.rates, *h], program.unknowns)
     constants = {*program.parameters, *(s for s, _ in program.once)}
-    taken = _names(program, (*program.unknowns, *(s for s, _ in raw.step)))
-    once, step, flat = share(dict(raw.step), flat, constants, taken)
-    everything = sp.Matrix(len(raw.rows), len(program.state), flat)
+    taken = _names(program, (*program.unknowns, *definitions))
+    once, step, flat = share(definitions, flat, constants, taken)
+    everything = sp.Matrix(n + len(program.rates) + len(h), len(program.state), flat)
     return Jacobian(
         accelerations,
         (*program.once, *once),

@@ -102,8 +102,18 @@ class ReferenceFrame:
         return frozenset(found - {TIME})
 
     def held_rate(self, atom: UnevaluatedDot) -> sp.Expr:
-        """Time derivative of a held product whose last factor is fixed here."""
-        return held_rate(atom)
+        """Time derivative of a held dot or triple product, seen from the frame of its last factor.
+
+        d(a·b)/dt = (ω × a)·b with ω the angular velocity of a's frame relative to b's; every observer agrees.
+        """
+        *others, last = atom.units
+        observer = last.frame
+        vectors = [Vector({u: 1}) for u in others]
+        rates = [unit_rate(observer, u) for u in others]
+        fixed = Vector({last: 1})
+        if isinstance(atom, UnitDot):
+            return dot(rates[0], fixed)
+        return dot(cross(rates[0], vectors[1]) + cross(vectors[0], rates[1]), fixed)
 
     def __repr__(self) -> str:
         return f"ReferenceFrame({self.name!r})"
@@ -141,18 +151,3 @@ def omega(base: ReferenceFrame, frame: ReferenceFrame) -> Vector:
 
 def unit_rate(frame: ReferenceFrame, u: Unit) -> Vector:
     return ZERO if u.frame is frame else cross(omega(frame, u.frame), Vector({u: 1}))
-
-
-def held_rate(atom: UnevaluatedDot) -> sp.Expr:
-    """Time derivative of a held dot or triple product, seen from the frame of its last factor.
-
-    d(a·b)/dt = (ω × a)·b with ω the angular velocity of a's frame relative to b's; every observer agrees.
-    """
-    *others, last = atom.units
-    observer = last.frame
-    vectors = [Vector({u: 1}) for u in others]
-    rates = [unit_rate(observer, u) for u in others]
-    fixed = Vector({last: 1})
-    if isinstance(atom, UnitDot):
-        return dot(rates[0], fixed)
-    return dot(cross(rates[0], vectors[1]) + cross(vectors[0], rates[1]), fixed)

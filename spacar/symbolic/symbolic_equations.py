@@ -77,32 +77,6 @@ class StrongForm:
     natural: tuple[tuple[sp.Expr, sp.Expr], ...]
 
 
-def strong_form(eq: DerivedEquations, beam: Beam, name: str = "u") -> StrongForm:
-    """Field equation of the bending field `name` in vector notation, with held boundary terms.
-
-    Raises UsageError for recursive equations (they keep no vectors) and for fields that are not bending fields.
-    """
-    if not eq.held_by_speed:
-        raise UsageError("the strong form needs equations in vector notation: derive(strategy='held')")
-    found = next((f for f in beam.bending if f.name == name), None)
-    if found is None:
-        raise UsageError(f"beam {beam.name} has no bending field {name!r}")
-    system, u, EI = eq.system, found.function, found.stiffness
-    velocity = beam.root.velocity + dvdt(system.N, beam.offset).xreplace(system.rates)
-    acceleration = dvdt(system.N, velocity).xreplace(system.rates)
-    direction = beam.frame[found.direction]
-    inertia = beam.mass * dot(acceleration - system.gravity, direction)
-    damping = 2 * beam.damping
-    equation = (EI * u.diff(X, 2)).diff(X, 2) + sp.expand(inertia) - damping * u.diff(X, 2, TIME)
-    letters = f"{beam.name}_{name}"
-    E = {str(s.func): e for s, e in eq.held_by_speed.items()}
-    natural = (
-        (EI * u.diff(X, 2), E[f"{letters}xt"]),
-        (-(EI * u.diff(X, 2)).diff(X) + damping * u.diff(X, TIME), E[f"{letters}t"]),
-    )
-    return StrongForm(equation, (u, u.diff(X)), natural)
-
-
 @dataclass(frozen=True, eq=False)
 class SymbolicEquations(DerivedEquations):
     """Derived equations with what follows from them: energies, programs, linearization, checks, strong form."""
@@ -116,16 +90,68 @@ class SymbolicEquations(DerivedEquations):
         return make_program(self, outputs or {})
 
     def linearize(self, values: dict[str, float], point: dict[str, float] | None = None) -> Linearized:
-        """M0, C0, K0 at a point."""
-        return linearize(self, values, point or {})
+        """Derivatives of f(q, s) − I(q) a at `point` (states by name, others zero) with a the accelerations there.
+
+        Inputs with a law are differentiated with it. Raises UsageError when the coordinates do not correspond to the
+        speeds one to one (q̇ = s), because K0 would not be square.
+        """
+        if len(self.coordinates) != len(self.speeds) or any(
+            self.kinematics[q] != s for q, s in zip(self.coordinates, self.speeds, strict=True)
+        ):
+            raise UsageError("M0, C0, K0 need every speed to be the derivative of its coordinate")
+        program = self.program()
+        f = program.function(values, jacobian=True)
+        names = [str(s.func) for s in (*self.coordinates, *self.speeds)]
+        y = [float((point or {}).get(name, 0.0)) for name in names]
+        n = len(self.speeds)
+        upper, _ = f.accel(y, f.inputs(0.0, y))
+        M0 = np.zeros((n, n))
+        M0[np.triu_indices(n)] = upper
+        M0 += np.triu(M0, 1).T
+        slopes = -M0 @ np.asarray(f.jac(0.0, y))[n:]
+        speeds = tuple(str(s.func) for s in self.speeds)
+        if self.constraints is None:
+            return Linearized(speeds, M0, slopes[:, n:], slopes[:, :n])
+        if len(self.constraints.position) != self.constraints.count:
+            raise UsageError(
+                "M0, C0, K0 need constraints of positions: a velocity constraint leaves more coordinates than speeds"
+            )
+        manifold = Manifold(program, f)
+        place = np.array(y)
+        if np.max(np.abs(manifold.project(0.0, place) - place)) > 1e-6 * max(np.max(np.abs(place)), 1e-3):
+            raise UsageError("the point of linearization does not satisfy the constraints")
+        free, T = _independent(f.manifold(0.0, y)[1], M0)
+        M, C, K = (T.T @ A @ T for A in (M0, slopes[:, n:], slopes[:, :n]))
+        return Linearized(tuple(speeds[k] for k in free), M, C, K)
 
     def check(self, digits: int = 30) -> DerivationCheck:
         """Energy balance and constraints at a random state; see `derivation_check.py`."""
         return check(self, digits)
 
-    def strong_form(self, beam: Any, name: str = "u") -> StrongForm:
-        """Field equation and boundary conditions of a field of a beam."""
-        return strong_form(self, beam, name)
+    def strong_form(self, beam: Beam, name: str = "u") -> StrongForm:
+        """Field equation of the bending field `name` in vector notation, with held boundary terms.
+
+        Raises UsageError for recursive equations (they keep no vectors) and for fields that are not bending fields.
+        """
+        if not self.held_by_speed:
+            raise UsageError("the strong form needs equations in vector notation: derive(strategy='held')")
+        found = next((f for f in beam.bending if f.name == name), None)
+        if found is None:
+            raise UsageError(f"beam {beam.name} has no bending field {name!r}")
+        system, u, EI = self.system, found.function, found.stiffness
+        velocity = beam.root.velocity + dvdt(system.N, beam.offset).xreplace(system.rates)
+        acceleration = dvdt(system.N, velocity).xreplace(system.rates)
+        direction = beam.frame[found.direction]
+        inertia = beam.mass * dot(acceleration - system.gravity, direction)
+        damping = 2 * beam.damping
+        equation = (EI * u.diff(X, 2)).diff(X, 2) + sp.expand(inertia) - damping * u.diff(X, 2, TIME)
+        letters = f"{beam.name}_{name}"
+        E = {str(s.func): e for s, e in self.held_by_speed.items()}
+        natural = (
+            (EI * u.diff(X, 2), E[f"{letters}xt"]),
+            (-(EI * u.diff(X, 2)).diff(X) + damping * u.diff(X, TIME), E[f"{letters}t"]),
+        )
+        return StrongForm(equation, (u, u.diff(X)), natural)
 
 
 def derive(system: Description, strategy: str, recurrence: bool = True) -> SymbolicEquations:
@@ -180,42 +206,6 @@ class Linearized:
         A = np.block([[np.zeros((n, n)), np.eye(n)], [np.linalg.solve(self.M0, -np.hstack((self.K0, self.C0)))]])
         values: np.ndarray = np.linalg.eigvals(A)
         return values[np.argsort(abs(values))]
-
-
-def linearize(eq: DerivedEquations, values: dict[str, float], point: dict[str, float]) -> Linearized:
-    """Derivatives of f(q, s) − I(q) a at `point` (states by name, others zero) with a the accelerations there.
-
-    Inputs with a law are differentiated with it. Raises UsageError when the coordinates do not correspond to the
-    speeds one to one (q̇ = s), because K0 would not be square.
-    """
-    if len(eq.coordinates) != len(eq.speeds) or any(
-        eq.kinematics[q] != s for q, s in zip(eq.coordinates, eq.speeds, strict=True)
-    ):
-        raise UsageError("M0, C0, K0 need every speed to be the derivative of its coordinate")
-    program = make_program(eq, {})
-    f = program.function(values, jacobian=True)
-    names = [str(s.func) for s in (*eq.coordinates, *eq.speeds)]
-    y = [float(point.get(name, 0.0)) for name in names]
-    n = len(eq.speeds)
-    upper, _ = f.accel(y, f.inputs(0.0, y))
-    M0 = np.zeros((n, n))
-    M0[np.triu_indices(n)] = upper
-    M0 += np.triu(M0, 1).T
-    slopes = -M0 @ np.asarray(f.jac(0.0, y))[n:]
-    speeds = tuple(str(s.func) for s in eq.speeds)
-    if eq.constraints is None:
-        return Linearized(speeds, M0, slopes[:, n:], slopes[:, :n])
-    if len(eq.constraints.position) != eq.constraints.count:
-        raise UsageError(
-            "M0, C0, K0 need constraints of positions: a velocity constraint leaves more coordinates than speeds"
-        )
-    manifold = Manifold(program, f)
-    place = np.array(y)
-    if np.max(np.abs(manifold.project(0.0, place) - place)) > 1e-6 * max(np.max(np.abs(place)), 1e-3):
-        raise UsageError("the point of linearization does not satisfy the constraints")
-    free, T = _independent(f.manifold(0.0, y)[1], M0)
-    M, C, K = (T.T @ A @ T for A in (M0, slopes[:, n:], slopes[:, :n]))
-    return Linearized(tuple(speeds[k] for k in free), M, C, K)
 
 
 def _independent(J: np.ndarray, M: np.ndarray) -> tuple[list[int], np.ndarray]:

@@ -24,18 +24,18 @@ def _scalar(value: Any) -> sp.Expr:
     return sp.sympify(value)
 
 
+def _order(key: Key | tuple[Key, Key]) -> Any:
+    return tuple(k.sort_key for k in key) if isinstance(key, tuple) else key.sort_key
+
+
 class _Combination:
     """What vectors and dyads share: an ordered mapping from keys to SymPy scalars without zeros."""
 
     terms: dict[Any, sp.Expr]
 
     def __init__(self, terms: Mapping[Any, Any] | None = None) -> None:
-        pairs = sorted((terms or {}).items(), key=lambda item: self._order(item[0]))
+        pairs = sorted((terms or {}).items(), key=lambda item: _order(item[0]))
         self.terms = {key: c for key, value in pairs if (c := _scalar(value)) != 0}
-
-    @staticmethod
-    def _order(key: Any) -> Any:
-        raise NotImplementedError
 
     @classmethod
     def collect(cls, pairs: Iterable[tuple[Any, Any]]) -> Any:
@@ -126,10 +126,6 @@ class Vector(_Combination):
 
     terms: dict[Key, sp.Expr]
 
-    @staticmethod
-    def _order(key: Key) -> Any:
-        return key.sort_key
-
     def __or__(self, other: Vector) -> Dyad:
         return outer(self, other)
 
@@ -152,10 +148,6 @@ class Dyad(_Combination):
     """
 
     terms: dict[tuple[Key, Key], sp.Expr]
-
-    @staticmethod
-    def _order(key: tuple[Key, Key]) -> Any:
-        return (key[0].sort_key, key[1].sort_key)
 
 
 def outer(a: Vector, b: Vector) -> Dyad:
