@@ -88,8 +88,8 @@ class Block:
         return self.outputs(t, x, np.zeros(self.n_in))
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
-        """All outputs, (n_out,)."""
-        raise NotImplementedError
+        """All outputs, (n_out,). Every block has a function of its own in the place of this or of `state_outputs`."""
+        return self.state_outputs(t, x)
 
     def derivative(self, t: float, x: Array, u: Array) -> Array:
         """Rates of the continuous states, (n_states,)."""
@@ -157,9 +157,6 @@ class Function(Block):
         arguments = (u.copy(),) if self.n_in else ()
         return checked(guarded(self.f, self.name, t, *arguments), self.n_out, f"the output of {self.name}", t)
 
-    def state_outputs(self, t: float, x: Array) -> Array:
-        return np.zeros(self.n_out) if self.n_in else self.outputs(t, x, NONE)
-
 
 class Continuous(Block):
     """dx/dt = f(t, x, u), y = g(t, x, u); `direct=False` promises that g does not use u."""
@@ -176,9 +173,6 @@ class Continuous(Block):
     def outputs(self, t: float, x: Array, u: Array) -> Array:
         value = guarded(self.g, self.name, t, x.copy(), u.copy())
         return checked(value, self.n_out, f"the output of {self.name}", t)
-
-    def state_outputs(self, t: float, x: Array) -> Array:
-        return np.zeros(self.n_out) if self.direct.any() else self.outputs(t, x, np.zeros(self.n_in))
 
     def derivative(self, t: float, x: Array, u: Array) -> Array:
         value = guarded(self.f, self.name, t, x.copy(), u.copy())
@@ -210,9 +204,6 @@ class Sampled(Block):
         self.memory = deepcopy(self.memory0)
         self.held, self.waiting = self.y0.copy(), self.y0.copy()
         return NONE
-
-    def outputs(self, t: float, x: Array, u: Array) -> Array:
-        return self.held
 
     def state_outputs(self, t: float, x: Array) -> Array:
         return self.held

@@ -66,9 +66,6 @@ class Integrator(Piecewise):
     def state_outputs(self, t: float, x: Array) -> Array:
         return self.between(self.lower, x, self.upper)
 
-    def outputs(self, t: float, x: Array, u: Array) -> Array:
-        return self.state_outputs(t, x)
-
     def derivative(self, t: float, x: Array, u: Array) -> Array:
         return np.where(self.mode == 0, self.gain * u, 0.0)
 
@@ -106,9 +103,6 @@ class RateLimiter(Piecewise):
         (self.x0,) = spread(name, "initial values", "simulation.size", size, initial)
 
     def state_outputs(self, t: float, x: Array) -> Array:
-        return x.copy()
-
-    def outputs(self, t: float, x: Array, u: Array) -> Array:
         return x.copy()
 
     def derivative(self, t: float, x: Array, u: Array) -> Array:

@@ -72,9 +72,6 @@ class TimesM0(Block):
     def outputs(self, t: float, x: Array, u: Array) -> Array:
         return np.asarray(self.table(t) @ u)
 
-    def state_outputs(self, t: float, x: Array) -> Array:
-        return np.zeros(self.n_out)
-
 
 class Ltv(Block):
     """dz/dt = A(t) z + B(t) u, y = C(t) z + D(t) u; with `modes`, reduced to that many modes (reduction.py)."""
@@ -107,6 +104,3 @@ class Ltv(Block):
 def _no_spline(name: str, interpolation: str) -> None:
     if interpolation == "spline":
         raise UsageError(f"{name}: matrices are interpolated stepwise or linearly, not by a spline", "simulation.table")
-
-
-__all__ = ["Ltv", "ReferenceY0", "SetpointSigma0", "SetpointU0", "TimesM0"]

@@ -88,9 +88,6 @@ class Source(Block):
         """(n_out,) values at a time."""
         raise NotImplementedError
 
-    def outputs(self, t: float, x: Array, u: Array) -> Array:
-        return self.at(t)
-
     def state_outputs(self, t: float, x: Array) -> Array:
         return self.at(t)
 

@@ -42,9 +42,6 @@ class TransportDelay(Block):
         self.begin: float | None = None
         return NONE
 
-    def outputs(self, t: float, x: Array, u: Array) -> Array:
-        return self.state_outputs(t, x)
-
     def state_outputs(self, t: float, x: Array) -> Array:
         k = bisect_right(self.begins, t - self.lag) - 1
         return self.initial if k < 0 else _between(*self.pieces[k], t - self.lag)

@@ -41,18 +41,19 @@ def source(program: OrderedProgram, jacobian: bool, head: list[str]) -> str:
     lines += [f"    {w.add(s)} = float(parameters[{s.name!r}])" for s in program.parameters]
     lines += [f"    {_feed(w, s)} = feeds[{s.name!r}]" for s, e in program.inputs.items() if e is None]
     lines += _assign(w, once, 4)
-    lines += _routine(w, program, "accel", "y, u", _accel(w, program))
-    lines += _routine(
-        w, program, "inputs", "t, y", [*_inputs(w, program), f"        return ({_tuple(w, program.inputs)})"]
-    )
-    lines += _routine(w, program, "outputs", "t, y", _outputs(w, program))
-    lines += _routine(w, program, "rhs", "t, y", _rhs(w, program))
+    bodies = {
+        "accel": _accel(w, program), "inputs": [*_inputs(w, program), f"        return ({_tuple(w, program.inputs)})"],
+        "outputs": _outputs(w, program), "rhs": _rhs(w, program),
+    }  # fmt: skip
     if jacobian:
-        lines += _routine(w, program, "jac", "t, y", _jac(w, program))
-    lines += ["    rhs.accel, rhs.inputs, rhs.outputs = accel, inputs, outputs"]
+        bodies["jac"] = _jac(w, program)
     if program.m:
-        lines[-1:] = [*_routine(w, program, "manifold", "t, y", _manifold(w, program)), lines[-1]]
-        lines += ["    rhs.manifold = manifold"]
+        bodies["manifold"] = _manifold(w, program)
+    unpack = f"        ({_tuple(w, program.state)}) = y" if program.state else ""
+    for name, body in bodies.items():
+        lines += ["", f"    def {name}({'y, u' if name == 'accel' else 't, y'}):", unpack, *body, ""]
+    lines += ["    rhs.accel, rhs.inputs, rhs.outputs = accel, inputs, outputs"]
+    lines += ["    rhs.manifold = manifold"] * (program.m > 0)
     lines += [f"    return rhs, {'jac' if jacobian else 'None'}", ""]
     return "\n".join(lines)
 
@@ -67,11 +68,6 @@ def _tuple(w: Writer, expressions: object) -> str:
 
 def _assign(w: Writer, assignments: Assignments, indent: int) -> list[str]:
     return [f"{' ' * indent}{w.add(s)} = {w(e)}" for s, e in assignments]
-
-
-def _routine(w: Writer, program: OrderedProgram, name: str, arguments: str, body: list[str]) -> list[str]:
-    unpack = f"        ({_tuple(w, program.state)}) = y" if program.state else ""
-    return ["", f"    def {name}({arguments}):", unpack, *body, ""]
 
 
 def _inputs(w: Writer, program: OrderedProgram) -> list[str]:
