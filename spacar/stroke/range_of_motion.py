@@ -17,7 +17,7 @@ missing is the error of the integrals.
 from collections.abc import Sequence
 from dataclasses import replace
 from numbers import Integral
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -117,19 +117,25 @@ def _asked(deck: Deck, mechanism: Mechanism, move: str | None, force: str | None
     return parse_move(move or force or "", mechanism.numbering, deck.metre, pushed=force is not None)
 
 
+class _StrokeState(NamedTuple):
+    """Stroke, actuator force and its slope at a station; `others`: forces (nx,) besides actuator, constant moments."""
+
+    station: Station
+    stroke: float
+    force: float
+    slope: float
+    others: Array
+
+
 class _Side:
-    """The states from the undeflected one to one end: stroke, actuator force and its slope (k,), stations."""
+    """The states from the undeflected one to one end."""
 
     def __init__(self, mechanism: Mechanism, node: ObservedNode, move: StrokeMove, report: Report) -> None:
         self.mechanism, self.node, self.move, self.report = mechanism, node, move, report
         n = mechanism.numbering
         self.row = n.e_index(move.number, move.place) if move.deformation else n.x_index(move.number, move.place)
         self.drive = DrivePlace.of(n, self.row, move.deformation)
-        self.stations: list[Station] = []
-        self.stroke: list[float] = []
-        self.force: list[float] = []
-        self.slope: list[float] = []
-        self.others: list[Array] = []  # forces (nx,) besides the actuator and constant moments
+        self.states: list[_StrokeState] = []
 
     def add(self, s: Station, pushed: float, turning: float) -> None:
         """`pushed`: force of the actuator if it is given;  turning: rotation of its node by a unit of it."""
@@ -145,11 +151,7 @@ class _Side:
             dual = -frame.sig[self.row] if move.deformation else frame.fxtot[self.row] - applied
             force = float(move.force(np.array(stroke), dual))
             slope = float(move.stiffness(np.array(stroke), dual, np.array(s.slope)))
-        self.stations.append(s)
-        self.stroke.append(stroke)
-        self.force.append(force)
-        self.slope.append(slope)
-        self.others.append(others)
+        self.states.append(_StrokeState(s, stroke, force, slope, others))
 
 
 def _side(
@@ -196,18 +198,12 @@ def _observed(mechanism: Mechanism, move: StrokeMove, node: int | None, orientat
 
 def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Array | None, doubt: str) -> Flexure:
     """Both sides as one stroke with increasing values, which contains the undeflected state once; `doubt` is told."""
-    first = sides[0]
-    order = [(side, k) for side in sides for k in range(len(side.stations))]
-    if len(sides) == 2:
-        order = [(sides[0], k) for k in range(len(sides[0].stations) - 1, 0, -1)]
-        order += [(sides[1], k) for k in range(len(sides[1].stations))]
-    elif move.low < 0.0:
-        order.reverse()
-    zero = next(i for i, (_, k) in enumerate(order) if k == 0)
-    stations = [side.stations[k] for side, k in order]
-    stroke, force, slope = (
-        np.array([getattr(side, name)[k] for side, k in order]) for name in ("stroke", "force", "slope")
-    )
+    first, states, zero = sides[0], sides[-1].states, 0
+    if move.low < 0.0:
+        zero = len(first.states) - 1
+        states = first.states[:0:-1] + (states if len(sides) == 2 else first.states[:1])
+    stations, *numbers = zip(*states, strict=True)
+    stroke, force, slope, others = map(np.array, numbers)
     if not np.all(np.diff(stroke) > 0.0) and not move.pushed:
         raise AnalysisError("the stroke does not grow from state to state", "flexure.stroke")
     shots = tuple(replace(s.frame, t=float(i)) for i, s in enumerate(stations))
@@ -227,9 +223,9 @@ def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Array |
     return Flexure(
         deck.source, move, node, deck.metre, zero, stroke, force, slope,
         drive_work(stroke, force, slope, zero),
-        load_work(np.array([side.others[k] for side, k in order]), x, zero)
+        load_work(others, x, zero)
         + moment_work(loads.moment, x[:, loads.moment_rows.T], zero),
-        tuple(stations), errors, result,
+        stations, errors, result,
     )  # fmt: skip
 
 
