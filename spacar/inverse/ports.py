@@ -94,8 +94,6 @@ class NominalInputs:
         self.rigid = rigid
         self.S = np.array([s.index for s in ports.inputs if s.kind == "NOMS"], np.int64)
         self.F = np.array([s.index for s in ports.inputs if s.kind == "NOMF"], np.int64)
-        self.place = np.argsort([k for k, s in enumerate(ports.inputs) if s.kind == "NOMS"]
-                                + [k for k, s in enumerate(ports.inputs) if s.kind == "NOMF"])  # fmt: skip
         self.law = StressLaw.of(mechanism, mechanism.loads, first=n.e_class["input"].start)
         self.prescribed = int(n.nep[2])
         self.elastic = np.zeros(n.ne, bool)
@@ -133,9 +131,12 @@ class NominalInputs:
         force += sweep.rate_transposed(stress)
         k = dynamics.kinematics
         Q = moved_along(k, force)
-        works = [DRIVING_SIGN * moved_along(k, sweep.rate_transposed(_unit(sweep.ne, i))) for i in self.S]
-        works += [moved_along(k, _unit(sweep.nx, i)) for i in self.F]
-        table = np.array([works[i] for i in self.place]).reshape(-1, len(Q)).T
+        works = []
+        for s in self.ports.inputs:
+            unit = np.zeros(sweep.ne if s.kind == "NOMS" else sweep.nx)
+            unit[s.index] = 1.0
+            works.append(moved_along(k, DRIVING_SIGN * sweep.rate_transposed(unit) if s.kind == "NOMS" else unit))
+        table = np.array(works).reshape(-1, len(Q)).T
         u0 = self._solve(table[self.free], Q[self.free], frame.t) if self.ports.inputs else np.zeros(0)
         return u0, table[self.held] @ u0 - Q[self.held]
 
@@ -191,9 +192,3 @@ class NominalInputs:
                 f"warning: {len(self.ports.inputs)} nominal inputs are fewer than the degrees of freedom and cannot"
                 f" produce the motion; least squares, with the largest residual {rest:.4g} at t = {t:.9g}"
             )
-
-
-def _unit(size: int, i: int) -> Array:
-    out = np.zeros(size)
-    out[i] = 1.0
-    return out

@@ -21,7 +21,7 @@ from spacar.mechanism.user_files import model_digest
 from spacar.result import Result
 from spacar.studies.assignments import Setting, change
 from spacar.studies.runs.quantities import Quantity
-from spacar.studies.runs.rows import Row, Rows, digest, key_text
+from spacar.studies.runs.rows import Row, Rows, key
 from spacar.studies.runs.workers import Engine, Lost, run
 
 DONE, FAILED, LOST = "done", "failed", "lost"
@@ -46,18 +46,12 @@ class Study:
 
     def key(self, values: Sequence[float]) -> str:
         """What tells this case from every other one: model, mode, options, parameters, quantities."""
-        before, after = self._around_values
-        own = repr([*values])  # of Python's numbers it is what JSON writes, but of inf and nan
-        if "n" in own:
-            own = key_text(list(values))
-        return digest(f"{before}{own}{after}")
+        names, asked = [s.name for s in self.settings], [(q.name, q.text) for q in self.quantities]
+        return key(self._model, self.mode, sorted(self.options.items()), names, list(values), asked)
 
     @cached_property
-    def _around_values(self) -> tuple[str, str]:
-        """The text of a key before and behind the values: `rows.key` of all parts in one list."""
-        names = [s.name for s in self.settings]
-        before = key_text([model_digest(self.deck), self.mode, sorted(self.options.items()), names])
-        return f"{before[:-1]}, ", f", {key_text([(q.name, q.text) for q in self.quantities])}]"
+    def _model(self) -> str:
+        return model_digest(self.deck)
 
 
 class Case(NamedTuple):

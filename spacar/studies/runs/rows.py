@@ -161,17 +161,7 @@ class Rows:
 
 def key(*parts: Any) -> str:
     """A short digest that tells cases apart: the same parts give the same key in every process."""
-    return digest(key_text(parts))
-
-
-def key_text(part: Any) -> str:
-    """What of a part enters a key."""
-    return json.dumps(part, sort_keys=True, default=_parts)
-
-
-def digest(text: str) -> str:
-    """The key of the text of all parts."""
-    return sha256(text.encode()).hexdigest()[:16]
+    return sha256(json.dumps(parts, sort_keys=True, default=_parts).encode()).hexdigest()[:16]
 
 
 def _parts(value: Any) -> list[float]:
