@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -60,16 +61,12 @@ def _rms(values: Any) -> Any:
     return np.sqrt(np.mean(np.abs(values) ** 2, axis=0))
 
 
-def _over_steps(function: Callable[..., Any]) -> Callable[..., Any]:
-    return lambda values: function(values, axis=0)
-
-
 FUNCTIONS = {
-    "max": ExpressionFunction("largest value of a series", _over_steps(np.max), _same, 1, True),
-    "min": ExpressionFunction("smallest value", _over_steps(np.min), _same, 1, True),
-    "mean": ExpressionFunction("mean of the stored values", _over_steps(np.mean), _same, 1, True),
+    "max": ExpressionFunction("largest value of a series", partial(np.max, axis=0), _same, 1, True),
+    "min": ExpressionFunction("smallest value", partial(np.min, axis=0), _same, 1, True),
+    "mean": ExpressionFunction("mean of the stored values", partial(np.mean, axis=0), _same, 1, True),
     "rms": ExpressionFunction("square root of the mean of the squares", _rms, _same, 1, True),
-    "span": ExpressionFunction("largest minus smallest value", _over_steps(np.ptp), _same, 1, True),
+    "span": ExpressionFunction("largest minus smallest value", partial(np.ptp, axis=0), _same, 1, True),
     "last": ExpressionFunction("last value", lambda v: v[-1], _same, 1, True),
     "abs": ExpressionFunction("absolute value", np.abs, _same),
     "real": ExpressionFunction("real part", np.real, _same),

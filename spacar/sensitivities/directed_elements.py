@@ -5,8 +5,6 @@ direction, without any linear system: residuals, and the blocks of the stiffness
 (sensitivity.md section 2).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """Eigenvalues, load multipliers and compliances of one stored state, with their derivatives along all directions."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import cached_property
 

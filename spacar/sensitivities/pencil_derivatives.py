@@ -100,13 +100,9 @@ class PencilDerivatives:
 
     def _strained(self, u: Array) -> Array:
         """V u (ne, m)."""
-        return product(self._gradient, u, self.state.elements.ne)
+        return product(self.state.elements.gradient(), u, self.state.elements.ne)
 
     # -- element matrices ----------------------------------------------------------------------------------------
-    @cached_property
-    def _gradient(self) -> list[ElementMatrices]:
-        return self.state.elements.gradient()
-
     @cached_property
     def _stiffness(self) -> list[ElementMatrices]:
         return self.state.elements.stiffness()

@@ -10,8 +10,6 @@ targets that get the same value are joined by `&`: ESTIFF.2[EI] & ESTIFF.3[EI]. 
 start:stop:count, evenly spaced with both ends; start:stop:count:log, in equal ratios; or @FILE.csv:COLUMN.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 import re

@@ -5,8 +5,6 @@ cases are followed in groups, whose rows appear together. Where a case comes to 
 theory, all cases in the lanes beside it are run alone, so that the row of each says what is wrong with that case.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress

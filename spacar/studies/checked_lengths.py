@@ -4,8 +4,6 @@ The bounds are a little narrower, MARGIN for rounding: a case beyond them gets a
 and say what is wrong.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -13,8 +13,6 @@ or GRAVITY differ, and installations without the compiled engine: these run one 
 cannot be followed all cases have to be run alone.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar

@@ -11,8 +11,6 @@ reactions are those of the equations of motion at that state. The error is of th
 of the squared grid step.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

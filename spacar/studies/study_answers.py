@@ -1,7 +1,5 @@
 """What `spacar.sweep` and `spacar.trade` answer: rows and settings that print short, draw themselves, become tables."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Studies in one line: `spacar.sweep` and `spacar.trade`, for users of Python; the commands ask the same questions."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from numbers import Integral, Real

@@ -3,8 +3,6 @@
 Of the integration by `spacar.studies.runs.tolerance_ladder`, of the mesh by `spacar.studies.policies.mesh`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any

@@ -12,8 +12,6 @@
 Where the reference does not reach the target within its part of the budget, the goal is what it reached.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace

@@ -14,8 +14,6 @@ With a target the beams have the angle measure, of order 4, unless the run says 
 the same rod. In motions the mesh of the user is integrated to a part of the target, finer ones as that one.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace

@@ -10,8 +10,6 @@ needed is left out, one after the other; the methods are tried again on the mode
 fastest vibrations. It is recommended where it saves time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from shlex import quote

@@ -5,8 +5,6 @@ that one case cannot end a study of thousands. A case whose process died is mark
 is started again. Rows are append-only and finished cases are skipped, see `rows`.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field

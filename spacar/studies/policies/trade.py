@@ -4,8 +4,6 @@ The reference is computed by two methods at a tight tolerance, and by three mesh
 extrapolated (`spacar.studies.runs.extrapolation`); what is known of its error counts as error of every other setting.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 

@@ -4,8 +4,6 @@ These are the expressions that the user gives; without them coordinates in motio
 `spacar.studies.runs.result_quantities` says of the nodes that the user's model has.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import Any

@@ -5,8 +5,6 @@ it hardly changes: span below CONSTANT of it, and below CONSTANT of the largest 
 millionth of the motion of that variable, also where all that moves moves by 1e-9 m.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from spacar.arrays import Array

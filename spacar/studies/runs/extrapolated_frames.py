@@ -1,7 +1,5 @@
 """Frames of the finest of several meshes, every variable extrapolated with the order that it shows."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -9,8 +9,6 @@ GAINED for each three meshes that show it, once more if all variables share it.
 A variable without an order has the value of the finest mesh, with the last difference as error.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """The error of a mesh: results of meshes of 1, 2, 4 ... beams in the place of each, extrapolated."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

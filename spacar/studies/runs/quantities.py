@@ -1,7 +1,5 @@
 """Quantities that studies keep: a named expression (spacar.expressions) that comes to one number, without its unit."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

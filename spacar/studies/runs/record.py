@@ -1,7 +1,5 @@
 """The record of a run of an accuracy search: setting, values, error, cost."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field

@@ -12,8 +12,6 @@ Unless expressions are chosen:
 A group that is zero to ZERO of what it could be (lengths of the model, a radian, force times length) does not count.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

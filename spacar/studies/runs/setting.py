@@ -5,8 +5,6 @@ the chosen variables at the output times, its median processor time and the numb
 `spacar.studies.policies.trade` turns rows into errors, in the norm of `spacar.studies.runs.error_norm`.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace

@@ -17,8 +17,6 @@ times the ratio of ERROR, whatever is less. The first run tells how large these 
 to be more than SMALLEST of them it is made again.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 

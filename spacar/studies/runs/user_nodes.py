@@ -9,8 +9,6 @@ Matrices of the linearized equations and transfer functions have no counterpart 
 state space is that of the divided model.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 

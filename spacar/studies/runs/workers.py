@@ -5,8 +5,6 @@ outside of it. A local process that dies (killed, out of memory) takes only its 
 under way are run again, one process each, and the one that dies once more is given up.
 """
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Callable, Iterable, Iterator
