@@ -1,6 +1,6 @@
 """Blocks as python-control systems (optional extra `control`): for `control.interconnect`, `input_output_response`."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -38,19 +38,15 @@ def as_control(block: Block, numbered: bool = False) -> Any:
         raise UsageError(text, "simulation.control-piecewise")
     start = block.start()
 
-    def update(t: float, x: Array, u: Array, params: Any) -> Array:
-        return block.derivative(float(t), np.array(x, float), np.array(u, float).reshape(block.n_in))
+    def called(function: Callable[[float, Array, Array], Array]) -> Any:
+        return lambda t, x, u, params: function(float(t), np.array(x, float), np.array(u, float).reshape(block.n_in))
 
-    def output(t: float, x: Array, u: Array, params: Any) -> Array:
-        return block.outputs(float(t), np.array(x, float), np.array(u, float).reshape(block.n_in))
-
-    system = control.NonlinearIOSystem(
-        update if len(start) else None, output, name=block.name,
+    return control.NonlinearIOSystem(
+        called(block.derivative) if len(start) else None, called(block.outputs), name=block.name,
         inputs=_names("u", () if numbered else block.inputs, block.n_in),
         outputs=_names("y", () if numbered else block.outputs_, block.n_out),
         states=_names("x", () if numbered else getattr(block, "states", ()), len(start)),
     )  # fmt: skip
-    return system
 
 
 def _names(letter: str, given: Sequence[str], count: int) -> list[str]:

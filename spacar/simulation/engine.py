@@ -20,7 +20,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
-from spacar.integrators import AUTOMATIC, Tolerance, named
+from spacar.integrators import AUTOMATIC, Step, Tolerance, named
 from spacar.simulation.blocks import Block, Function, Sampled
 from spacar.simulation.diagram import Diagram, Schedule, schedule
 from spacar.simulation.diagram_evaluator import CALM, MOST_RESTARTS, DiagramEvaluator
@@ -154,11 +154,11 @@ class _Simulation:
                 break
             t = a
             while t < (b := cuts[k + 1][0]) and not stopped:
-                t_new, interpolate, x_new = self.stepping.step(t, self.x, b, self.window)
-                t_event, x_new, now, found = self.locate(t, t_new, interpolate, x_new, before)
-                self.remember(t, t_event, interpolate)
+                step = self.stepping.step(t, self.x, b, self.window)
+                t_event, x_new, now, found = self.locate(t, step, before)
+                self.remember(t, t_event, step.interpolate)
                 while done < n and self.times[done] <= t_event and abs(self.times[done] - b) > 4.0 * self.shift:
-                    record(float(self.times[done]), interpolate(float(self.times[done])))
+                    record(float(self.times[done]), step.interpolate(float(self.times[done])))
                 self.x = x_new
                 if found:
                     self.streak = self.streak + 1 if t_event - t <= 64.0 * self.shift else 0
@@ -217,17 +217,15 @@ class _Simulation:
             if b.jumped(u[self.s.inputs[b.name]], self.tolerance):
                 b.jumps_out(self.axis.cut(k, jump + b.lag))
 
-    def locate(
-        self, t: float, t_new: float, interpolate: Callable[[float], Array], x_new: Array, before: Array
-    ) -> tuple[float, Array, Array, list[Block]]:
+    def locate(self, t: float, step: Step, before: Array) -> tuple[float, Array, Array, list[Block]]:
         """The first event inside a step: its time, its state, the values there and the blocks whose mode ends."""
         if not len(before):
-            return t_new, x_new, before, []
-        first, last = np.searchsorted(self.times, (t, t_new), side="right")
-        looks = (*sorted({0.5 * (t + t_new), *self.times[first:last].tolist()}), t_new)
+            return step.t, step.y, before, []
+        first, last = np.searchsorted(self.times, (t, step.t), side="right")
+        looks = (*sorted({0.5 * (t + step.t), *self.times[first:last].tolist()}), step.t)
 
         def state(time: float) -> Array:
-            return x_new if time == t_new else interpolate(time)
+            return step.y if time == step.t else step.interpolate(time)
 
         time, x_event, now, ended = first_event(self.signs, state, t, before, looks, self.user_events, self.shift)
         owners = [b for b in self.evaluator.watched for _ in range(b.n_events)] if ended.any() else []

@@ -11,8 +11,8 @@ starts again, do not end a trial.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -93,14 +93,6 @@ class _Problem(Problem):
         return found[np.ix_(self.order, self.order)], np.zeros(len(y))
 
 
-class Taken(NamedTuple):
-    """An accepted step: its end, interpolation inside it, state at the end (n_states,)."""
-
-    t: float
-    interpolate: Callable[[float], Array]
-    x: Array
-
-
 class Stepping:
     """Steps of a simulation `over` these times [s] by the code `method`, none longer than `longest` [s].
 
@@ -117,7 +109,7 @@ class Stepping:
         self.solver: Iterator[Step] | None = None
         self.size: float | None = None  # of the last step, with which an integration that starts anew begins
         self.n_steps = 0
-        self.last: Taken | None = None
+        self.last: Step | None = None
         self.notes: list[str] = []
         look = self.problem.of_jacobian / EVALUATIONS
         self.choice = MethodChoice(Costs(ITERATED / EVALUATIONS + look, look, FAST), self._largest)
@@ -132,10 +124,10 @@ class Stepping:
         """What comes is not smooth any more."""
         self.solver = None
 
-    def step(self, t: float, x: Array, end: float, window: tuple[float, float]) -> Taken:
+    def step(self, t: float, x: Array, end: float, window: tuple[float, float]) -> Step:
         """One accepted step from t, not beyond `end`; the diagram is evaluated in the window. Raises AnalysisError."""
         if not len(x):
-            return Taken(min(end, t + self.longest), lambda time: x, x)
+            return Step(min(end, t + self.longest), x, lambda time: x)
         order, back = self.problem.order, self.problem.back
         try:
             if self.solver is None:
@@ -161,7 +153,7 @@ class Stepping:
         size = float(taken.t) - t
         # The last step of a piece is short only because the piece ends.
         self.size = max(size, self.size or 0.0) if taken.t >= end else size
-        self.last = found = Taken(float(taken.t), lambda time: np.asarray(taken.interpolate(time))[back], taken.y[back])
+        self.last = found = Step(float(taken.t), taken.y[back], lambda time: np.asarray(taken.interpolate(time))[back])
         if self.automatic:
             self._choose(found)
         return found
@@ -172,7 +164,7 @@ class Stepping:
             return ""
         mean, omega, advice = (self.end - self.begun) / self.n_steps, self.choice.omega, "or a larger rtol"
         if not self.automatic:
-            omega, advice = self._largest(self.last.t, self.last.x), f"or method {IMPLICIT} or auto"
+            omega, advice = self._largest(self.last.t, self.last.y), f"or method {IMPLICIT} or auto"
         if mean * omega <= (FAST if self.automatic else STABLE):
             return ""
         return (
@@ -181,12 +173,12 @@ class Stepping:
         )
 
     # -- the automatic method ------------------------------------------------------------------------------------
-    def _choose(self, at: Taken) -> None:
+    def _choose(self, at: Step) -> None:
         """Whether another code goes on behind the step."""
         choice = self.choice
         if self.code == EXPLICIT:
             self.explicit += 1
-            if self.explicit >= choice.look and choice.limited(at.t, at.x, self.explicit, self.end):
+            if self.explicit >= choice.look and choice.limited(at.t, at.y, self.explicit, self.end):
                 self._try(at.t)
             return
         stood = choice.stays

@@ -60,6 +60,7 @@ def run(function: Function, cases: Iterable[Any], jobs: int | None = 1) -> Itera
 
 
 def _on_processes(function: Function, cases: Iterator[Any], jobs: int) -> Iterator[tuple[Any, Any]]:
+    from concurrent.futures import FIRST_COMPLETED, wait
     from concurrent.futures.process import BrokenProcessPool
 
     suspects: list[Any] = []
@@ -72,7 +73,7 @@ def _on_processes(function: Function, cases: Iterator[Any], jobs: int) -> Iterat
                     while waiting and len(under_way) < AHEAD * jobs:
                         under_way[pool.submit(function, waiting[0])] = waiting[0]
                         waiting = list(islice(cases, 1))
-                    for future in _finished(under_way):
+                    for future in wait(under_way, return_when=FIRST_COMPLETED).done:
                         outcome = future.result()
                         yield under_way.pop(future), outcome
             except BrokenProcessPool:
@@ -84,12 +85,6 @@ def _on_processes(function: Function, cases: Iterator[Any], jobs: int) -> Iterat
             except BrokenProcessPool:
                 outcome = Lost("the process died while it ran this case (killed, or out of memory)")
         yield case, outcome
-
-
-def _finished(futures: Any) -> Any:
-    from concurrent.futures import FIRST_COMPLETED, wait
-
-    return wait(futures, return_when=FIRST_COMPLETED).done
 
 
 def _end_with_parent() -> None:
