@@ -88,8 +88,9 @@ class Along:
             )
         self.mechanism = mechanism
         self.levels = _at_levels(mechanism, nominal) if nominal.stationary else []
-        self.legs = [] if nominal.stationary else [loaded(mechanism, leg) for leg in _legs(mechanism)]
-        self.ends = _ends(mechanism)
+        legs = [] if nominal.stationary else _legs(mechanism)
+        self.legs = [loaded(mechanism, leg) for leg in legs]
+        self.ends = np.cumsum([leg.duration for leg in legs])
         self.models: dict[int, Dynamics] = {}
         self.dynamics = self._dynamics(0)
         self.difference = (0.0, 0.0)
@@ -259,14 +260,10 @@ def _at_levels(mechanism: Mechanism, nominal: Nominal) -> list[Mechanism]:
     return [with_flow(replace(mechanism, loads=each), each) for each in loads]
 
 
-def _legs(mechanism: Mechanism) -> list[Any]:
-    """Trajectories of this file, for their extra loads (TRM, TRF) only: nothing moves along them here."""
-    return [Leg(number, statements, 0.0, 0.0, 0, NO_STATE, NO_STATE) for number, statements in groups(mechanism.deck)]
-
-
-def _ends(mechanism: Mechanism) -> Array:
-    """Times at which the trajectories of this file end."""
-    durations = [
-        next(s.real(0) for s in statements if s.keyword == "TRTIME") for _, statements in groups(mechanism.deck)
-    ]
-    return np.cumsum(durations)
+def _legs(mechanism: Mechanism) -> list[Leg]:
+    """Trajectories of this file, for their times and extra loads (TRM, TRF): nothing moves along them here."""
+    found = []
+    for number, statements in groups(mechanism.deck):
+        duration = next(s.real(0) for s in statements if s.keyword == "TRTIME")
+        found.append(Leg(number, statements, 0.0, duration, 0, NO_STATE, NO_STATE))
+    return found

@@ -10,7 +10,6 @@ de/dp + C (dS/dp e + dsigma_0/dp): the inverse itself is not differentiated.
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -84,14 +83,14 @@ def state_derivatives(
             law = (e.law(near + 0j) + motion.stresses(e, v, a)).imag
             known = sigma + 1j * np.where(known_rows, law, 0.0)
             force = e.applied() - e.inertia(v, a, gravity=True) - e.stress_forces(known)
-            begun = None if n.holonomic else _starts(e, mechanism)
             if user is not None:
                 changes = {"e": strained, "x": moved, "ed": e.strain_rate(v).imag, "xd": v.imag}
                 law = law + user.along("sigma", **changes)
                 force = force + 1j * user.along("f", **changes)
             gap = C.coupled * (strained - given) + C.times(np.where(q.constrained, 0.0, law))
-            if begun is not None:  # the equations of slips are those of kinematic coordinates and deformations
-                gap[q.slips] = np.concatenate((-begun.x, strained[q.e_kinematic] - begun.e))
+            if not n.holonomic:  # the equations of slips are those of kinematic coordinates and deformations
+                begun_x, begun_e = _starts(e, mechanism)
+                gap[q.slips] = np.concatenate((-begun_x, strained[q.e_kinematic] - begun_e))
             rights.append(np.concatenate((force.imag[q.F], -C.size * gap)) / STEP)
             elements.append((e, moved / STEP))
         if n.holonomic or not rights:
@@ -121,13 +120,6 @@ def state_derivatives(
     return found
 
 
-class _Starts(NamedTuple):
-    """Changes of the start values of kinematic coordinates x and deformations e."""
-
-    x: Array
-    e: Array
-
-
 def _start_columns(directions: list[Mechanism], q: StationaryEquations) -> Array:
     """Changes of the unknowns (n, directions) by the start values of dynamic coordinates."""
     out = np.zeros((q.nf + q.ne, len(directions)))
@@ -138,14 +130,14 @@ def _start_columns(directions: list[Mechanism], q: StationaryEquations) -> Array
     return out
 
 
-def _starts(elements: DirectedElements, mechanism: Mechanism) -> _Starts:
-    """Changes of the start values. A deformation without a value in the file starts with that of the reference
-    configuration, which changes with the direction."""
+def _starts(elements: DirectedElements, mechanism: Mechanism) -> tuple[Array, Array]:
+    """Changes of the start values of kinematic coordinates and deformations. A deformation without a value in the file
+    starts with that of the reference configuration, which changes with the direction."""
     start, ek = mechanism.start, mechanism.numbering.e_class["kinematic"]
     reference = DirectedElements(mechanism, LoadLevel(0.0, 0.0))
     reference.at(mechanism.x0, np.zeros(elements.ne))
     own = reference.deformations().imag[ek]
-    return _Starts(start.x_kinematic.imag, np.where(np.isnan(start.e_kinematic.real), own, start.e_kinematic.imag))
+    return start.x_kinematic.imag, np.where(np.isnan(start.e_kinematic.real), own, start.e_kinematic.imag)
 
 
 class _SteadyMotion:

@@ -4,7 +4,7 @@ The reference is computed by two methods at a tight tolerance, and by three mesh
 extrapolated (`spacar.studies.runs.extrapolation`); what is known of its error counts as error of every other setting.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -97,7 +97,8 @@ def reference(
         words.append(text)
     elif not trade.stationary:
         tight = next(s.tolerance for s in wanted)
-        pair = next(([s for s in good if s.elements == n] for n in meshes if _methods(good, n) > 1), None)
+        of_mesh = ([s for s in good if s.elements == n] for n in meshes)
+        pair = next((setups for setups in of_mesh if len({s.integrator for s in setups}) > 1), None)
         if pair is None:
             text = "only one of the two methods reached the reference; choose a shorter time"
             raise AnalysisError(text, "study.reference")
@@ -115,10 +116,6 @@ def reference(
         error += last
         words.append(f"meshes {seen} elements a beam, {how}")
     return Reference(best, amplitude, error, "; ".join(words), names)
-
-
-def _methods(good: Mapping[Setup, Row], elements: int) -> int:
-    return len({s.integrator for s in good if s.elements == elements})
 
 
 def assess(
