@@ -68,10 +68,10 @@ class TradeSearch:
         """Seconds of a part of the budget that are left."""
         return max(part * self.budget - (time.process_time() - self.begun), 0.1)
 
-    def run(self, setup: Setup, limit: float, times: int) -> Row:
-        """One setting; a run of `limit` seconds is stopped."""
+    def run(self, setup: Setup, limit: float, times: int | None = None) -> Row:
+        """One setting; a run of `limit` seconds, or of all that are left, is stopped."""
         self.tick(" ".join(filter(None, (setup.model, setup.integration))), self.left())
-        row = run_setup(Job(replace(self.trade, repeats=times), setup, limit))
+        row = run_setup(Job(replace(self.trade, repeats=times or self.trade.repeats), setup, min(self.left(), limit)))
         row["case"] = self.trade.key(setup)
         self.rows = [r for r in self.rows if r["case"] != row["case"]] + [row]
         return row
@@ -102,7 +102,7 @@ class TradeSearch:
         while ladders and self.left(part) > 0.1:
             setup = ladders[0].pop(0)
             limit = best * self.trade.repeats if best < np.inf else self.left(part) / len(ladders)
-            row = self.run(setup, min(self.left(), limit), self.trade.repeats)
+            row = self.run(setup, limit)
             self.tried.append(setup)
             if row["status"] == "done":
                 error, kind = self.error(row), (setup.beams, setup.integrator)

@@ -73,7 +73,7 @@ def simplify(found: TradeSearch) -> list[Price]:
     for what, how, setup in variations(found.trade, best.setup):
         if found.left() <= 0.1:
             return prices
-        row = found.run(setup, min(found.left(), LONGEST * best.seconds * found.trade.repeats), found.trade.repeats)
+        row = found.run(setup, LONGEST * best.seconds * found.trade.repeats)
         if row["status"] == "done":
             price = Price(what, how, found.error(row) - ref.error, row["seconds"], best.seconds)
             prices.append(price)
@@ -82,7 +82,7 @@ def simplify(found: TradeSearch) -> list[Price]:
     chosen = best.setup
     for _, setup in sorted(simpler, key=lambda one: one[0]):
         both = _both(chosen, setup, best.setup)
-        row = found.run(both, min(found.left(), LONGEST * best.seconds * found.trade.repeats), found.trade.repeats)
+        row = found.run(both, LONGEST * best.seconds * found.trade.repeats)
         if row["status"] == "done" and found.error(row) <= found.goal:
             chosen = both
             if row["seconds"] < SAVED * best.seconds:
@@ -100,35 +100,30 @@ def without_compiler(found: TradeSearch) -> None:
     if best is None or best.setup is None or trade.stationary or "compiled" in trade.options or found.left() <= 0.1:
         return
     setup = replace(best.setup, general=True)
-    found.run(setup, min(found.left(), best.seconds * trade.repeats), trade.repeats)
+    found.run(setup, best.seconds * trade.repeats)
     found.tried.append(setup)
 
 
 def variations(trade: Trade, setup: Setup) -> Iterator[tuple[str, str, Setup]]:
     """What it is, how it is written, and the setting without it; those that this model has."""
-    deck = trade.deck
+    deck, found = trade.deck, []
     beams = [n for n, modes in flexible_beams(deck).items() if "DYNE" in modes.values()]
     if beams and setup.beams == "flexible":
-        one = MOST_BEAMS >= len(beams) > 1
-        yield from _known(deck, "flexible beams", f"leave out DYNE {_list(beams)}", replace(setup, beams="rigid"))
-        for beam in beams if one else ():
+        found.append(("flexible beams", f"leave out DYNE {_list(beams)}", replace(setup, beams="rigid")))
+        for beam in beams if MOST_BEAMS >= len(beams) > 1 else ():
             single = replace(setup, beams=f"rigid {beam}")
-            yield from _known(deck, f"the flexibility of beam {beam}", f"leave out DYNE {beam}", single)
-        linear = replace(setup, strain="linear")
-        yield from _known(deck, "second-order terms of the deformations", f"LDEFORM {_list(beams)}", linear)
-        merged = replace(setup, merged=True)
-        yield from _known(deck, "nodes between beams in one line", "one beam in the place of two", merged)
+            found.append((f"the flexibility of beam {beam}", f"leave out DYNE {beam}", single))
+        linear, merged = replace(setup, strain="linear"), replace(setup, merged=True)
+        found.append(("second-order terms of the deformations", f"LDEFORM {_list(beams)}", linear))
+        found.append(("nodes between beams in one line", "one beam in the place of two", merged))
     if any(v for s in deck.of("OUTLEVEL") for v in s.values if isinstance(v, int)):
-        yield "transfer functions in the output", "OUTLEVEL 0 0", replace(setup, transfer=False)
-
-
-def _known(deck: Deck, what: str, how: str, setup: Setup) -> Iterator[tuple[str, str, Setup]]:
-    """The same, of a model that exists."""
-    try:
-        variant(deck, setup)
-    except SpacarError:
-        return
-    yield what, how, setup
+        found.append(("transfer functions in the output", "OUTLEVEL 0 0", replace(setup, transfer=False)))
+    for what, how, simpler in found:
+        try:
+            variant(deck, simpler)
+        except SpacarError:
+            continue
+        yield what, how, simpler
 
 
 def _both(chosen: Setup, other: Setup, given: Setup) -> Setup:
