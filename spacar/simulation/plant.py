@@ -48,8 +48,7 @@ class Spasim(Block):
         self.direct = np.array([QUANTITY[s.kind] == ACCELERATION for s in self.y_signals], bool)
         self.choose(mechanism.settings.compiled)
         self.breaks = tuple(mechanism.drive.breaks)
-        names = [component_name(n, i) for i in range(2 * n.nddof + n.nk)]
-        self.states = tuple(names)
+        self.states = tuple(component_name(n, i) for i in range(2 * n.nddof + n.nk))
         self.x0 = self.start()
 
     def choose(self, compiled: bool) -> None:
@@ -66,10 +65,10 @@ class Spasim(Block):
         n = self.numbering
         of_dynamic = set(range(n.e_class["dynamic"].start, n.e_class["dynamic"].stop))
         whole = n.nk > 0 or any(s.kind in ("OUTEP", "OUTEDP") and s.index not in of_dynamic for s in self.y_signals)
-        compiled = reason is None
-        self.motion = (
-            CompiledPlant(self.mechanism, *driven, whole) if compiled else ArrayPlant(self.mechanism, *driven)
-        )
+        if reason is None:
+            self.motion: ArrayPlant = CompiledPlant(self.mechanism, *driven, whole)
+        else:
+            self.motion = ArrayPlant(self.mechanism, *driven)
         self._places()
         self._at: tuple[float, bytes] | None = None
         self._solved: bytes | None = None
