@@ -26,8 +26,9 @@ from spacar.linear.descriptor_modes import lowest_modes
 from spacar.linear.eigen import vibration_modes
 from spacar.linear.eigenmodes import Modes
 from spacar.linear.internal_unknowns import buckling_matrices
-from spacar.linear.lowest import WANTED, compliances_in_motion, lowest_vibration, sparse_compliances
+from spacar.linear.lowest import WANTED, lowest_vibration
 from spacar.linear.lowest_multipliers import lowest_buckling
+from spacar.linear.sparse_compliances import compliances_at_rest, compliances_in_motion
 from spacar.linear.steady_equations import require_steady
 from spacar.linear.stored_system import StoredSystem, buckling_motions, sparse_matrices, vibration_motions
 from spacar.linear_systems import SingularMatrixError
@@ -136,9 +137,11 @@ def _stored_system(run: Run, may_move: bool) -> StoredSystem:
     return StoredSystem(run, sparse, wanted, may_move)
 
 
-def stationary(run: Run, store: StoredSystem | None = None) -> Iterator[LinearizedSolution]:
+def stationary(
+    run: Run, store: StoredSystem | None = None, sparse_in_motion: bool = True
+) -> Iterator[LinearizedSolution]:
     """The stored stationary solutions, in the form that `spacar.linear.form` decides. A `store` in sparse form makes
-    the linearizations itself."""
+    the linearizations itself. `sparse_in_motion`: large models that move or have user functions by coefficients."""
     from spacar.compiled.compiled_elements import mechanism_of
 
     mechanism, settings = mechanism_of(run), run.mechanism.settings
@@ -148,7 +151,8 @@ def stationary(run: Run, store: StoredSystem | None = None) -> Iterator[Lineariz
     descriptor = store is not None and store.sparse
     wanted = settings.modes or n.nddof
     large = store is None and form.stores_sparse(n.nddof, settings, settings.modes or 0)
-    moving = large and not solver.sparse and not len(n.twist_rates) and (n.holonomic or run.mode.number == 7)
+    moving = sparse_in_motion and large and not solver.sparse and not len(n.twist_rates)
+    moving = moving and (n.holonomic or run.mode.number == 7)
     reduced = large and (solver.sparse or moving)
     if reduced:
         wanted = settings.modes or WANTED
@@ -336,7 +340,7 @@ def _store_compliances(run: Run, solution: LinearizedSolution) -> None:
     if solution.solver is not None:
         frame.xcompl = compliances_in_motion(solution.solver)
     elif solution.tangent is not None and numbering.nddof:
-        frame.xcompl = sparse_compliances(solution.tangent)
+        frame.xcompl = compliances_at_rest(solution.tangent)
     elif solution.L is not None:
         frame.xcompl = directional_compliances(solution.L, numbering.dynamic, run.report)
     else:

@@ -13,15 +13,12 @@ known (theta is an eigenvalue of an operator that differs by that much): value a
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
 from spacar.linear.eigenmodes import Modes, arranged
@@ -35,13 +32,7 @@ from spacar.linear.subspace import (
     real_vectors,
     with_shift,
 )
-from spacar.linear_systems import SingularMatrixError
-from spacar.stationary.solution import StationarySolver
 from spacar.stationary.tangent import STATIC, SparseTangent
-
-if TYPE_CHECKING:
-    from spacar.linear_systems.banded import BandedSystem
-    from spacar.stationary.moving_tangent import MovingTangent
 
 WANTED = 20  # modes
 SHIFT = 1e-2  # s^2 as a fraction of the highest wanted omega^2
@@ -69,47 +60,6 @@ def lowest_vibration(tangent: SparseTangent, report: Report, wanted: int = WANTE
         values, x = np.concatenate((1j * root, -1j * root)), np.hstack((x, x)).astype(complex)
     q = degrees_of_freedom_of(tangent, x)
     return arranged(values, np.vstack((q, q * np.where(np.isnan(values), 1.0, values))), len(q), x)
-
-
-def sparse_compliances(tangent: SparseTangent) -> Array:
-    """(nx,) directional compliances: the diagonal of the inverse of the tangent, infinite where K is singular."""
-    n = tangent.dynamics.numbering
-    out = np.zeros(n.nx)
-    try:
-        system = tangent.factor(STATIC)
-    except SingularMatrixError:
-        out[tangent.F] = np.inf
-        return out
-    from spacar.linear_systems.selected_inverse import leading_inverse_diagonal
-
-    out[tangent.F] = leading_inverse_diagonal(system, tangent.nf, _band_inverse(tangent.dynamics))
-    return out
-
-
-def compliances_in_motion(solver: StationarySolver) -> Array:
-    """The same of a state that moves or has user functions, by the exact tangent of the equilibrium."""
-    d = solver.dynamics
-    n = d.numbering
-    out = np.zeros(n.nx)
-    try:
-        equations, tangent = solver.factorized()
-    except SingularMatrixError:
-        out[np.r_[n.x_class["calculable"], n.x_class["dynamic"]]] = np.inf
-        return out
-    from spacar.linear_systems.selected_inverse import leading_inverse_diagonal
-
-    system = cast("MovingTangent", tangent).system
-    out[equations.F] = leading_inverse_diagonal(system, equations.nf, _band_inverse(d))
-    return out
-
-
-def _band_inverse(dynamics: Dynamics) -> Callable[[BandedSystem], Array] | None:
-    """The inverse of band storage in C, where elements are."""
-    if not any(b.family.compiled for b in dynamics.mechanism.batches):
-        return None
-    from spacar.compiled.compiled_elements import band_inverse
-
-    return band_inverse
 
 
 def _shift(tangent: SparseTangent, wanted: int) -> tuple[float, RefinedOperator]:

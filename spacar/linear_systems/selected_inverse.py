@@ -23,38 +23,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_array
 
 from spacar.arrays import Array, Index
 from spacar.linear_systems.banded import BandedSystem
-from spacar.linear_systems.linear_system import LinearSystem
-
-if TYPE_CHECKING:
-    from spacar.linear_systems.condensed import CondensedSystem
-
-COLUMNS = 256  # right-hand sides at once
-
-
-def leading_inverse_diagonal(system: LinearSystem, n: int, by: Callable[[BandedSystem], Array] | None = None) -> Array:
-    """(n,) of the inverse: the first n unknowns and equations. By selected inversion of band storage with one order of
-    rows and columns, and of a condensed matrix, of which these are the coordinates; else one solution for every column.
-    `by` as for `inverse_diagonal`.
-    """
-    if system.kind == "banded" and (band := cast("BandedSystem", system)).is_ordered_alike:
-        return inverse_diagonal(band, by)[:n]
-    found = cast("CondensedSystem", system).inverse_diagonal() if system.kind == "condensed" else None
-    if found is not None:
-        return found
-    out = np.empty(n)
-    for first in range(0, n, COLUMNS):
-        rows = np.arange(first, min(first + COLUMNS, n))
-        unit = np.zeros((system.n, len(rows)))
-        unit[rows, rows - first] = 1.0
-        out[rows] = system.solve(unit)[rows, rows - first]
-    return out
 
 
 def inverse_diagonal(system: BandedSystem, by: Callable[[BandedSystem], Array] | None = None) -> Array:

@@ -169,7 +169,7 @@ def _side(
     turned = at_drive if move.pushed else None
     mixed: MixedDrive | None = None
     with np.errstate(all="ignore"):
-        for k, solution in enumerate(stationary(run)):
+        for k, solution in enumerate(stationary(run, sparse_in_motion=False)):
             d, turning = solution.dynamics, 0.0
             equations: DriveEquations
             if solution.tangent is not None:

@@ -91,3 +91,15 @@ def test_a_thousand_elements_take_seconds():
     assert study.drive_stiffness[0] == pytest.approx(24.0 * models.EI / models.LENGTH**3, rel=1e-4)
     assert 4.0 * study.of("extra_free")[0] == pytest.approx(2.0 * np.pi**2 * models.EI / models.LENGTH**2, rel=1e-3)
     assert study.of("unwanted_free") == pytest.approx(study.free_frequencies[:, 1])
+
+
+def test_a_blade_that_turns_keeps_its_reduced_matrices(monkeypatch):
+    """In motion there is no sparse tangent of a drive, however large the model is."""
+    rows = [f"PLBEAM {k} {2 * k - 1} {2 * k} {2 * k + 1} {2 * k + 2} DYNE {k}" for k in range(1, 5)]
+    rows += [f"X {2 * k + 1} {0.1 + k / 4} 0." for k in range(5)] + ["FIX 1", "INPUTX 2 1", "END HALT"]
+    rows += [f"EM {k} 0.1 ESTIFF {k} 2e5 1.5" for k in range(1, 5)] + ["INPUTX 2 1 0. 10. 0.", "END END"]
+    deck = parse_deck("\n".join(rows))
+    small = spacar.flexure(deck, move="x[9,2]=-0.02:0.02", steps=2)
+    monkeypatch.setattr(form, "LARGE", 0)
+    large = spacar.flexure(deck, move="x[9,2]=-0.02:0.02", steps=2)
+    np.testing.assert_array_equal(large.drive_stiffness, small.drive_stiffness)
