@@ -18,6 +18,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.errors import AnalysisError, Report
@@ -33,7 +34,15 @@ from spacar.linear.lowest import (
     rayleigh,
     start_block,
 )
-from spacar.linear.subspace import NOTHING, SUFFICIENT, RefinedOperator, dominant, real_vectors
+from spacar.linear.subspace import (
+    NOTHING,
+    SUFFICIENT,
+    Complex,
+    Operator,
+    RefinedOperator,
+    dominant,
+    real_vectors,
+)
 from spacar.linear_systems import SingularMatrixError
 from spacar.linear_systems.linear_system import zero_matrix
 from spacar.linearization.coefficients import Coefficients
@@ -41,6 +50,7 @@ from spacar.linearization.sparse_linearization import SparseLinearization
 from spacar.stationary.stationary_equations import SINGULAR
 from spacar.stationary.tangent import STATIC, SparseTangent
 
+MOST = 8  # times the wanted multipliers, among which real ones are looked for
 SHIFTS = (1e-2, 0.3, 1.0)  # of the present load: no multiplier of interest
 NO_TWIST_GRADIENT = (
     "warning: the stiffness K0 is singular: these load multipliers leave out the twist gradient of beams in the angle"
@@ -215,17 +225,15 @@ def _modes(
     def operator(z: Array) -> Array:
         return -solve(loading @ z, refined=not symmetric)
 
-    start = start_block(tangent, wanted)
-    start = np.vstack((start, np.zeros((unknowns.m, start.shape[1]))))
-    values, vectors = dominant(operator, start, wanted, tangent.dynamics.numbering.nddof + unknowns.m)
+    values, vectors, real = _real_first(tangent, unknowns, operator, wanted, symmetric)
     if symmetric:
         z = real_vectors(values, vectors)
         force = loading @ z
         theta = rayleigh(z, force, -solve(force, refined=True))
     else:
-        # a double value is known to half of the digits
-        real = np.abs(values.imag) <= np.sqrt(backward_error.rounding(len(vectors))) * np.abs(values)
-        theta, z = values[real].real, vectors[:, real].real
+        if not real.all():
+            report.add(f"{int((~real).sum())} load multipliers are complex (follower loads): they are left out")
+        theta, z = values[real].real[:wanted], vectors[:, real].real[:, :wanted]
     with np.errstate(divide="ignore"):
         multipliers = shift + 1.0 / theta
     lost = lost_pairs(operator, theta, z, multipliers, "load multipliers", report)
@@ -243,6 +251,25 @@ def _modes(
     size = np.linalg.norm(modes, axis=0)
     size = np.where(size > 0.0, size, 1.0)
     return BucklingModes(multipliers[order], modes / size, x / size)
+
+
+def _real_first(
+    tangent: SparseTangent, unknowns: _Unknowns, operator: Operator, wanted: int, symmetric: bool
+) -> tuple[Complex, Complex, NDArray[np.bool_]]:
+    """The largest eigenvalues with their vectors, and which are real: `wanted` of these, if there are as many among
+    MOST times the `wanted` largest."""
+    n = tangent.dynamics.numbering.nddof + unknowns.m
+    count = wanted
+    while True:
+        start = start_block(tangent, count)
+        start = np.vstack((start, np.zeros((unknowns.m, start.shape[1]))))
+        values, vectors = dominant(operator, start, count, n)
+        # a double value is known to half of the digits
+        turned = np.abs(values.imag) > np.sqrt(backward_error.rounding(len(vectors))) * np.abs(values)
+        real = symmetric | ~turned
+        if real.sum() >= wanted or count >= min(MOST * wanted, n):
+            return values, vectors, real
+        count = min(2 * count, n)
 
 
 def _shifted(factor: Callable[[float], RefinedOperator]) -> tuple[float, RefinedOperator]:

@@ -176,3 +176,19 @@ def test_thousands_of_beams(beams):
     exact = 1.8751040687119611**2 / (2.0 * np.pi * 100.0) * np.sqrt(102.0)
     assert r.frequencies[0][0] == pytest.approx(exact, rel=1e-10)
     assert r["eigxre"][0].shape == (3 * beams + 3, 24)
+
+
+@pytest.mark.parametrize("load", ["XF 9 0.1 -0.2 0.3 XF 10 0.3 0.1 0.2", "XF 6 0. 0.4 0. XF 9 0.2 0. 0."])
+def test_complex_multipliers_give_way_to_real_ones(load, monkeypatch):
+    """Moments that keep their direction: among the multipliers of smallest modulus are complex ones."""
+    rows = [f"BEAM {k} {2 * k - 1} {2 * k} {2 * k + 1} {2 * k + 2} 0 1 0 DYNE {k} 1 2 3 4 5 6" for k in range(1, 5)]
+    rows += [f"X {2 * k + 1} {k / 4} 0 0" for k in range(5)] + ["FIX 1", "FIX 2", "END HALT"]
+    rows += [f"EM {k} 0.1 1e-5 1e-5 ESTIFF {k} 2e3 1 1.5 1.2" for k in range(1, 5)] + [load, "END END"]
+    deck = parse_deck("\n".join(rows))
+    dense = spacar.run(8, deck, modes=0).frames[-1].matrices["lmult"]
+    monkeypatch.setattr(form, "LARGE", 0)
+    monkeypatch.setattr(form, "SHARE", 1)
+    large = spacar.run(8, deck, modes=5)
+    # unsymmetric, with values over three decades, and not refined in the dense matrices
+    np.testing.assert_allclose(large.frames[-1].matrices["lmult"], dense[:5], rtol=1e-8)
+    assert any("load multipliers are complex (follower loads): they are left out" in line for line in large.report)
