@@ -1,18 +1,19 @@
-"""Frequency response C (j omega - A)^-1 B + D of a step of an `.ltv` result; of a large model by a sparse solution for
-every frequency."""
+"""Frequency response C (j omega - A)^-1 B + D of a step of an `.ltv` result; of a large model
+by `spacar.linearization.sparse_response`."""
 
 import numpy as np
 
 from spacar.errors import Report
 from spacar.linear.descriptor_modes import lowest_modes
 from spacar.linear.lowest import WANTED
+from spacar.linearization.sparse_response import response
 from spacar_formats.getss import SparseStep, StateSpaceStep
 
 
 def frequency_response(system: StateSpaceStep | SparseStep, omega: np.ndarray) -> np.ndarray:
     """(len(omega), outputs, inputs) complex; infinite where j omega is an eigenvalue. omega [rad/s]."""
     if isinstance(system, SparseStep):
-        return system.system.response(omega)
+        return response(system.system, omega)
     n = len(system.A)
     out = np.empty((len(omega), len(system.C), system.B.shape[1]), complex)
     for k, w in enumerate(omega):

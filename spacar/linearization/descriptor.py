@@ -16,7 +16,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
@@ -123,19 +122,6 @@ class DescriptorSystem:
         from scipy.sparse import hstack
 
         return hstack((self.A[:, : self.n_states], self.B)).tocsc()
-
-    def response(self, omega: Array) -> NDArray[np.complex128]:
-        """C (j omega - A)^-1 B + D, (omega, outputs, inputs); infinite where j omega is an eigenvalue."""
-        from spacar.linear_systems.sparse_factors import SparseFactors
-
-        right = self.B.toarray().astype(complex)
-        out = np.empty((len(omega), self.C.shape[0], right.shape[1]), complex)
-        for k, w in enumerate(omega):
-            try:
-                out[k] = self.C @ SparseFactors(self.shifted(1j * w)).solve(-right)
-            except RuntimeError:
-                out[k] = np.inf
-        return out
 
     def resolvent(self, s: complex) -> Callable[[Array], Array]:
         """b -> (s I - A)^-1 b with A of (15), both (n_states,): for `spacar.integrators.resolvent`. Raises RuntimeError
