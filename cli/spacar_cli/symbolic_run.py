@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 import spacar
 from spacar.errors import AnalysisError, SpacarError, UsageError
 from spacar_cli.symbolic_text import description, equations_text
@@ -33,6 +35,8 @@ def simulate_model(
     """
     from spacar_formats.safety import Claim
 
+    from spacar.symbolic.skeleton import picture
+
     if compiled:
         from spacar.symbolic.compiled_program import compiler
 
@@ -44,38 +48,26 @@ def simulate_model(
             known = ", ".join((*states, *model.outputs))
             raise UsageError(f"{model.path.name}: --plot {name}: there are {known}, or all", "usage.plot")
     log, sbd = (model.path.with_suffix(ending) for ending in (".log", ".sbd"))
-    claim = Claim(sbd, wait)
-    try:
-        return _simulate(model, strategy, values, start, wishes, compiled, plot, show, log, claim)
-    finally:
-        claim.release()
-
-
-def _simulate(
-    model: SymbolicModel, strategy: str, values: dict[str, float], start: dict[str, float], wishes: dict[str, Any],
-    compiled: bool, plot: tuple[str, ...], show: bool, log: Path, claim: Claim,
-) -> list[str]:  # fmt: skip
-    from spacar.symbolic.skeleton import picture
-
     settings = DEFAULTS | model.settings | {key: value for key, value in wishes.items() if value is not None}
-    try:
-        eq = model.system.derive(strategy)
-        checked = eq.check()
-        checked.demand()
-        program = eq.program(model.outputs)
-        function, note = _compiled(program, values) if compiled else (None, "generated Python")
-        run = program.simulate(
-            values, start, t_end=float(settings["time"]), steps=int(settings["steps"]),
-            integrator=settings["integrator"], rtol=float(settings["rtol"]), atol=settings["atol"], function=function,
-            guess=settings.get("guess"),
-        )  # fmt: skip
-    except SpacarError as error:
-        kind = AnalysisError if isinstance(error, AnalysisError) else UsageError
-        raise kind(f"{model.path.name}: {error}", error.code) from None
-    summary = _summary(eq, program, run, note, str(checked))
-    write_sbd(claim, model, run, picture(model.system, run, values))
+    with Claim(sbd, wait) as claim:
+        try:
+            eq = model.system.derive(strategy)
+            checked = eq.check()
+            checked.demand()
+            program = eq.program(model.outputs)
+            function, note = _compiled(program, values) if compiled else (None, "generated Python")
+            run = program.simulate(
+                values, start, t_end=float(settings["time"]), steps=int(settings["steps"]),
+                integrator=settings["integrator"], rtol=float(settings["rtol"]), atol=settings["atol"],
+                function=function, guess=settings.get("guess"),
+            )  # fmt: skip
+        except SpacarError as error:
+            kind = AnalysisError if isinstance(error, AnalysisError) else UsageError
+            raise kind(f"{model.path.name}: {error}", error.code) from None
+        summary = _summary(eq, program, run, note, str(checked))
+        write_sbd(claim, model, run, picture(model.system, run, values))
     _write_log(log, model, eq, values, start, summary, show)
-    written = [log, claim.final]
+    written = [log, sbd]
     if plot:
         from spacar_cli.symbolic_plot import save_plots
 
@@ -130,34 +122,25 @@ def write_sbd(claim: Claim, model: SymbolicModel, run: SimulatedMotion, seen: Pi
 
     `seen` adds the nodes and elements of a picture, with X.
     """
-    from spacar_formats.sbf import SbfWriter
+    from spacar_formats.sinks import write_steps
 
     nq = len(model.system.coordinates)
-    groups = {
-        "Q": (run.names[:nq], run.state[:, :nq]), "S": (run.names[nq:], run.state[:, nq:]),
-        "U": (run.input_names, run.inputs),
-    }  # fmt: skip
-    columns = [run.outputs[name] for name in run.outputs]
     header: dict[str, Any] = {"TITLE": model.system.title or model.path.stem, "KIND": "symbolic"}
     header |= {"VERSION": f"spacar {spacar.__version__}", "SOURCE": model.path.name, "SHA256": model.sha256}
-    shapes: dict[str, tuple[int, int]] = {"T": (1, 1)}
+    columns = {"T": run.time}
     if seen is not None:
         header |= seen.header
-        shapes["X"] = (seen.x.shape[1], 1)
-    for letter, (names, _) in groups.items():
+        columns["X"] = seen.x
+    outputs = np.column_stack([run.outputs[name] for name in run.outputs]) if run.outputs else np.zeros(0)
+    for letter, names, rows in (
+        ("Q", run.names[:nq], run.state[:, :nq]), ("S", run.names[nq:], run.state[:, nq:]),
+        ("U", run.input_names, run.inputs), ("Y", list(run.outputs), outputs),
+    ):  # fmt: skip
         if names:
             header[f"{letter}NAME"] = list(names)
-            shapes[letter] = (len(names), 1)
-    if columns:
-        header["YNAME"] = list(run.outputs)
-        shapes["Y"] = (len(columns), 1)
-    claim.begin()
-    with SbfWriter(claim.part, "sbd", header, shapes, claim.open()) as writer:
-        for k, t in enumerate(run.time):
-            step: dict[str, Any] = {"T": t} | {a: rows[k] for a, (names, rows) in groups.items() if names}
-            step |= {"Y": [c[k] for c in columns]} if columns else {}
-            writer.append(step | ({"X": seen.x[k]} if seen is not None else {}))
-    claim.publish()
+            columns[letter] = rows
+    steps = ({name: rows[k] for name, rows in columns.items()} for k in range(len(run.time)))
+    write_steps(claim, header, steps)
 
 
 def _write_log(

@@ -11,8 +11,9 @@ from spacar.modes import find_mode
 from spacar.simulation.plant import Spasim
 from spacar.simulation.response import Response
 from spacar.stream import Run
+from spacar_formats.safety import Claim
 from spacar_formats.signal_tables import SignalTable, table_of
-from spacar_formats.sinks import ResultSink, begin, give_up
+from spacar_formats.sinks import write_steps
 from spacar_formats.sinks.results import KINDS
 
 
@@ -31,25 +32,8 @@ def write_motions(response: Response, stem: Path) -> list[Path]:
 
 def _write(response: Response, table: SignalTable, plant: Spasim, path: Path) -> Path:
     header, values = KINDS["sbd"]
-    rows = iter(table.values)
-    sink = ResultSink(
-        path,
-        lambda run, names: {**header(run, names), **table.header()},
-        lambda frame: values(frame) | {"SIGNAL": next(rows)},
-    )
-    error: BaseException | None = None
-    try:
-        begin([sink])
-        sink.start(Run(find_mode(1), plant.mechanism))
-        x, u = response.x[:, response.states[plant.name]], response.u[:, response.inputs[plant.name]]
-        for t, state, inputs in zip(response.t.tolist(), x, u, strict=True):
-            sink.frame(plant.frame(t, state, inputs))
-    except BaseException as failed:
-        error = failed
-        raise
-    finally:
-        try:
-            sink.finish(error)
-        finally:
-            give_up([sink])
-    return sink.path
+    x, u = response.x[:, response.states[plant.name]], response.u[:, response.inputs[plant.name]]
+    states = zip(response.t.tolist(), x, u, table.values, strict=True)
+    steps = (values(plant.frame(t, state, inputs)) | {"SIGNAL": row} for t, state, inputs, row in states)
+    with Claim(path) as claim:
+        return write_steps(claim, {**header(Run(find_mode(1), plant.mechanism), ()), **table.header()}, steps)

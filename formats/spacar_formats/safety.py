@@ -9,6 +9,8 @@ before the run computes until its end. The second one is refused in one sentence
 killed run blocks nobody. Only the file that this process made is ever renamed or removed.
 """
 
+from __future__ import annotations
+
 import contextlib
 import itertools
 import os
@@ -150,7 +152,7 @@ class Claim:
     """The right to write `final`; `begin` makes its empty .part, `publish` gives that the final name.
 
     Raises UsageError when another run has it (with `wait`: waits for that run to end), when `final` is a folder or
-    the folder cannot be written. `release` in any case; a second call does nothing.
+    the folder cannot be written. A context manager that releases it; a second `release` does nothing.
     """
 
     def __init__(self, final: Path, wait: bool = False) -> None:
@@ -172,6 +174,12 @@ class Claim:
                 time.sleep(PAUSE)
         except OSError as err:
             raise UsageError(f"cannot write {final}: {err.strerror}", "files.open") from None
+
+    def __enter__(self) -> Claim:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
 
     def _locked(self) -> bool:
         """One try. The file may have got another name between opening and locking it: then it was not the one."""

@@ -15,7 +15,7 @@ from spacar.modes import find_mode
 from spacar.result import Result
 from spacar.stream import Run
 from spacar_formats.log import LogSink
-from spacar_formats.sinks import begin, give_up, result_sinks
+from spacar_formats.sinks import begin, result_sinks
 
 ENDINGS = (".dat", ".log", ".sbd", ".sbm", ".ltv")
 
@@ -52,13 +52,10 @@ def save_run(run: Run, name: str | Path, wait: bool = False) -> tuple[Path, ...]
     if not stem.name:
         raise UsageError(f"'{name}' is no name of a result", "files.open")
     source = run.mechanism.deck
-    results = result_sinks(stem, run.mode.files, wait)
-    try:
+    with result_sinks(stem, run.mode.files, wait) as results:
         log = LogSink(stem.with_name(f"{stem.name}.log"), run.mode, source.path or Path(source.source))
         begin(results)
         outcome = run.consume(*results, log)
-    finally:
-        give_up(results)
     if outcome.error is not None:
         raise outcome.error
     return (log.path, *(sink.path for sink in results))

@@ -29,7 +29,8 @@ from spacar.deck import ELEMENT_TYPES
 from spacar.expressions import NONE, Dimensions, Unit, unit_text
 from spacar_formats.exports import export_to, to_csv, to_mat, to_npz
 from spacar_formats.safety import Claim
-from spacar_formats.sbf import SbfError, SbfFile, SbfWriter
+from spacar_formats.sbf import SbfError, SbfFile
+from spacar_formats.sinks import write_steps
 
 if TYPE_CHECKING:
     from spacar.simulation.response import Response
@@ -176,17 +177,9 @@ def write_table(stem: Path, t: Sequence[float] | np.ndarray, table: SignalTable,
     """`stem.sbd` with time and signals only. Raises UsageError when it cannot be written."""
     path = stem.with_name(f"{stem.name}.sbd")
     header = {"TITLE": stem.name, "KIND": "signals", "VERSION": f"spacar {spacar.__version__}", "SOURCE": source.name}
-    claim = Claim(path)
-    try:
-        claim.begin()
-        shapes = {"T": (1, 1), "SIGNAL": (table.values.shape[1], 1)}
-        with SbfWriter(claim.part, "sbd", header | table.header(), shapes, claim.open()) as writer:
-            for time, row in zip(t, table.values, strict=True):
-                writer.append({"T": time, "SIGNAL": row})
-        claim.publish()
-    finally:
-        claim.release()
-    return path
+    steps = ({"T": time, "SIGNAL": row} for time, row in zip(t, table.values, strict=True))
+    with Claim(path) as claim:
+        return write_steps(claim, header | table.header(), steps)
 
 
 def export_signals(arrays: Mapping[str, np.ndarray], target: Path) -> None:

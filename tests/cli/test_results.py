@@ -117,11 +117,11 @@ def frame_of(run, **more) -> Frame:
 
 
 def write(run, stem, error=None, **more):
-    sinks = result_sinks(stem, run.mode.files)
-    for sink in sinks:
-        sink.start(run)
-        sink.frame(frame_of(run, **more))
-        sink.finish(error)
+    with result_sinks(stem, run.mode.files) as sinks:
+        for sink in sinks:
+            sink.start(run)
+            sink.frame(frame_of(run, **more))
+            sink.finish(error)
 
 
 def test_empty_matrices_are_not_produced(tmp_path):

@@ -99,20 +99,20 @@ def test_a_family_never_loops_over_elements(name):
 
 def test_a_sink_never_changes_a_frame(tmp_path):
     run = spacar.frames(4, HOUSE / "data" / "lever.dat", n_steps=3)
-    results = result_sinks(tmp_path / "lever", run.mode.files, False)
-    begin(results)
-    sinks = [*results, LogSink(tmp_path / "lever.log", run.mode, tmp_path)]
-    for sink in sinks:
-        sink.start(run)
-    for frame in run:
-        stored = [getattr(frame, name) for name in Frame.__slots__]
-        for value in (*stored, *frame.matrices.values(), *frame.state_space.values()):
-            if isinstance(value, np.ndarray):
-                value.flags.writeable = False  # writing raises
+    with result_sinks(tmp_path / "lever", run.mode.files, False) as results:
+        begin(results)
+        sinks = [*results, LogSink(tmp_path / "lever.log", run.mode, tmp_path)]
         for sink in sinks:
-            sink.frame(frame)
-    for sink in sinks:
-        sink.finish(None)
+            sink.start(run)
+        for frame in run:
+            stored = [getattr(frame, name) for name in Frame.__slots__]
+            for value in (*stored, *frame.matrices.values(), *frame.state_space.values()):
+                if isinstance(value, np.ndarray):
+                    value.flags.writeable = False  # writing raises
+            for sink in sinks:
+                sink.frame(frame)
+        for sink in sinks:
+            sink.finish(None)
 
 
 @pytest.mark.parametrize("kind", [ArrayEquilibrium, CompiledEquilibrium])

@@ -19,15 +19,11 @@ PROVENANCE = {"VERSION", "SOURCE", "SHA256", "MODE", "ETYPE"}
 @pytest.mark.parametrize(("mode", "name"), [(0, "crank"), (0, "robotsim"), (0, "trike3i"), (7, "column2")])
 def test_names_and_values_are_those_of_the_file(mode: int, name: str, tmp_path: Path) -> None:
     run = spacar.frames(mode, DATA / f"{name}.dat")
-    sinks = result_sinks(tmp_path / name, ("sbd",))
-    for sink in sinks:
+    frames = list(run)
+    with result_sinks(tmp_path / name, ("sbd",)) as (sink,):
         sink.start(run)
-    frames = []
-    for frame in run:
-        frames.append(frame)
-        for sink in sinks:
+        for frame in frames:
             sink.frame(frame)
-    for sink in sinks:
         sink.finish(None)
     result = Result(run.mechanism, mode, tuple(frames), (), {})
     with SbfFile(tmp_path / f"{name}.sbd") as file:

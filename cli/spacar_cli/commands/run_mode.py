@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from spacar_formats.disk_room import require_room
 from spacar_formats.log import LogSink
-from spacar_formats.sinks import ResultSink, begin, give_up, result_sinks
+from spacar_formats.sinks import ResultSink, begin, result_sinks
 
 from spacar.calls import BEAMS, check_modes, frames, integrator
 from spacar.errors import InputError, SpacarError, UsageError
@@ -163,42 +163,36 @@ def run_mode(
         integrator(overrides["integrator"], "--integrator")
     check_modes(mode, overrides.get("modes"))
     stem = result_stem(source, output_dir)
-    results = result_sinks(stem, mode.files, wait)
-    try:
+    outcome = Outcome()
+    run: Run | None = None
+    window: LivePlot | None = None
+    with result_sinks(stem, mode.files, wait) as results:
         log = LogSink(
             stem.with_name(f"{stem.name}.log"), mode, Path("standard input") if piped else source,
             _flags(overrides, setpoints) | _accuracy_flags(asked),
         )  # fmt: skip
-    except BaseException:
-        give_up(results)
-        raise
-    outcome = Outcome()
-    run: Run | None = None
-    window: LivePlot | None = None
-    try:
         try:
-            run = frames(mode.number, model, **overrides, **asked)
-        except InputError:
-            begin(results)  # an earlier result is none of this input
-            raise
-        if mode.takes_setpoints:
-            run = _along(run, source, setpoints)
-        _check_timestep(run)
-        if not regardless:
-            require_room(run, stem.parent)
-        begin(results)  # not before: an earlier result may be the one to linearize along
-        severities = ("warning", "information")[: 1 + environment.verbose]
-        tell_messages(environment, run.mechanism.deck.messages, severities)
-        if show:
-            from spacar_drawing.window import LivePlot
+            try:
+                run = frames(mode.number, model, **overrides, **asked)
+            except InputError:
+                begin(results)  # an earlier result is none of this input
+                raise
+            if mode.takes_setpoints:
+                run = _along(run, source, setpoints)
+            _check_timestep(run)
+            if not regardless:
+                require_room(run, stem.parent)
+            begin(results)  # not before: an earlier result may be the one to linearize along
+            severities = ("warning", "information")[: 1 + environment.verbose]
+            tell_messages(environment, run.mechanism.deck.messages, severities)
+            if show:
+                from spacar_drawing.window import LivePlot
 
-            window = LivePlot()
-        outcome = run.consume(Progress(environment), *results, log, window=window)
-    except (Exception, KeyboardInterrupt) as error:  # before the first step
-        log.finish(error)
-        outcome.error = error
-    finally:
-        give_up(results)
+                window = LivePlot()
+            outcome = run.consume(Progress(environment), *results, log, window=window)
+        except (Exception, KeyboardInterrupt) as error:  # before the first step
+            log.finish(error)
+            outcome.error = error
     told = [] if run is None else run.report.lines
     tell_notes(environment, (line.removeprefix(WARNING) for line in told if line.startswith(WARNING)))
     status = _status(environment, outcome, results)

@@ -1,5 +1,5 @@
 """Consumers of a stream of frames that write result files."""
 
-from spacar_formats.sinks.results import ResultSink, begin, give_up, result_sinks
+from spacar_formats.sinks.results import ResultSink, begin, result_sinks, write_steps
 
-__all__ = ["ResultSink", "begin", "give_up", "result_sinks"]
+__all__ = ["ResultSink", "begin", "result_sinks", "write_steps"]

@@ -5,7 +5,9 @@ Its file grows under the name `NAME.part`; only a run that came to its end gives
 what a run knows with its first step (section 3).
 """
 
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -30,18 +32,12 @@ class ResultSink:
     Raises UsageError when the file cannot be written, AnalysisError when the disk refuses bytes during the run.
     """
 
-    def __init__(
-        self, path: Path, header: Header, values: Callable[[Frame], dict[str, Any]], wait: bool = False
-    ) -> None:
-        self.path = path
-        self.claim = Claim(path, wait)
+    def __init__(self, claim: Claim, header: Header, values: Callable[[Frame], dict[str, Any]]) -> None:
+        self.path = claim.final
+        self.claim = claim
         self._header, self._values = header, values
         self._run: Run | None = None
         self._writer: SbfWriter | None = None
-
-    @property
-    def kind(self) -> str:
-        return self.path.suffix[1:]
 
     @property
     def written_to(self) -> Path | None:
@@ -57,47 +53,54 @@ class ResultSink:
         values = self._values(frame)
         if self._writer is None:
             assert self._run is not None
-            shapes = {name: _shape(value) for name, value in values.items()}
-            header = self._header(self._run, values)
-            self._writer = SbfWriter(self.claim.part, self.kind, header, shapes, self.claim.open())
+            self._writer = _writer(self.claim, self._header(self._run, values), values)
         self._writer.append(values)
 
     def finish(self, error: BaseException | None) -> None:
-        try:
-            if self._writer is not None:
-                self._writer.close(complete=error is None)
-                if error is None:
-                    self.claim.publish()
-        finally:
-            self.claim.release()
+        if self._writer is not None:
+            self._writer.close(complete=error is None)
+            if error is None:
+                self.claim.publish()
 
 
-def result_sinks(stem: Path, kinds: tuple[str, ...], wait: bool = False) -> list[ResultSink]:
+@contextmanager
+def result_sinks(stem: Path, kinds: tuple[str, ...], wait: bool = False) -> Iterator[list[ResultSink]]:
     """The sinks `stem.sbd`, `stem.sbm`, `stem.ltv` of a mode, claimed for this run; `begin` starts their files.
 
     Raises UsageError when another run is writing one of them (with `wait`: waits for it) or the folder does not allow
     it.
     """
-    sinks: list[ResultSink] = []
-    try:
-        for kind in kinds:
-            sinks.append(ResultSink(stem.with_name(f"{stem.name}.{kind}"), *KINDS[kind], wait))
-    except BaseException:
-        give_up(sinks)
-        raise
-    return sinks
+    with ExitStack() as claims:
+        yield [
+            ResultSink(claims.enter_context(Claim(stem.with_name(f"{stem.name}.{kind}"), wait)), *KINDS[kind])
+            for kind in kinds
+        ]
 
 
-def begin(sinks: Sequence[ResultSink]) -> None:
+def begin(sinks: Iterable[ResultSink]) -> None:
     """Move the results of an earlier run to `.bak` and start new files. Raises UsageError."""
     for sink in sinks:
         sink.claim.begin()
 
 
-def give_up(sinks: Sequence[ResultSink]) -> None:
-    """Let others write; needed only when the run did not come to its first step."""
-    for sink in sinks:
-        sink.claim.release()
+def write_steps(claim: Claim, header: Mapping[str, Any], steps: Iterator[Mapping[str, Any]]) -> Path:
+    """A whole result file, the first of whose steps says the sizes of its variables; an earlier one becomes `.bak`.
+
+    Raises UsageError when it cannot be written, AnalysisError when the disk refuses bytes.
+    """
+    claim.begin()
+    first = next(steps)
+    with _writer(claim, header, first) as writer:
+        for values in chain([first], steps):
+            writer.append(values)
+    claim.publish()
+    return claim.final
+
+
+def _writer(claim: Claim, header: Mapping[str, Any], values: Mapping[str, Any]) -> SbfWriter:
+    """The file of a claim, whose step variables have the sizes of these values."""
+    shapes = {name: _shape(value) for name, value in values.items()}
+    return SbfWriter(claim.part, claim.final.suffix[1:], header, shapes, claim.open())
 
 
 def sbd_values(frame: Frame) -> dict[str, Any]:
