@@ -10,9 +10,9 @@ Types of numbers on the command line: finite, in a range, with a sentence for wh
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial, reduce
+from functools import reduce
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_type_hints
 
 import click
 
@@ -253,31 +253,30 @@ FORMER: Mapping[str, Mapping[str, str]] = {
 
 def parameter(name: str, more: str = "", **changes: Any) -> click.Option:
     """The option of this name for one command: `more` goes on behind what it means, `changes` to what click is told."""
+    spellings, told = _told(name, more, changes)
+    return click.Option(spellings, **told)
+
+
+def option(name: str, more: str = "", **changes: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """`parameter` as a decorator of a command."""
+    spellings, told = _told(name, more, changes)
+    return click.option(*spellings, **told)
+
+
+def _told(name: str, more: str, changes: dict[str, Any]) -> tuple[list[str], dict[str, Any]]:
+    """What click is told about an option: its spellings with its name, and the rest."""
     word = VOCABULARY[name]
     told: dict[str, Any] = {"help": f"{word.means}{more if more[:1] in ',:; ' else f'. {more}'}".rstrip(".") + "."}
     told |= {"metavar": word.value, "type": word.kind} if word.value else {"is_flag": True}
     told["show_default"] = changes.get("default") is not None and "efault" not in told["help"]
     if isinstance(changes.get("type"), click.Choice):
         del told["metavar"]  # the choices are better
-    spellings = word.spelled.split()
-    return click.Option([*spellings, name], **(told | changes))
-
-
-def option(name: str, more: str = "", **changes: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """`parameter` as a decorator of a command."""
-    return partial(_added, make=partial(parameter, name, more, **changes))
+    return [*word.spelled.split(), name], told | changes
 
 
 def options(rows: Sequence[Callable[..., Any]]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Options that several commands share, as one decorator."""
     return lambda function: reduce(lambda so_far, row: row(so_far), reversed(rows), function)
-
-
-def _added(function: Callable[..., Any], make: Callable[[], click.Parameter]) -> Callable[..., Any]:
-    if not hasattr(function, "__click_params__"):
-        function.__click_params__ = []  # type: ignore[attr-defined]
-    function.__click_params__.append(make())  # type: ignore[attr-defined]
-    return function
 
 
 def _kept(ctx: click.Context, param: click.Parameter, value: bool) -> None:
@@ -298,9 +297,9 @@ def command(name: str, **settings: Any) -> Callable[[Callable[..., Any]], click.
     """The function as a command: it gets the environment, its file if it has one, and its options by name."""
 
     def made(function: Callable[..., Any]) -> click.Command:
-        takes = function.__annotations__
+        takes = get_type_hints(function)
         if "file" in takes:
-            _added(function, lambda: click.Argument(["file"], type=FILE if takes["file"] == "Path" else None))
+            click.argument("file", type=FILE if takes["file"] is Path else None)(function)
         given = click.pass_obj(function) if "environment" in takes else function
         return click.command(name, cls=Command, **settings)(given)
 

@@ -1,7 +1,5 @@
 """`spacar bode FILE`: frequency response of a linearized system."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from spacar.errors import UsageError

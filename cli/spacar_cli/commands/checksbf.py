@@ -1,7 +1,5 @@
 """`spacar checksbf FILE`."""
 
-from __future__ import annotations
-
 import json
 
 from spacar.errors import AnalysisError

@@ -1,7 +1,5 @@
 """`spacar combsbd FILE FILE ... OUTPUT`."""
 
-from __future__ import annotations
-
 import click
 
 from spacar_cli import vocabulary as words

@@ -1,7 +1,5 @@
 """`spacar completion SHELL`: what lets the TAB key complete modes, commands, options and files."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """`spacar compliance FILE NODE [ORIENTATION]`: the compliance matrix of a node."""
 
-from __future__ import annotations
-
 import json
 
 import click

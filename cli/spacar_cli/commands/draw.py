@@ -1,7 +1,5 @@
 """`spacar draw FILE`: the mechanism at one or more steps, as a picture, an animation or in a window."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

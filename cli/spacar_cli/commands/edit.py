@@ -1,7 +1,5 @@
 """`spacar edit FILE`: write an input file and see it, in a browser."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from spacar.errors import UsageError

@@ -1,7 +1,5 @@
 """`spacar examples`: the models and simulations of `data/`, listed or copied."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`spacar fmu FILE`: the mechanism as a functional mock-up unit for other simulators."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from spacar_cli import vocabulary as words

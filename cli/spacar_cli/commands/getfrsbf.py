@@ -1,7 +1,5 @@
 """`spacar getfrsbf FILE ID [STEPS]`."""
 
-from __future__ import annotations
-
 import json
 
 import click

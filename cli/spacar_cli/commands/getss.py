@@ -1,7 +1,5 @@
 """`spacar getss FILE [STEP]`."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`spacar help 7`, `spacar help plot`: the same as `spacar 7 --help`; `spacar help studies`: a page."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

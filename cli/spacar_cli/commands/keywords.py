@@ -1,7 +1,5 @@
 """`spacar keywords [NAME]`: the reference of the input language, printed from the keyword table."""
 
-from __future__ import annotations
-
 import json
 
 import click

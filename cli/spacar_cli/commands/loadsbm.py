@@ -1,7 +1,5 @@
 """`spacar loadsbm FILE [ID ...]`."""
 
-from __future__ import annotations
-
 from spacar_cli.exporting import export_command
 
 command = export_command("sbm")

@@ -1,7 +1,5 @@
 """`spacar ltv FILE`: response of a stored time-varying linear system."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """`spacar matlab`: the folder of the files for MATLAB and Octave, and a copy of it with the MEX file."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from spacar_cli import vocabulary as words

@@ -1,7 +1,5 @@
 """`spacar mrltv FILE N`: modal reduction of a time-varying linear system."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

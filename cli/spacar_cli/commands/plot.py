@@ -1,7 +1,5 @@
 """`spacar plot FILE EXPR...`: time histories, or one expression against another."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """`spacar repinsbf FILE ID VALUE [--at K]`."""
 
-from __future__ import annotations
-
 import json
 
 import click

@@ -1,7 +1,5 @@
 """`spacar report FILE`: one self-contained HTML page about a run."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from spacar_cli import vocabulary as words

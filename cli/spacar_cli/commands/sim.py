@@ -1,7 +1,5 @@
 """`spacar sim FILE`: a controlled simulation from a model file."""
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`spacar spacntrl FILE`: feedback folded into a time-varying linear system."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """`spacar sweep FILE --set TARGET=VALUES --result QUANTITY`: parameter studies."""
 
-from __future__ import annotations
-
 import json
 import time
 from functools import partial

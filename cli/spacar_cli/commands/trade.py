@@ -1,7 +1,5 @@
 """`spacar trade FILE`: what accuracy costs, and the cheapest setting for the accuracy that is wanted."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

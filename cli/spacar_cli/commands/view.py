@@ -1,7 +1,5 @@
 """`spacar view FILE`: a page that turns, zooms and plays a result in a browser."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

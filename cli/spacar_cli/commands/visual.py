@@ -1,7 +1,5 @@
 """`spacar visual FILE [MODE]`: vibration and buckling modes, constraints, stresses."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import click
