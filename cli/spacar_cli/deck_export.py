@@ -7,16 +7,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from spacar_formats.safety import replacing, write_text
 
 import spacar
+from spacar.deck import read_deck
 from spacar.errors import AnalysisError, SpacarError, UsageError
+from spacar.mechanism import build
+from spacar.result import Result
 from spacar_cli.deck_as_model import DeckModel
 from spacar_cli.deck_as_planar_model import PlanarModel
 from spacar_cli.deck_as_spatial_model import SpatialModel
 from spacar_cli.deck_as_text import MARK
 
 if TYPE_CHECKING:
-    from spacar.result import Result
     from spacar.symbolic.script import SymbolicModel
     from spacar.symbolic.simulated_motion import SimulatedMotion
 
@@ -60,10 +63,7 @@ def export_deck(
 
     Raises UsageError for what cannot be exported, AnalysisError when rigid parts move otherwise than in mode 1.
     """
-    from spacar_formats.safety import replacing, write_text
 
-    from spacar.deck import read_deck
-    from spacar.mechanism import build
     from spacar.symbolic.emit import LANGUAGES
     from spacar.symbolic.model_reader import read_model_text
 

@@ -1,18 +1,14 @@
 """What of an input file can be a model of the symbolic part: its elements as rigid parts, sliders, beams, springs
 and hinges, and the numbers of its statements. Anything else is refused by a sentence that names it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.errors import UsageError
-
-if TYPE_CHECKING:
-    from spacar.arrays import Array
-    from spacar.mechanism import Mechanism
+from spacar.mechanism import Mechanism
 
 UNKNOWN = ("USERSIG", "USERINP", "MEE", "XGYRO")
 # the places of p, its orientation, q, its orientation among the nodes of an element

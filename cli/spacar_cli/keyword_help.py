@@ -9,6 +9,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from spacar_drawing.settings_check import NEEDS_GROUP, RULES, SPELLINGS
+from spacar_formats import sim_blocks
 
 from spacar.deck.findings import alternatives
 from spacar.deck.keyword_table import ALIASES, ELEMENT_TYPES, KEYWORDS, blocks_of
@@ -21,7 +22,6 @@ PICTURES = "VISUALIZATION section behind the blocks, or NAME.spv; each setting o
 
 def overview() -> Iterator[str]:
     """One line for every keyword, block by block."""
-    from spacar_formats.sim_blocks import BLOCKS
 
     for block in BlockKind:
         rows = [k for (_, b), k in KEYWORDS.items() if b is block]
@@ -33,15 +33,14 @@ def overview() -> Iterator[str]:
     yield f"{PICTURES}:"
     yield from (f"  {name:<{width}}  {rule.help}" for name, rule in RULES.items())
     yield ""
-    width = max(len(b.name) for b in BLOCKS)
+    width = max(len(b.name) for b in sim_blocks.BLOCKS)
     yield "blocks of a simulation (.sim):"
-    yield from (f"  {b.name:<{width}}  {b.text}" for b in BLOCKS)
+    yield from (f"  {b.name:<{width}}  {b.text}" for b in sim_blocks.BLOCKS)
     yield ""
 
 
 def explanation(name: str) -> Iterator[str]:
     """All meanings of a keyword or setting, one for each block where it may stand. Raises UsageError."""
-    from spacar_formats import sim_blocks
 
     if name.lower() in sim_blocks.BY_NAME:
         yield from sim_blocks.explanation(name.lower())

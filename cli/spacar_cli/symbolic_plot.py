@@ -1,16 +1,13 @@
 """Plots of a run: one figure a quantity against time, as in the paper (bibliography.md; its figures 2 to 5)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from spacar_drawing.defaults import plain
 from spacar_drawing.files import save
 
-if TYPE_CHECKING:
-    from spacar.symbolic.simulated_motion import SimulatedMotion
+from spacar.symbolic.simulated_motion import SimulatedMotion
 
 
 @plain

@@ -1,24 +1,21 @@
 """`spacar symbolic simulate`: run a model, write its log, its .sbd and, when asked, its figures."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from spacar_formats.safety import Claim, write_text
+from spacar_formats.sinks import write_steps
 
 import spacar
 from spacar.errors import AnalysisError, SpacarError, UsageError
+from spacar.symbolic.compiled_program import CompiledFunction, compiler
+from spacar.symbolic.program import EquationProgram
+from spacar.symbolic.script import SymbolicModel
+from spacar.symbolic.simulated_motion import SimulatedMotion
+from spacar.symbolic.skeleton import Picture, picture
+from spacar.symbolic.symbolic_equations import SymbolicEquations
 from spacar_cli.symbolic_text import description, equations_text
-
-if TYPE_CHECKING:
-    from spacar_formats.safety import Claim
-
-    from spacar.symbolic.program import EquationProgram
-    from spacar.symbolic.script import SymbolicModel
-    from spacar.symbolic.simulated_motion import SimulatedMotion
-    from spacar.symbolic.skeleton import Picture
-    from spacar.symbolic.symbolic_equations import SymbolicEquations
 
 DEFAULTS: dict[str, Any] = {"time": 1.0, "steps": 1000, "integrator": "lsoda", "rtol": 1e-8, "atol": None}
 
@@ -33,13 +30,7 @@ def simulate_model(
     start values, `wishes` settings of the model (None: not wished). Raises UsageError for names that the model does not
     have, AnalysisError when the integration stops.
     """
-    from spacar_formats.safety import Claim
-
-    from spacar.symbolic.skeleton import picture
-
     if compiled:
-        from spacar.symbolic.compiled_program import compiler
-
         compiler()  # a CC that cannot be used is told before anything is written
     values, start = _changed(model, changes)
     states = [str(s.func) for s in (*model.system.coordinates, *model.system.speeds)]
@@ -91,8 +82,6 @@ def _changed(model: SymbolicModel, changes: dict[str, float]) -> tuple[dict[str,
 
 def _compiled(program: EquationProgram, values: dict[str, float]) -> tuple[Any, str]:
     """The compiled function, or None with the reason when there is no compiler."""
-    from spacar.symbolic.compiled_program import CompiledFunction, compiler
-
     words = compiler()
     if words is None:
         return None, "generated Python (no C compiler was found)"
@@ -122,8 +111,6 @@ def write_sbd(claim: Claim, model: SymbolicModel, run: SimulatedMotion, seen: Pi
 
     `seen` adds the nodes and elements of a picture, with X.
     """
-    from spacar_formats.sinks import write_steps
-
     nq = len(model.system.coordinates)
     header: dict[str, Any] = {"TITLE": model.system.title or model.path.stem, "KIND": "symbolic"}
     header |= {"VERSION": f"spacar {spacar.__version__}", "SOURCE": model.path.name, "SHA256": model.sha256}
@@ -132,10 +119,11 @@ def write_sbd(claim: Claim, model: SymbolicModel, run: SimulatedMotion, seen: Pi
         header |= seen.header
         columns["X"] = seen.x
     outputs = np.column_stack([run.outputs[name] for name in run.outputs]) if run.outputs else np.zeros(0)
-    for letter, names, rows in (
+    groups = (
         ("Q", run.names[:nq], run.state[:, :nq]), ("S", run.names[nq:], run.state[:, nq:]),
         ("U", run.input_names, run.inputs), ("Y", list(run.outputs), outputs),
-    ):  # fmt: skip
+    )  # fmt: skip
+    for letter, names, rows in groups:
         if names:
             header[f"{letter}NAME"] = list(names)
             columns[letter] = rows
@@ -147,16 +135,12 @@ def _write_log(
     path: Path, model: SymbolicModel, eq: SymbolicEquations, values: dict[str, float], start: dict[str, float],
     summary: list[str], show: bool,
 ) -> None:  # fmt: skip
-    from spacar_formats.safety import write_text
-
     lines = [f"spacar {spacar.__version__}, symbolic", "", *description(model), "", "parameters (SI units):"]
     lines += [f"  {name} = {value:.17g}" for name, value in values.items()]
-    lines += [
-        "", "start (states that are not listed: 0):", *(f"  {name} = {value:.17g}" for name, value in start.items())
-    ]
-    lines += [
-        "", *summary, "", "model file:", *(f"  {line}" for line in model.path.read_text(encoding="utf-8").splitlines())
-    ]
+    lines += ["", "start (states that are not listed: 0):"]
+    lines += [f"  {name} = {value:.17g}" for name, value in start.items()]
+    lines += ["", *summary, "", "model file:"]
+    lines += [f"  {line}" for line in model.path.read_text(encoding="utf-8").splitlines()]
     if show:
         held = eq if eq.strategy == "held" else model.system.derive("held")
         lines += ["", "equations in vector notation:", "", equations_text(model, held, "held", "text")]

@@ -1,13 +1,11 @@
 """What `spacar symbolic check` and `derive` print."""
 
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from spacar.symbolic.script import SymbolicModel
-    from spacar.symbolic.symbolic_equations import SymbolicEquations
+from spacar.symbolic.printing import latex, text
+from spacar.symbolic.script import SymbolicModel
+from spacar.symbolic.symbolic_equations import SymbolicEquations
 
 
 def description(model: SymbolicModel) -> list[str]:
@@ -33,15 +31,11 @@ def description(model: SymbolicModel) -> list[str]:
 
 
 def _plain(expression: Any) -> str:
-    from spacar.symbolic.printing import text
-
     return "given at the simulation" if expression is None else text(expression)
 
 
 def equations_text(model: SymbolicModel, eq: SymbolicEquations, show: str, form: str) -> str:
     """The equations in the asked notation and format."""
-    from spacar.symbolic.printing import latex, text
-
     if show == "program":
         return _program_text(model, eq, form)
     held = eq.held if show == "held" else eq.transform()
@@ -66,8 +60,6 @@ def equations_text(model: SymbolicModel, eq: SymbolicEquations, show: str, form:
 
 
 def _program_text(model: SymbolicModel, eq: SymbolicEquations, form: str) -> str:
-    from spacar.symbolic.printing import text
-
     program = eq.program(model.outputs)
     if form == "latex":
         return program.text("latex")

@@ -22,7 +22,8 @@ from spacar_drawing.mode_shapes import (
     vibration_modes,
 )
 from spacar_drawing.picture_source import PictureSource, open_source
-from spacar_formats.getfrsbf import step_numbers
+from spacar_drawing.stress_picture import diagram_still, stress_still
+from spacar_formats.getfrsbf import step_numbers, stored_step
 
 from spacar.errors import UsageError
 from spacar.modes import find_mode
@@ -51,7 +52,7 @@ def visual(
     source = open_source(file, choices.stale_ok)
     source = replace(source, settings=choices.overridden(source.settings))
     check_elements(choices.hide, [e.number for e in source.scene.elements], "--hide: element")
-    step = _step(source, at)
+    step = stored_step(at, source.steps, source.name)
     if wish.stress or wish.diagram:
         return _stresses(source, choices, step, wish)
     kind = _kind(source, mode)
@@ -68,13 +69,6 @@ def visual(
     default = source.settings.vibration_mode if kind == "vibration" else source.settings.buckling_mode
     chosen = _numbers(numbers, modes, default or 1)
     return [str(p) for m in chosen for p in _mode(environment, source, choices, step, m, factor, rest, len(chosen) > 1)]
-
-
-def _step(source: PictureSource, at: int) -> int:
-    step = source.steps + 1 + at if at < 0 else at
-    if not 1 <= step <= source.steps:
-        raise UsageError(f"step {at} does not exist: {source.name} has steps 1 to {source.steps}", "files.step")
-    return step
 
 
 def _kind(source: PictureSource, mode: int | None) -> str:
@@ -165,7 +159,6 @@ def _constraints(source: PictureSource, choices: Choices, step: int) -> list[str
 
 
 def _stresses(source: PictureSource, choices: Choices, step: int, wish: StressWish) -> list[str]:
-    from spacar_drawing.stress_picture import diagram_still, stress_still
 
     stress, diagram = wish.stress, wish.diagram
     if stress and diagram:

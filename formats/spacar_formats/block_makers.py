@@ -12,8 +12,9 @@ import numpy as np
 
 from spacar.errors import UsageError
 from spacar.mechanism.user_files import import_file
-from spacar.simulation import blocks, control_blocks, sampled_blocks, signal_sources, switching_blocks
+from spacar.simulation import blocks, control_blocks, sampled_blocks, setpoint_blocks, signal_sources, switching_blocks
 from spacar.simulation.blocks import Block
+from spacar.simulation.plant import Spasim
 from spacar_formats.sim_sections import Section
 
 
@@ -23,7 +24,6 @@ def built(kind: Callable[..., Block], *keys: str, each: Sequence[str] = ()) -> C
 
 
 def spasim(s: Section) -> Block:
-    from spacar.simulation.plant import Spasim
 
     model = s.path("model")
     return Spasim(model if model.is_file() else model.with_name(f"{model.name}.dat"), s.name)
@@ -33,7 +33,6 @@ def stored(kind: str, *counts: str) -> Callable[[Section], Block]:
     """A block of a stored result, with whole numbers that may be left out."""
 
     def make(s: Section) -> Block:
-        from spacar.simulation import setpoint_blocks
 
         data, interpolation, hold = s.stored()
         given: dict[str, Any] = {key: s.integer(key) for key in counts if s.has(key)}

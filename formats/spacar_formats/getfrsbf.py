@@ -47,6 +47,14 @@ def step_numbers(text: str, last: int) -> int | list[int]:
     return chosen[0] if len(chosen) == 1 else chosen
 
 
+def stored_step(at: int, count: int, of: object) -> int:
+    """The number of a stored step, from the end where it is negative. Raises UsageError."""
+    step = count + 1 + at if at < 0 else at
+    if not 1 <= step <= count:
+        raise UsageError(f"step {at} does not exist: {of} has steps 1 to {count}", "files.step")
+    return step
+
+
 def as_json(ident: str, value: np.ndarray | list[str]) -> dict[str, object]:
     """`{"id", "shape", "data"}`: `numpy.array(data).reshape(shape)` is the value; infinite numbers stay Infinity."""
     if isinstance(value, list):

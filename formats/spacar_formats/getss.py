@@ -1,27 +1,23 @@
 """getss: the state space matrices A, B, C, D of one step of an `.ltv` file (reference/files.md sections 6 and 7)."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from spacar.errors import UsageError
 from spacar.linearization.descriptor import DescriptorSystem, of_frame
+from spacar.result import Result
 from spacar_formats.exports import export_to, to_mat, to_npz
+from spacar_formats.getfrsbf import stored_step
 from spacar_formats.locate import open_result
 from spacar_formats.safety import write_text
 from spacar_formats.sbf import SbfFile
 from spacar_formats.sparse_system import descriptor_of, is_sparse
-
-if TYPE_CHECKING:
-    from spacar.result import Result
-
 
 SHOWN = 6  # names of one kind in a short text
 
@@ -85,10 +81,7 @@ class StateSpaceStep:
 
 def state_space_of(result: Result, step: int = 1) -> StateSpaceStep:
     """The same of a result in memory. Raises UsageError for a mode without state space and for no such step."""
-    count = len(result.frames)
-    k = count + step if step < 0 else step - 1
-    if not 0 <= k < count:
-        raise UsageError(f"step {step} does not exist: the result has steps 1 to {count}", "files.step")
+    k = stored_step(step, len(result.frames), "the result") - 1
     found = result.frames[k].state_space
     if "asp" in found:  # a large model is stored sparse
         found = dict(zip("ABCD", of_frame(found, result.header).state_space(), strict=True))

@@ -13,27 +13,25 @@ The letters behind the kind of a coordinate tell its derivative (P, DP), and S o
 Time histories as `.npz`, `.mat` or `.csv` files: what `spacar sim`, `ltv` and `mrltv` write.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 import spacar
 from spacar.deck import ELEMENT_TYPES
 from spacar.expressions import NONE, Dimensions, Unit, unit_text
+from spacar.simulation.blocks import Scope
+from spacar.simulation.diagram import wired_names
+from spacar.simulation.response import Response
 from spacar_formats.exports import export_to, to_csv, to_mat, to_npz
 from spacar_formats.safety import Claim
 from spacar_formats.sbf import SbfError, SbfFile
 from spacar_formats.sinks import write_steps
-
-if TYPE_CHECKING:
-    from spacar.simulation.response import Response
 
 KIND = re.compile(r"(?:IN|OUT|NOM|REF|INPUT)(E|X|S|F)(DP|P|S)? ")
 NODE = re.compile(r"node \d+ (?:([xyz])|w|phi|lambda\d)")
@@ -96,8 +94,6 @@ class SignalTable:
 
 def table_of(response: Response) -> SignalTable:
     """The outputs of all blocks and the inputs of the scopes; without a scope the outputs of every mechanism."""
-    from spacar.simulation.blocks import Scope
-    from spacar.simulation.diagram import wired_names
 
     blocks: list[str] = []
     names: list[str] = []

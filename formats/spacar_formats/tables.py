@@ -18,13 +18,13 @@ from spacar.mechanism import Mechanism
 from spacar.mechanism.element_rows import element_list
 from spacar.modes import find_mode
 from spacar.result import E_VARIABLES, X_VARIABLES, Result
+from spacar.simulation.response import Response
 from spacar_formats.signal_tables import table_of
 
 if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from spacar.simulation.response import Response
 
 MATRICES = ("m0", "c0", "d0", "k0", "n0", "g0")
 

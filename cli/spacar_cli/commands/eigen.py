@@ -1,25 +1,24 @@
 """`spacar eigen FILE`: frequency table, root locus, Campbell diagram."""
 
-from __future__ import annotations
-
 import json
+import math
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from spacar_drawing.curves import evaluate, in_units
 from spacar_drawing.files import check_stills
+from spacar_drawing.frequency_pictures import root_figure
 from spacar_drawing.history import axis_text
 from spacar_drawing.picture_source import open_source
+from spacar_formats.getfrsbf import stored_step
+from spacar_formats.log.text_layout import table
+from spacar_formats.vibration import Vibration, mode_numbers, read_vibrations, shown_order, without_rounding
 
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.drawing_options import PICTURES
 from spacar_cli.environment import Environment, tell_notes
 from spacar_cli.row_output import put_figure, put_rows
-
-if TYPE_CHECKING:
-    from spacar_formats.vibration import Vibration
 
 HEADS = (
     "step", "mode", "real [1/s]", "imag [rad/s]", "modulus [rad/s]", "frequency [Hz]", "damping", "largest in",
@@ -46,18 +45,12 @@ def command(
     or over the expression --against (the speed of a rotor: Campbell diagram), and the root locus. Of a large model in
     mode 4 or 9, whose equations are stored sparse, the N lowest are computed, without --lowest 20.
     """
-    from spacar_formats.vibration import read_vibrations, without_rounding
 
     found, names, warnings = read_vibrations(file, *([] if lowest is None else [lowest]))
     tell_notes(environment, warnings)
     if not found:
         raise UsageError(f"{file} contains no steps: the run stopped before the first one", "eigen.empty")
-    chosen = range(1, len(found) + 1)
-    if at is not None:
-        number = len(found) + 1 + at if at < 0 else at
-        if number not in chosen:
-            raise UsageError(f"step {at} does not exist: {file} has steps 1 to {len(found)}", "files.step")
-        chosen = range(number, number + 1)
+    chosen = list(range(1, len(found) + 1)) if at is None else [stored_step(at, len(found), file)]
     rows = [row for k in chosen for row in _rows(k, found[k - 1], names, lowest)]
     if as_json:
         keys = ("step", "mode", "real", "imag", "modulus", "frequency", "damping", "dof", "stored")
@@ -65,40 +58,33 @@ def command(
     elif csv_file is not None:
         put_rows(environment, csv_file, HEADS, rows)
     else:
-        from spacar_formats.log.text_layout import table
-
         clean = {k: without_rounding(found[k - 1].values) for k in chosen}
-        printed = [
-            (*row[:2], float(clean[row[0]][row[8] - 1].real), float(clean[row[0]][row[8] - 1].imag), *row[4:8])
-            for row in rows
-        ]
+        exact = [complex(clean[row[0]][row[8] - 1]) for row in rows]
+        printed = [(*row[:2], v.real, v.imag, *row[4:8]) for row, v in zip(rows, exact, strict=True)]
         for line in table(HEADS[:8], printed):
             environment.say(line)
     if output:
-        _pictures(environment, file, [found[k - 1] for k in chosen], list(chosen), against, output)
+        _pictures(environment, file, [found[k - 1] for k in chosen], chosen, against, output)
 
 
 def _rows(step: int, vibration: Vibration, names: list[str], lowest: int | None) -> list[tuple]:
     """Rows of the table in the order in which modes are shown; the last column is where the value is stored."""
-    from spacar_formats.vibration import mode_numbers, shown_order
 
     values, damping, dominant = vibration.values, vibration.damping, vibration.dominant(names)
     order = shown_order(values)
     numbers = mode_numbers(values, order)
-    return [
-        (
-            step, number, float(values[i].real), float(values[i].imag), float(abs(values[i])),
-            float(abs(values[i])) / 6.283185307179586, float(damping[i]), dominant[i] if dominant else "", i + 1,
-        )
-        for i, number in list(zip(order, numbers, strict=True))[:lowest]
-    ]
+    rows = []
+    for i, number in list(zip(order, numbers, strict=True))[:lowest]:
+        re, im, size = float(values[i].real), float(values[i].imag), float(abs(values[i]))
+        dof = dominant[i] if dominant else ""
+        rows.append((step, number, re, im, size, size / (2 * math.pi), float(damping[i]), dof, i + 1))
+    return rows
 
 
 def _pictures(
     environment: Environment, file: str, steps: list[Vibration], numbers: list[int], against: str | None,
     output: tuple[Path, ...],
 ) -> None:  # fmt: skip
-    from spacar_drawing.frequency_pictures import root_figure
 
     check_stills(output)
     across: np.ndarray = np.array([s.t for s in steps])

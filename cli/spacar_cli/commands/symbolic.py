@@ -64,9 +64,10 @@ def _derived(environment: Environment, model: SymbolicModel, strategy: str) -> S
 @click.pass_obj
 def check(environment: Environment, model: Path) -> None:
     """Read MODEL and say what it contains; nothing is derived."""
+    read = _read(model)
     from spacar_cli.symbolic_text import description
 
-    for line in description(_read(model)):
+    for line in description(read):
         environment.say(line)
 
 
@@ -84,9 +85,9 @@ def derive(environment: Environment, model: Path, strategy: str, notation: str |
 
     The default is vector notation for the held strategy and the program for the recursive one.
     """
+    read = _read(model)
     from spacar_cli.symbolic_text import equations_text
 
-    read = _read(model)
     notation = notation or ("held" if strategy == "held" else "program")
     environment.say(equations_text(read, _derived(environment, read, strategy), notation, form))
 
@@ -168,9 +169,10 @@ def simulate(
     compile: bool, plot: tuple[str, ...], equations: bool, strategy: str, wait: bool, **wishes: Any,
 ) -> None:  # fmt: skip
     """Simulate MODEL; writes NAME.log and NAME.sbd beside it."""
+    read = _read(model)
     from spacar_cli.symbolic_run import simulate_model
 
     wishes |= {"time": duration, "steps": n_steps}
-    lines = simulate_model(_read(model), strategy, assignments, wishes, compile, plot, equations, wait)
+    lines = simulate_model(read, strategy, assignments, wishes, compile, plot, equations, wait)
     for line in lines:
         environment.wrote(line)
