@@ -1,5 +1,5 @@
-"""Frequency response C (j omega - A)^-1 B + D of a step of an `.ltv` result; of a large model
-by `spacar.linearization.sparse_response`."""
+"""Frequency response C (j omega - A)^-1 B + D of a step of an `.ltv` result; of a large model by
+`spacar.linearization.sparse_response`."""
 
 import numpy as np
 

@@ -180,8 +180,8 @@ def lost_pairs(
     lost, found = ~(residual <= NO_DIGIT), ~np.isnan(theta)
     if not found.all():
         report.add(
-            f"warning: {int((~found).sum())} of {len(theta)} {what} are not found (nan): too many lie close together,"
-            " as those of strong damping in proportion to stiffness do; MODES 0 asks for all of them"
+            f"warning: {int((~found).sum())} of {len(theta)} {what} are not found (nan): the search does not converge,"
+            " as where many lie close together (strong damping in proportion to stiffness); MODES 0 asks for all"
         )
     advice = "MODES 0 asks for all of them"
     if lost[found].any():

@@ -47,7 +47,7 @@ from spacar.linear_systems import SingularMatrixError
 from spacar.linear_systems.linear_system import zero_matrix
 from spacar.linearization.coefficients import Coefficients
 from spacar.linearization.sparse_linearization import SparseLinearization
-from spacar.stationary.stationary_equations import SINGULAR
+from spacar.stationary.stationary_equations import require_digits
 from spacar.stationary.tangent import STATIC, SparseTangent
 
 MOST = 8  # times the wanted multipliers, among which real ones are looked for
@@ -103,7 +103,7 @@ def _stiffness_in_motion(tangent: SparseTangent, c: Coefficients, shift: float) 
     """The same with the stiffness that user functions state. Raises SingularMatrixError."""
     from spacar.linear_systems.sparse_factors import SparseFactors
 
-    d, size = tangent.dynamics, tangent.flexibility.size
+    d = tangent.dynamics
     nx, ne = d.numbering.nx, d.numbering.ne
     still, none = zero_matrix((ne, nx)), zero_matrix((nx, nx))
     alone = replace(
@@ -111,20 +111,30 @@ def _stiffness_in_motion(tangent: SparseTangent, c: Coefficients, shift: float) 
         geometric=shift * c.geometric, load_x=shift * c.load_x,
     )  # fmt: skip
     system = SparseLinearization(d, (), ()).once(alone)
-    first, n = system.n_states, system.A.shape[0]
+    A, at = system.shifted(0.0), system.n_states
+    n = A.shape[0]
     try:
-        factors = SparseFactors(system.shifted(0.0))
+        factors = SparseFactors(A)
     except RuntimeError:
         raise SingularMatrixError("the stiffness is singular") from None
 
     def displacement(force: Array, refined: bool = True) -> Array:
         right = np.zeros((n, force.shape[1]))
-        right[first + tangent.F] = -force[tangent.F]
-        return np.asarray(factors.solve(right)[first + nx : first + 2 * nx])
+        right[at + tangent.F] = -force[tangent.F]
+        return np.asarray(factors.solve(right)[at + nx : at + 2 * nx])
 
-    growth = float(np.abs(displacement(np.full((nx, 1), size))).max(initial=0.0))
-    if not growth < SINGULAR:
-        raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
+    moved = at + nx + tangent.F  # the unknowns that tell whether digits are left, first
+    order = np.concatenate((moved, np.setdiff1d(np.arange(n), moved)))
+    probe = np.zeros(n)
+    probe[at + tangent.F] = tangent.flexibility.size
+
+    def solve(b: Array) -> Array:
+        return np.asarray(factors.solve(b[:, None])[order, 0])
+
+    def rounding(z: Array) -> Array:
+        return np.asarray(backward_error.EPS * (abs(A[:, order]) @ np.abs(z)))
+
+    require_digits(solve, rounding, solve(probe), len(moved))
     return displacement
 
 
@@ -225,7 +235,7 @@ def _modes(
     def operator(z: Array) -> Array:
         return -solve(loading @ z, refined=not symmetric)
 
-    values, vectors, real = _real_first(tangent, unknowns, operator, wanted, symmetric)
+    values, vectors, real = _largest_real(tangent, unknowns, operator, wanted, symmetric)
     if symmetric:
         z = real_vectors(values, vectors)
         force = loading @ z
@@ -253,11 +263,11 @@ def _modes(
     return BucklingModes(multipliers[order], modes / size, x / size)
 
 
-def _real_first(
+def _largest_real(
     tangent: SparseTangent, unknowns: _Unknowns, operator: Operator, wanted: int, symmetric: bool
 ) -> tuple[Complex, Complex, NDArray[np.bool_]]:
     """The largest eigenvalues with their vectors, and which are real: `wanted` of these, if there are as many among
-    MOST times the `wanted` largest."""
+    the MOST times as many largest."""
     n = tangent.dynamics.numbering.nddof + unknowns.m
     count = wanted
     while True:
@@ -265,8 +275,8 @@ def _real_first(
         start = np.vstack((start, np.zeros((unknowns.m, start.shape[1]))))
         values, vectors = dominant(operator, start, count, n)
         # a double value is known to half of the digits
-        turned = np.abs(values.imag) > np.sqrt(backward_error.rounding(len(vectors))) * np.abs(values)
-        real = symmetric | ~turned
+        unreal = np.abs(values.imag) > np.sqrt(backward_error.rounding(len(vectors))) * np.abs(values)
+        real = symmetric | ~unreal
         if real.sum() >= wanted or count >= min(MOST * wanted, n):
             return values, vectors, real
         count = min(2 * count, n)

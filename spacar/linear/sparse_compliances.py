@@ -11,12 +11,12 @@ from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.linear_systems import LinearSystem, SingularMatrixError
 from spacar.stationary.solution import StationarySolver
+from spacar.stationary.stationary_equations import require_digits
 from spacar.stationary.tangent import STATIC, SparseTangent
 
 if TYPE_CHECKING:
     from spacar.linear_systems.banded import BandedSystem
     from spacar.linear_systems.condensed import CondensedSystem
-    from spacar.stationary.moving_tangent import MovingTangent
 
 COLUMNS = 256  # right-hand sides at once
 
@@ -40,12 +40,12 @@ def compliances_in_motion(solver: StationarySolver) -> Array:
     n = d.numbering
     out = np.zeros(n.nx)
     try:
-        equations, tangent = solver.factorized()
+        q, tangent = solver.factorized()
+        require_digits(tangent.solve, tangent.rounding, tangent.solve(q.probe), q.nf)
     except SingularMatrixError:
         out[np.r_[n.x_class["calculable"], n.x_class["dynamic"]]] = np.inf
         return out
-    system = cast("MovingTangent", tangent).system
-    out[equations.F] = _leading_inverse_diagonal(system, equations.nf, d)
+    out[q.F] = _leading_inverse_diagonal(tangent.system, q.nf, d)
     return out
 
 

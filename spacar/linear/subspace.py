@@ -65,13 +65,12 @@ def dominant(
                 break
         found, vectors = _arnoldi(operator, Q, start[:, first], count, within)
         new = np.abs(found) > (1.0 + ALIKE) * least
-        if not new.any():  # or values lie so close together that none converges
+        if new.any():
+            Q, image = _extended(operator, Q, image, vectors[:, new])
+            theta, z = _ritz(Q, image, wanted)
+            least = float(np.abs(theta[-1])) if len(theta) == wanted else 0.0
+        if (within == ROUGH and len(theta)) or (first and not new.any()):  # or none converges
             break
-        Q, image = _extended(operator, Q, image, vectors[:, new])
-        theta, z = _ritz(Q, image, wanted)
-        if within == ROUGH:
-            break
-        least = float(np.abs(theta[-1])) if len(theta) == wanted else 0.0
         count = max(1, wanted // 4)
     missing = min(wanted, rank) - len(theta)
     return np.append(theta, [np.nan] * missing), np.hstack((z, start[:, :missing]))

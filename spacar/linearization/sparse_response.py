@@ -7,8 +7,9 @@ states:
 
 In the space that Arnoldi's method builds from T and z0 (E. J. Grimme, Krylov projection methods for model reduction,
 thesis, University of Illinois, 1997), z = V c with (I - (s - s0) H) c = |z0| e1 and a residual of |s - s0| h |c_m|, h
-the next entry of H. A frequency is answered when the residual is below CONVERGED |z0| and the last steps have not
-changed y; the others have the same again, about the middle of those below and of those above omega0.
+the next entry of H. A frequency is answered when the residual is below CONVERGED |z0|, near the rounding of a solution
+of its own; the others have the same again, about the middle of those below and of those above omega0. Poles are known
+to rounding of T: within some 1e-9 of one that is not damped the response is large, but has no digits.
 """
 
 from collections.abc import Callable
@@ -19,10 +20,9 @@ from numpy.typing import NDArray
 from spacar.arrays import Array, Index
 from spacar.linearization.descriptor import EPS, DescriptorSystem
 
-STEPS = 10  # of Arnoldi's method between two looks at the outputs
+STEPS = 10  # of Arnoldi's method between two looks at the residuals
 MOST = 60  # steps about one frequency
-CONVERGED = 1e-10  # residual over |z0|
-UNCHANGED = 1e-9  # relative change of an output in the last STEPS
+CONVERGED = 1e-13  # residual over |z0|
 
 Complex = NDArray[np.complex128]
 
@@ -84,7 +84,7 @@ def _outputs(
     V, H = np.zeros((n, MOST), complex), np.zeros((MOST + 1, MOST), complex)
     moved = np.zeros((len(base), MOST), complex)
     right, beyond = np.zeros((len(y0), 1), complex), start
-    for m in range(1, min(MOST, n) + 1):
+    for m in range(1, min(MOST, n, STEPS * (1 + len(y))) + 1):  # few frequencies are soon answered one by one
         V[:, m - 1] = z / beyond
         right[:n, 0] = V[:, m - 1] / scale
         w = solve(right)[:, 0]
@@ -103,9 +103,8 @@ def _outputs(
             c = np.linalg.solve(np.eye(m) - distance[:, None, None] * H[:m, :m], first)[:, :, 0]
         except np.linalg.LinAlgError:  # one of them is an eigenvalue
             break
-        before, y = y, base + distance[:, None] * (c @ moved[:, :m].T)
-        residual = np.abs(distance) * beyond * np.abs(c[:, -1])
-        known = (residual <= CONVERGED * start) & (np.abs(y - before) <= UNCHANGED * np.abs(y)).all(axis=1)
+        y = base + distance[:, None] * (c @ moved[:, :m].T)
+        known = np.abs(distance) * beyond * np.abs(c[:, -1]) <= CONVERGED * start
         if whole or known.all():
             return y, known | whole
     return y, known

@@ -17,15 +17,13 @@ from spacar.arrays import Array
 from spacar.deck.directed import STEP, nothing_lost
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError
-from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 from spacar.sensitivities.directed_elements import DirectedElements
 from spacar.stationary import LoadLevel, StationarySolver
 from spacar.stationary.moving_tangent import MovingTangent
-from spacar.stationary.newton import digits_left
 from spacar.stationary.singular import minimum_norm_solutions
-from spacar.stationary.stationary_equations import SINGULAR, StationaryEquations, Tangent
+from spacar.stationary.stationary_equations import StationaryEquations, Tangent, require_digits
 
 
 @dataclass(frozen=True)
@@ -192,12 +190,11 @@ def _solutions(tangent: Tangent, rights: list[Array], size: float, nf: int, leve
     probe[:nf] = size * (1.0 + np.arange(nf) / max(nf, 1))
     try:
         solutions = np.asarray(tangent.solve(np.column_stack([*rights, probe])))
+        require_digits(tangent.solve, tangent.rounding, solutions[:, -1], nf)
     except SingularMatrixError as error:
         raise _critical(level, error) from None
-    growth = largest(solutions[:nf, -1])
-    kept = growth < SINGULAR or digits_left(tangent, solutions[:, -1], nf)
-    if not (kept and np.isfinite(solutions).all()):
-        raise _critical(level, f"growth {growth:.2g}")
+    if not np.isfinite(solutions).all():
+        raise _critical(level, "numbers that are not finite")
     return solutions[:, :-1]
 
 

@@ -31,18 +31,17 @@ from spacar.arrays import Array
 from spacar.errors import AnalysisError
 from spacar.kinematics.kinematics import LARGEST_JUMP, largest
 from spacar.linear_systems import SingularMatrixError
-from spacar.linear_systems.reciprocal_condition import lost
 from spacar.stationary.singular import minimum_norm
 from spacar.stationary.stationary_equations import (
     FLOOR,
     NO_DIGITS,
-    SINGULAR,
     SPREAD,
     Astray,
     Iterate,
     Prescribed,
     StationaryEquations,
     Tangent,
+    require_digits,
 )
 
 FORCES = 1e-9  # out-of-balance work / work of the forces in it
@@ -176,20 +175,11 @@ def correction(
     if more is not None:
         b[:, 3] = more
     solution = tangent.solve(b)
-    size = np.abs(solution[: q.nf])
-    growth = largest(size[:, 2])
-    if not growth < SINGULAR and not digits_left(tangent, solution[:, 2], q.nf):
-        raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
-    noise = largest(size[:, 1] / q.free_scale)
+    require_digits(tangent.solve, tangent.rounding, solution[:, 2], q.nf)
+    noise = largest(solution[: q.nf, 1] / q.free_scale)
     if not noise < NO_DIGITS:
         raise SingularMatrixError(f"rounding errors move the solution by {noise:.2g} model lengths or rad")
     return (solution[:, 0] if more is None else solution[:, [0, 3]]), noise
-
-
-def digits_left(tangent: Tangent, z: Array, nf: int) -> bool:
-    """Is the solution z (n,) more than rounding of the entries of the tangent? Displacements of soft, finely divided
-    models are large without being wrong."""
-    return bool(np.isfinite(z).all()) and lost(tangent.solve, tangent.rounding(z), z, nf) < NO_DIGITS
 
 
 @dataclass(frozen=True)

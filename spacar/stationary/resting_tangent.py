@@ -40,7 +40,7 @@ class RestingTangent:
         return [p for p in loading if len(p.keep)]
 
     @cached_property
-    def _system(self) -> LinearSystem:
+    def system(self) -> LinearSystem:
         return self.t.static_system()
 
     def entries(self, point: Iterate) -> Array:
@@ -52,11 +52,11 @@ class RestingTangent:
 
     def factor(self, point: Iterate) -> None:
         """Raises SingularMatrixError."""
-        self._system.factor(self.entries(point))
+        self.system.factor(self.entries(point))
 
     def solve(self, right: Array) -> Array:
         """Solution for right-hand sides (n,) or (n, k). Raises SingularMatrixError (dense storage factors here)."""
-        return self._system.solve(right)
+        return self.system.solve(right)
 
     def along(self, dx: Array) -> Array:
         """The matrix times a change dx (nx,) of prescribed coordinates, (n,). The gradient of the loads is left out."""
@@ -98,7 +98,7 @@ class RestingTangent:
 
     def is_definite(self, point: Iterate) -> bool:
         """Is it proved that no eigenvalue of the tangent stiffness is negative at the point where the sweep is?"""
-        if self._system.kind == "condensed":
+        if self.system.kind == "condensed":
             return self._counted(point) == self.t.ne
         if self._definite is None:
             self._definite = DefiniteStiffness(self.t)
@@ -110,20 +110,20 @@ class RestingTangent:
             self.factor(point)
         except SingularMatrixError:
             return None
-        return cast("CondensedSystem", self._system).negative()
+        return cast("CondensedSystem", self.system).negative()
 
     def sign(self) -> float:
         """Sign of the determinant of the tangent stiffness."""
         # The mixed matrix has one negative eigenvalue more for every stress.
-        return self._system.determinant_sign() * (-1.0) ** self.t.ne
+        return self.system.determinant_sign() * (-1.0) ** self.t.ne
 
     def inertia(self, point: Iterate) -> tuple[int, int]:
         """Negative and zero eigenvalues of the matrix at the point where the sweep is."""
-        if self._system.kind == "condensed":
+        if self.system.kind == "condensed":
             negative = self._counted(point)
             if negative is not None:
                 return negative, 0
         if self._inertia is None:
-            rank = getattr(self._system, "row_rank", None)  # of band storage
+            rank = getattr(self.system, "row_rank", None)  # of band storage
             self._inertia = Inertia(self.t.nf + self.t.ne, *self.t.pattern(tuple(STATIC)), rank)
         return self._inertia(self.entries(point))

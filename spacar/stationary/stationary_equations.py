@@ -22,6 +22,7 @@ from the law).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import isfinite
 from typing import NamedTuple, Protocol
@@ -32,6 +33,8 @@ from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.saddle_point import free_coordinates
 from spacar.kinematics.kinematics import largest
+from spacar.linear_systems import LinearSystem, SingularMatrixError
+from spacar.linear_systems.reciprocal_condition import lost
 from spacar.linearization.user_derivatives import UserDerivatives, user_derivatives
 from spacar.mechanism.mechanism import UserForces
 from spacar.stationary.flexibility import Flexibility
@@ -235,8 +238,23 @@ NO_DIGITS = 1e-4
 SPREAD = 10.0  # largest effect of rounding errors over that of one sample of their signs, which are not known
 
 
+def require_digits(solve: Callable[[Array], Array], rounding: Callable[[Array], Array], z: Array, nf: int) -> None:
+    """Raises SingularMatrixError where z (n,), the solution under forces of the size of the stiffness, is rounding.
+
+    Displacements of soft, finely divided models are large without being wrong: above SINGULAR it is asked whether
+    `rounding` of the entries, eps |matrix| |z|, changes the first nf unknowns by NO_DIGITS.
+    """
+    growth = largest(z[:nf])
+    if not growth < SINGULAR and not (np.isfinite(z).all() and lost(solve, rounding(z), z, nf) < NO_DIGITS):
+        raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
+
+
 class Tangent(Protocol):
     """The matrix of the corrections; unknowns x_F, then sigma / size."""
+
+    @property
+    def system(self) -> LinearSystem:
+        """Its factors, of a large model."""
 
     @property
     def exact(self) -> bool: ...

@@ -24,13 +24,13 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import moment_gradient
-from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
-from spacar.linear_systems.reciprocal_condition import entry_rounding, lost
+from spacar.linear_systems import LinearSystem, assemble
+from spacar.linear_systems.reciprocal_condition import entry_rounding
 from spacar.linearization.coefficients import configuration_of, geometric_blocks
 from spacar.mechanism.mechanism import Batch
 from spacar.stationary.flexibility import Flexibility, squares
 from spacar.stationary.loading import is_tube
-from spacar.stationary.stationary_equations import NO_DIGITS, SINGULAR
+from spacar.stationary.stationary_equations import require_digits
 
 if TYPE_CHECKING:
     from spacar.linear_systems.banded import BandedSystem
@@ -137,11 +137,8 @@ class SparseTangent:
         probe = np.zeros(self.nf + self.ne)
         probe[: self.nf] = size  # a load of the size of the stiffness on all coordinates
         z = system.solve(probe)
-        growth = float(np.max(np.abs(z[: self.nf]), initial=0.0))
-        if not growth < SINGULAR:
-            rounding = entry_rounding(len(z), *self.pattern(tuple(weights)), entries, z)
-            if not lost(system.solve, rounding, z, self.nf) < NO_DIGITS:
-                raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
+        names = tuple(weights)
+        require_digits(system.solve, lambda z: entry_rounding(len(z), *self.pattern(names), entries, z), z, self.nf)
         return system
 
     def pattern(self, names: tuple[str, ...]) -> tuple[Index, Index]:
