@@ -90,16 +90,31 @@ HINGED = blade(12).replace("ESTIFF 1 2e5 1.5", "ESTIFF 1 2e5 0.").replace("XF 25
 HINGED = "\n".join(line for line in HINGED.splitlines() if not line.startswith("EDAMP"))
 AT_REST = MODELS["blade"].replace("INPUTX 2 1 0. 10.0 0.\n", "").replace("XF 13 0.", "XF 13 -1.")
 PUSH = """
+def spring(t, ne, le, e, ep, nx, lnp, x, xp):
+    return t, [[1, 2, -3 * e[le[0, 1]]]], []
+
 def push(t, ne, le, e, ep, nx, lnp, x, xp):
     a, bent = x[lnp[13, 0]], le[0, 1]
     return t, [[1, 2, -3 * e[bent] - e[bent] ** 3]], [[13, 1, -0.5 * math.cos(a)], [13, 2, -0.5 * math.sin(a)]]
 """
 
 
+def spatial_blade(n: int) -> str:
+    """In the angle measure, whose beams have a twist gradient of their own; it turns with its hub about z."""
+    rows, before = ["HINGE 1 2 3 0 0 1 FIX 1 FIX 2 INPUTE 1 1 X 1 0.1 0. 0."], "1 3"
+    for k in range(1, n + 1):
+        p = 2 * k + 2
+        rows.append(f"BEAM {k + 1} {before} {p} {p + 1} 0 0 1 DYNE {k + 1} 1 2 3 4 5 6 X {p} {0.1 + k / n:.9g} 0. 0.")
+        before = f"{p} {p + 1}"
+    rows += ["ADEFORM", "END HALT"] + [f"EM {k} 0.1 1e-5 1e-5 ESTIFF {k} 2e5 1. 1.5 1.2" for k in range(2, n + 2)]
+    return "\n".join([*rows, "INPUTE 1 1 0. 10. 0.", f"XF {p} 0. -0.1 0.1", "ITERSTEP 20 3 1e-8", "END END"])
+
+
 @pytest.mark.parametrize(
     "model",
     [
         pytest.param(MODELS["blade"], id="motion"),
+        pytest.param(spatial_blade(6), id="spatial motion, angle measure"),
         pytest.param(MODELS["crankfl"], id="crank"),
         pytest.param(HINGED, id="without stiffness"),
         pytest.param(AT_REST.replace("XF", "MEE 3 2 0.01\nXF"), id="inertia of deformations"),
@@ -122,6 +137,21 @@ def test_few_modes_of_a_large_model(model, monkeypatch, tmp_path):
     assert large.matrices["eigxre"].shape[1] == 4
     np.testing.assert_allclose(large.matrices["lmult"], dense.matrices["lmult"][:2], rtol=1e-8)
     np.testing.assert_allclose(large.xcompl, dense.xcompl, rtol=1e-9, atol=1e-11 * dense.xcompl.max())
+
+
+def test_compliances_are_infinite_where_the_stiffness_is_singular(monkeypatch, tmp_path):
+    """The last beam of a blade with a user function does not resist bending: nothing holds its end."""
+    (tmp_path / "spring.py").write_text(PUSH)
+    model = AT_REST.replace("ESTIFF 6 2e5 1.5", "ESTIFF 6 2e5 0.").replace("XF 13 -1. -0.2", "USERSIG spring")
+    file = tmp_path / "model.dat"
+    file.write_text(model)
+    dense = spacar.run(10, file, modes=0).frames[-1].xcompl
+    monkeypatch.setattr(form, "LARGE", 0)
+    monkeypatch.setattr(form, "SHARE", 1)
+    monkeypatch.setattr(moving_tangent, "DENSE_LIMIT", 0)
+    large = spacar.run(10, file, modes=2).frames[-1].xcompl
+    assert np.isinf(large[np.isinf(dense)]).all()
+    assert np.isinf(dense).any()
 
 
 def test_modes_that_accumulate_end_the_search(monkeypatch):
