@@ -2,14 +2,18 @@
 
 An error becomes lines on standard error and an exit status (input-language.md section 10, messages.md). An exception
 cannot leave a destructor or the callback of a weak reference: Python prints a traceback and goes on. A Ctrl-C that
-falls into one, which happens in large garbage collections, would be ignored. It is repeated soon after.
+falls into one, which happens in large garbage collections, would be ignored. It is repeated soon after. Compiled code
+of a library may turn a Ctrl-C into an error of its own (pybind11 does): an unexpected error behind one is an
+interruption.
 """
 
 import contextlib
 import io
 import os
+import signal
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from enum import IntEnum
@@ -21,26 +25,37 @@ SOON = 0.01  # seconds: such callbacks take microseconds
 
 
 @contextmanager
-def lasting() -> Iterator[None]:
-    """Repeat interruptions that callbacks of the interpreter swallow."""
-    before = sys.unraisablehook
+def lasting() -> Iterator[Callable[[], bool]]:
+    """Repeat interruptions that callbacks of the interpreter swallow; yields whether there was one."""
+    before, handler = sys.unraisablehook, signal.getsignal(signal.SIGINT)
+    interrupted = False
+
+    def interrupt(number: int, frame: Any) -> None:
+        nonlocal interrupted
+        interrupted = True
+        if callable(handler):
+            handler(number, frame)
 
     def again(unraisable: Any) -> None:
         if unraisable.exc_type is not KeyboardInterrupt:
             before(unraisable)
             return
         import _thread
-        import threading
 
         timer = threading.Timer(SOON, _thread.interrupt_main)
         timer.daemon = True
         timer.start()
 
     sys.unraisablehook = again
+    ours = callable(handler) and threading.current_thread() is threading.main_thread()
+    if ours:
+        signal.signal(signal.SIGINT, interrupt)
     try:
-        yield
+        yield lambda: interrupted
     finally:
         sys.unraisablehook = before
+        if ours:
+            signal.signal(signal.SIGINT, handler)
 
 
 RED, YELLOW = "31", "33"

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import click
 
 import spacar
-from spacar.errors import UsageError
+from spacar.errors import SpacarError, UsageError
 from spacar.modes import MODES
 from spacar_cli.command_table import COMMANDS, OF_THE_MANUAL
 from spacar_cli.environment import (
@@ -139,7 +139,7 @@ def main(arguments: Sequence[str] | None = None, environment: Environment | None
         words = [word for word in words if word != "--debug"]
     else:
         warnings.simplefilter("ignore")  # of libraries; ours are messages
-    with redirect_stdout(env.stdout), redirect_stderr(env.stderr), lasting():
+    with redirect_stdout(env.stdout), redirect_stderr(env.stderr), lasting() as interrupted:
         try:
             if any("\0" in word for word in words):
                 raise UsageError("a word of the command line has a zero byte in it", "usage")
@@ -170,6 +170,9 @@ def main(arguments: Sequence[str] | None = None, environment: Environment | None
                 return ExitStatus.FAILED
             if env.debug:
                 raise
+            if interrupted() and not isinstance(error, (SpacarError, OSError, MemoryError)):
+                tell(env, "error", "interrupted")
+                return ExitStatus.INTERRUPTED
             return tell_error(env, error)
 
 

@@ -1,5 +1,7 @@
 """Help, version, colours, streams, and what happens to errors that nobody expected."""
 
+import contextlib
+import signal
 from importlib import import_module
 
 import click
@@ -88,6 +90,18 @@ def test_an_unexpected_error_is_one_line_and_a_traceback_only_with_debug(call, m
     assert "ZeroDivisionError: nobody thought of this [internal]" in (tmp_path / "crank.log").read_text()
     with pytest.raises(ZeroDivisionError):
         call("1", "--debug", "crank")
+
+
+def test_an_interrupt_that_a_library_turns_into_an_error_of_its_own(call, monkeypatch):
+    def compiled(*_, **__):  # as pybind11: matplotlib then says "Invalid bounding box"
+        with contextlib.suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+        raise ValueError("Invalid bounding box")
+
+    call("0", "crank")
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", compiled)
+    done = call("draw", "crank", "-o", "a.png")
+    assert (done.status, done.err) == (130, "error: interrupted\n")
 
 
 def test_an_interrupt_before_the_first_step(call, monkeypatch, tmp_path):

@@ -44,7 +44,7 @@ def impatient() -> Iterator[None]:
 
     def interrupt(*_: object) -> None:
         signal.setitimer(signal.ITIMER_PROF, 0.5)  # again: a library may swallow one
-        raise KeyboardInterrupt
+        signal.raise_signal(signal.SIGINT)
 
     before = signal.signal(signal.SIGPROF, interrupt)
     signal.setitimer(signal.ITIMER_PROF, PATIENCE)
