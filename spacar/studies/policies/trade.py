@@ -1,6 +1,6 @@
 """The rows of a trade against a reference: which settings that has, how good it is, the errors of all others.
 
-The reference is computed by two methods at a tight tolerance, and by three meshes when meshes are compared, which are
+The reference is computed by two methods at a tight tolerance, and by four meshes when meshes are compared, which are
 extrapolated (`spacar.studies.runs.extrapolation`); what is known of its error counts as error of every other setting.
 """
 
@@ -51,7 +51,7 @@ class Reference:
 def reference_setups(
     trade: Trade, elements: Sequence[int], smallest: float, methods: Sequence[int] = REFERENCE_METHODS
 ) -> list[Setup]:
-    """Setups of the reference: two methods at a tight tolerance, and three meshes when meshes are compared.
+    """Setups of the reference: two methods at a tight tolerance, and four meshes when meshes are compared.
 
     `smallest` error (or tolerance) of the study; the reference gets a hundredth of it. Raises UsageError.
     """
@@ -59,8 +59,9 @@ def reference_setups(
         raise UsageError("the reference takes two different methods with variable step", "usage.trade")
     tight = max(REFERENCE_MARGIN * smallest, REFERENCE_TOLERANCE)
     codes = [None] if trade.stationary else list(methods)
-    finest = 4 * -(-2 * max(elements) // 4)
-    meshes = [finest, finest // 2, finest // 4] if len(set(elements)) > 1 or trade.stationary else [elements[0]]
+    several = len(set(elements)) > 1 or trade.stationary
+    coarsest = -(-max(elements) // 4)
+    meshes = [k * coarsest for k in (8, 4, 2, 1)] if several else [elements[0]]
     found = []
     for mesh in meshes:
         for code in codes[: 2 if mesh == meshes[0] else 1]:

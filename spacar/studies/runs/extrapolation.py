@@ -1,12 +1,20 @@
-"""Richardson's extrapolation over meshes with ..., n, 2n, 4n elements a beam.
+"""Richardson's extrapolation over meshes with n, 2n, 4n elements a beam.
 
-For an error c h^p + d h^(p+2) + ... steps of extrapolation are made with the factors 2^p, 2^(p+2) ... (Romberg). Every
-variable has the order that it shows, 2^p = |u_n - u_2n| / |u_2n - u_4n| in the norm of the study, taken as 2 or 4, the
-orders of beams of this kind, if it is close to one of them. As many meshes count as show the same order one after the
-other. The error estimate is the smallest last step of the extrapolation, from the second one on: an upper estimate
-while the expansion holds. What an accidental order could gain is bounded by
-GAINED for each three meshes that show it, once more if all variables share it.
-A variable without an order has the value of the finest mesh, with the last difference as error.
+The error of a mesh is c h^2 + d h^4 + e h^6 + ..., in the angle measure with a small or no c: differences of coarse
+meshes then show order 4, and c is what is left. Every variable has the order p = 2 or 4 that it shows,
+2^p = |u_n - u_2n| / |u_2n - u_4n| in the norm of the study, and the value
+
+    v = u_4n + (u_4n - u_2n)/(2^p - 1).
+
+What the other orders leave in it is seen by the extrapolation of all three meshes with orders 2 and 4 (Romberg), w:
+
+    p = 4:  v errs by 0.8 c h^2 - 3.2 e h^6,  w - v = -0.8 c h^2 + 67 e h^6
+    p = 2:  v errs by -4 d h^4 - 20 e h^6,    w - v = 4 d h^4 + 84 e h^6
+
+so that MARGIN |w - v| is between MARGIN and 21 MARGIN times the error. Three meshes before the asymptotic range may
+show order 2 where it is 4: until a fourth mesh shows it again the error is at least DOUBT of the last difference; then
+v is w, and w that of four meshes with orders 2, 4, 6. A variable without an order has the value of the finest mesh,
+with the last difference as error.
 """
 
 from collections.abc import Sequence
@@ -17,10 +25,10 @@ import numpy as np
 
 from spacar.arrays import Array
 
-ORDERS = (2, 4)
 CLOSE = 0.6  # between observed and theoretical order
 ROUNDING = 1e-13  # differences below cannot tell an order
-GAINED = 0.02  # error of an extrapolated variable over the last difference, at least
+MARGIN = 1.3  # of the estimate over the difference of two extrapolations
+DOUBT = 0.1  # least error over the last difference, where order 2 shows for the first time
 
 
 @dataclass(frozen=True)
@@ -46,29 +54,39 @@ def extrapolate(meshes: Sequence[Array], amplitude: Array) -> Extrapolation:
     """Values (variables, steps) of two meshes or more, each twice as fine as the one before; amplitude (variables,)."""
 
     def size(v: Array) -> Array:
-        return np.asarray(np.max(np.abs(v), axis=1, initial=0.0))
+        return np.asarray(np.max(np.abs(v), axis=1, initial=0.0) / amplitude)
 
-    differences = [size(b - a) / amplitude for a, b in pairwise(meshes)]
-    found = np.zeros((len(meshes) - 2, len(amplitude)), int)
-    for row, (first, second) in zip(found, pairwise(differences), strict=True):
-        told = (second > ROUNDING) & (first > 0.0)
-        seen = np.log2(np.where(told, first, 1.0) / np.where(told, second, 1.0))
-        for p in ORDERS:
-            row[told & (np.abs(seen - p) <= CLOSE)] = p
-    values, errors = meshes[-1].copy(), differences[-1].copy()
-    order = found[-1] if len(found) else np.zeros(len(amplitude), int)
-    often = np.cumprod(found[::-1] == order, axis=0).sum(axis=0) if len(found) else order
-    shared = len(order) > 1 and len(set(order.tolist())) == 1
-    for p in ORDERS:
-        for k in range(1, len(found) + 1):
-            rows = np.flatnonzero((order == p) & (often == k))
-            table = [mesh[rows] for mesh in meshes[-k - 2 :]]
-            least = np.full(len(rows), np.inf)
-            for q in range(p, p + 2 * k + 1, 2):
-                before = table[-1]
-                table = [(2**q * b - a) / (2**q - 1) for a, b in pairwise(table)]
-                step = size(table[-1] - before) / amplitude[rows]
-                better = (step < least) & (q > p)
-                values[rows[better]], least[better] = table[-1][better], step[better]
-            errors[rows] = np.maximum(least, GAINED ** (k + shared) * differences[-1][rows])
-    return Extrapolation(values, errors, order)
+    differences = [size(b - a) for a, b in pairwise(meshes[-4:])]
+    none = np.zeros(len(amplitude), int)
+    before, order = [none, none, *(_orders(a, b) for a, b in pairwise(differences))][-2:]
+    values, last = meshes[-1].copy(), differences[-1]
+    errors = last.copy()
+    if order.any():
+        second = _romberg(meshes[-4:], 2)  # the finest of each level; the last one is not used unless seen again
+        fourth = _romberg(meshes[-2:], 4)[1]
+        again = (order == 2) & (before == 2)
+        for rows, value, other, least in (
+            (order == 4, fourth, second[2], 0.0),
+            ((order == 2) & ~again, second[1], second[2], DOUBT),
+            (again, second[2], second[-1], 0.0),
+        ):
+            values[rows] = value[rows]
+            errors[rows] = np.maximum(MARGIN * size(other - value), least * last)[rows]
+    return Extrapolation(values, np.minimum(errors, last), order)
+
+
+def _orders(first: Array, second: Array) -> Array:
+    """The order 2 or 4 that two differences show, one after the other; 0: none."""
+    told = (second > ROUNDING) & (first > 0.0)
+    seen = np.log2(np.where(told, first, 1.0) / np.where(told, second, 1.0))
+    return np.where(told & (np.abs(seen - 2) <= CLOSE), 2, np.where(told & (np.abs(seen - 4) <= CLOSE), 4, 0))
+
+
+def _romberg(meshes: Sequence[Array], order: int) -> list[Array]:
+    """The finest value of each level of the extrapolation with order, order + 2, ...; that of the mesh first."""
+    table, finest = list(meshes), [meshes[-1]]
+    while len(table) > 1:
+        table = [b + (b - a) / (2**order - 1) for a, b in pairwise(table)]
+        finest.append(table[-1])
+        order += 2
+    return finest

@@ -2,15 +2,14 @@
 
 With the error of step control in proportion to the tolerance (Hairer, Norsett, Wanner, "Solving Ordinary Differential
 Equations I", section II.4) the difference d_k = |u_k - u_(k-1)| of two runs is about the error of the looser one, and
-that of the tighter one d_k g_k, g_k = tau_k / tau_(k-1). What is gained is trusted only to its square root, and not at
-all when the differences do not fall:
+that of the tighter one d_k g_k, g_k = tau_k / tau_(k-1). What is gained is trusted only to its square root, of an
+implicit run, whose steps pass over what is fast, to the fourth root, and not at all when the differences do not fall:
 
-    e_k = max(d_k max(TRUSTED, sqrt(g_k)), ALIKE d_(k-1) g_(k-1) g_k) where d_k < d_(k-1), or of the first two runs,
-    e_k = d_k else, and never more
+    e_k = max(d_k max(TRUSTED, g_k^r), ALIKE d_(k-1) g_(k-1) g_k) where d_k < d_(k-1), or of the first two runs,
+    e_k = d_k else, and never more;  r = 1/2, 1/4
 
 Error norm and amplitudes: `spacar.studies.runs.error_norm`. The method chooses itself as long as it is implicit
-somewhere; tighter tolerances need that less. Of an implicit run nothing that is gained is trusted: what it passes over
-is not in proportion to the tolerance.
+somewhere; tighter tolerances need that less.
 
 The absolute error of a run is its tolerance times the largest motion of lengths or of rotations, the smaller one, or
 times the ratio of ERROR, whatever is less. The first run tells how large these are; when its absolute error turns out
@@ -126,8 +125,8 @@ class ToleranceLadder:
                 continue
             now.error = d = self.difference(now, before)
             gained = (now.attempt.tolerance or 1.0) / (before.attempt.tolerance or 1.0)
-            if d < last and not now.implicit:
-                now.error = d * max(TRUSTED, gained**0.5)
+            if d < last:
+                now.error = d * max(TRUSTED, gained ** (0.25 if now.implicit else 0.5))
                 if last < np.inf:
                     now.error = min(d, max(now.error, ALIKE * last * gained_before * gained))
             rounding = tolerance < ROUNDED and d < SMALL and d > max(STALLED, gained_before**0.5) * last
