@@ -2,6 +2,7 @@
 
     rigid beams      all, and each one by itself: their dynamic deformations fixed
     linear strain    LDEFORM for every flexible beam
+    planar           planar elements for a spatial model in the x-y plane
     merged nodes     pairs of alike beams in one line as one
     transfer output  OUTLEVEL 0 0, where the file asks for transfer functions
 
@@ -116,6 +117,7 @@ def variations(trade: Trade, setup: Setup) -> Iterator[tuple[str, str, Setup]]:
         linear, merged = replace(setup, strain="linear"), replace(setup, merged=True)
         found.append(("second-order terms of the deformations", f"LDEFORM {_list(beams)}", linear))
         found.append(("nodes between beams in one line", "one beam in the place of two", merged))
+    found.append(("motion out of the plane", "planar elements", replace(setup, planar=True)))
     if any(v for s in deck.of("OUTLEVEL") for v in s.values if isinstance(v, int)):
         found.append(("transfer functions in the output", "OUTLEVEL 0 0", replace(setup, transfer=False)))
     for what, how, simpler in found:
@@ -144,7 +146,9 @@ def simpler_deck(trade: Trade, best: Entry | None) -> Deck | None:
     setup = None if best is None else best.setup
     if setup is None:
         return None
-    plain = Setup(beams=setup.beams, strain=setup.strain, merged=setup.merged, transfer=setup.transfer)
+    plain = Setup(
+        beams=setup.beams, strain=setup.strain, planar=setup.planar, merged=setup.merged, transfer=setup.transfer
+    )
     return None if plain in (Setup(), Setup(beams="rigid")) else variant(trade.deck, plain)
 
 
@@ -153,7 +157,7 @@ def run_options(trade: Trade, setup: Setup) -> dict[str, str | int | float]:
     options: dict[str, str | int | float] = {}
     if setup.elements != 1 and setup.beams != "rigid":
         options["elements"] = setup.elements
-    if setup == replace(setup, beams="rigid", strain="full", merged=False, transfer=True):
+    if setup == replace(setup, beams="rigid", strain="full", planar=False, merged=False, transfer=True):
         options["rigid_beams"] = True
     if setup.measure:
         options["beams"] = setup.measure

@@ -4,15 +4,17 @@ These are the expressions that the user gives; without them coordinates in motio
 `spacar.studies.runs.result_quantities` says of the nodes that the user's model has.
 """
 
-from collections.abc import Mapping, Sequence
+import ast
+from collections.abc import Container, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.deck import Deck
+from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.errors import UsageError
+from spacar.expressions.grammar import VECTORS, X_NAMES, parse
 from spacar.mechanism import build
 from spacar.modes import find_mode
 from spacar.result import Result
@@ -28,10 +30,14 @@ def compared(
     deck: Deck, mode: int, variables: Sequence[Quantity], result: Result, fewer: bool = False
 ) -> Assessed:
     """The variables that count in a result of `deck` or of one with more nodes, or (`fewer`) with fewer: then those of
-    nodes that it does not have are nan. Raises UsageError."""
+    nodes that it does not have are nan, and all but coordinates in the plane when it is planar and the deck is not.
+    Raises UsageError."""
     if variables:
+        both = _common_coordinates(deck, result)
         values = np.full((len(variables), len(result.frames)), np.nan)
         for row, variable in zip(values, variables, strict=True):
+            if both is not None and not _made_of(variable, both):
+                continue
             with suppress(*[UsageError] * fewer):
                 row[:] = real_series(variable, result)
         return Assessed(tuple(v.name for v in variables), values, amplitudes(values, find_mode(mode).stationary))
@@ -45,6 +51,21 @@ def compared(
         and (name.removeprefix("reaction at ") in own or any(word in name for word in GENERAL))
     ]
     return Assessed(tuple(found.names[i] for i in here), found.values[here], found.amplitude[here])
+
+
+def _common_coordinates(deck: Deck, result: Result) -> set[tuple[int, int]] | None:
+    """Node and number of the coordinates that mean the same in a planar result and the spatial deck; None: all."""
+    made = result.mechanism.numbering
+    if made.planar == ELEMENT_TYPES[deck.of(*ELEMENT_TYPES, block=1)[0].keyword].planar:
+        return None
+    return {(node, c) for node, c in map(made.x_owner, range(made.nx)) if made.role(node) == "position"}
+
+
+def _made_of(variable: Quantity, coordinates: Container[tuple[int, int]]) -> bool:
+    """Has an expression, apart from frequencies and multipliers, these coordinates and what belongs to them only?"""
+    found = [v for v in ast.walk(parse(variable.text).tree) if isinstance(v, ast.Subscript)]
+    names = [(v.value.id, ast.literal_eval(v.slice)) for v in found if isinstance(v.value, ast.Name)]
+    return all(name in VECTORS or (name in X_NAMES and place in coordinates) for name, place in names)
 
 
 def real_series(variable: Quantity, result: Result) -> list[float]:

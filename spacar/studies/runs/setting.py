@@ -15,6 +15,7 @@ import numpy as np
 from spacar.calls import frames, integrator
 from spacar.deck import Deck
 from spacar.deck.rewrite.coarser import merged
+from spacar.deck.rewrite.planar import planar
 from spacar.deck.rewrite.rebuild import rebuilt, rows
 from spacar.deck.rewrite.refine import refine, refine_divisible
 from spacar.deck.rewrite.simpler import linear_strain, rigid
@@ -38,7 +39,8 @@ LONG = 1.0  # seconds, after which a run with a limit is not repeated: its time 
 @dataclass(frozen=True)
 class Setup:
     """One way to compute. `elements` per beam of the file; beams flexible, "rigid" or "rigid 1 3" (these); strain full
-    or linear (LDEFORM); `merged`: alike beams in one line are one; `transfer`: output of OUTLEVEL as in the file.
+    or linear (LDEFORM); `planar`: planar elements; `merged`: alike beams in one line are one; `transfer`: output of
+    OUTLEVEL as in the file.
 
     `integrator`, `tolerance` (relative; the absolute one keeps its ratio of ERROR) of variable step codes, `substeps`
     per output step of fixed step codes; None in the stationary modes. `method` full, or perturbation (with `substeps`).
@@ -53,6 +55,7 @@ class Setup:
     method: str = "full"
     measure: str = ""  # of the deformations of beams, "angle" or "sine"; "": that of the file
     general: bool = False  # equations in NumPy where they could be in C
+    planar: bool = False
     merged: bool = False
     transfer: bool = True
 
@@ -64,6 +67,7 @@ class Setup:
             parts = ["as given" if self.elements == 1 else f"{self.elements} elements a beam"]
             parts += [f"{self.measure} measure"] * bool(self.measure) + [self.beams] * (self.beams != "flexible")
         parts += ["linear strain"] * (self.strain == "linear") + ["merged beams"] * self.merged
+        parts += ["planar"] * self.planar
         return ", ".join(parts + ["OUTLEVEL 0 0"] * (not self.transfer))
 
     @property
@@ -158,6 +162,8 @@ def setups(
 
 def variant(deck: Deck, setup: Setup) -> Deck:
     """The model of a setup. Raises UsageError when the deck has no such variant."""
+    if setup.planar:
+        deck = planar(deck)
     if setup.beams != "flexible":
         deck = rigid(deck, map(int, setup.beams.split()[1:]))
     if setup.merged:
@@ -185,7 +191,7 @@ def run_setup(job: Job) -> Row:
             seconds.append(time.process_time() - begun)
             if job.limit is not None and ((len(seconds) + 1) * seconds[-1] > job.limit or sum(seconds) > LONG):
                 break
-        found = compared(trade.deck, trade.mode, trade.variables, result, fewer=setup.merged)
+        found = compared(trade.deck, trade.mode, trade.variables, result, fewer=setup.merged or setup.planar)
         row["names"], row["values"] = list(found.names), found.values.tolist()
         row["amplitude"] = [a if np.isfinite(a) else None for a in found.amplitude]
         row["seconds"] = float(np.median(seconds))
