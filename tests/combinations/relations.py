@@ -37,7 +37,7 @@ from .linear_relations import (
 )
 from .motion_relations import energy, inverse, momentum, restarted, rigid_parts, started
 from .options import with_mass
-from .spatial import as_spatial
+from .spatial import as_spatial, planar_again
 
 _UNITS = importlib.util.spec_from_file_location("units_of_decks", Path(__file__).parents[1] / "extremes/units.py")
 assert _UNITS is not None
@@ -201,6 +201,7 @@ RELATIONS: dict[str, Relation] = {
     "starts": Relation(starts, tuple(m for m in (*MOTION, *STILL) if m != 3)),
     "other units": Relation(other_units, (*MOTION, *STILL)),
     "as spatial": Relation(as_spatial, (*MOTION, *STILL)),
+    "planar again": Relation(planar_again, (*MOTION, *STILL)),
     "files": Relation(files, ALL),
     "divisions": Relation(divisions, (*MOTION, *STILL)),
     "sweeps": Relation(sweeps, (*MOTION, *STILL)),

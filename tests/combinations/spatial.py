@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from spacar.errors import SpacarError
+from spacar.deck.rewrite.planar import planar
+from spacar.errors import SpacarError, UsageError
 
 from .case import GENERAL, NOTHING, Case, Found
 from .model import Axial, Element, Model, Node, Place, Row, Tensor, Vector
@@ -42,6 +43,18 @@ def as_spatial(case: Case) -> Found:
             want[kind, n, variable] = v
             got[kind, n, variable] = result.element(n, variable=variable)[:, modes] * sign(keyword, np.array(modes))
     return case.same(want, got, GENERAL * case.condition)
+
+
+def planar_again(case: Case) -> Found:
+    """`spacar.deck.rewrite.planar` makes the model itself of its spatial twin."""
+    model = None if case.model.pushes or case.model.drives else spatial(case.model)
+    if model is None:
+        return NOTHING
+    try:
+        deck = planar(case.deck(model))
+    except UsageError:
+        return NOTHING
+    return case.agrees(case.result(deck), error=GENERAL * case.condition)
 
 
 def sign(keyword: str, mode: Any) -> Any:
