@@ -19,6 +19,7 @@ import spacar
 from spacar.errors import SpacarError
 from spacar.frame import E_FIELDS, X_FIELDS
 from spacar.integrators.methods import METHODS
+from spacar.kinematics.element_sweep import ElementSweep
 from spacar.modes import MODES
 
 from . import transformations
@@ -73,15 +74,27 @@ def engines(case: Case) -> Found:
     return case.agrees(case.run(compiled=other), error=GENERAL * case.condition)
 
 
+def undeformed(case: Case) -> Found:
+    """At the coordinates of X all deformations are zero, but projections of bodies that DRPINBOD counts."""
+    mechanism = case.base.mechanism
+    sweep = ElementSweep(mechanism)
+    sweep.follow(mechanism.x0, np.zeros(sweep.ne))
+    sweep.strain(mechanism.x0)
+    told = {statement.integer(0) for statement in mechanism.deck.of("DRPINBOD")}
+    free = [i for i in range(sweep.ne) if mechanism.numbering.e_owner(i)[0] not in told]
+    off = np.abs(sweep.e / mechanism.deformation_scale)[free].max(initial=0.0)
+    return float(off / (64 * EPS)), f"a deformation of {off:.3g} of its size at the coordinates of X"
+
+
 def starts(case: Case) -> Found:
     """NumPy and C where a motion from the last state begins: accelerations, stresses and linearized equations."""
     still = started(case.model, case.base, -1)
     still = still.without("TIMESTEP", "INTEGRAT", "ERROR", "ITERSTEP", "MODES", *INCREMENTS.values())
     runs = alike(*(partial(case.run, still, mode=4, compiled=compiled) for compiled in (True, False)))
     if runs is None:
-        return NOTHING  # wheels that the loads, which are left out, hold on the ground
+        return undeformed(case)  # wheels that the loads, which are left out, hold on the ground
     a, b = runs
-    found = [case.same(*(quantities(still, r) for r in (a, b)), GENERAL * case.positions)]
+    found = [undeformed(case), case.same(*(quantities(still, r) for r in (a, b)), GENERAL * case.positions)]
     for table in ("matrices", "state_space"):
         want, got = (getattr(r.frames[0], table) for r in (a, b))
         found += [case.close(want[n], got[n], n, GENERAL * case.condition, 1.0) for n in want]
