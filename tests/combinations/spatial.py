@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from spacar.deck.rewrite.planar import planar
+from spacar.deck.rewrite.in_plane import planar
 from spacar.errors import SpacarError, UsageError
 
 from .case import GENERAL, NOTHING, Case, Found
@@ -46,7 +46,7 @@ def as_spatial(case: Case) -> Found:
 
 
 def planar_again(case: Case) -> Found:
-    """`spacar.deck.rewrite.planar` makes the model itself of its spatial twin."""
+    """`spacar.deck.rewrite.in_plane` makes the model itself of its spatial twin."""
     model = None if case.model.pushes or case.model.drives else spatial(case.model)
     if model is None:
         return NOTHING

@@ -5,7 +5,7 @@ import pytest
 
 import spacar
 from spacar.deck import parse_deck
-from spacar.deck.rewrite.planar import planar
+from spacar.deck.rewrite.in_plane import planar
 from spacar.errors import UsageError
 
 CHAIN = """

@@ -15,7 +15,7 @@ import numpy as np
 from spacar.calls import frames, integrator
 from spacar.deck import Deck
 from spacar.deck.rewrite.coarser import merged
-from spacar.deck.rewrite.planar import planar
+from spacar.deck.rewrite.in_plane import planar
 from spacar.deck.rewrite.rebuild import rebuilt, rows
 from spacar.deck.rewrite.refine import refine, refine_divisible
 from spacar.deck.rewrite.simpler import linear_strain, rigid
