@@ -33,8 +33,8 @@ def lasting() -> Iterator[Callable[[], bool]]:
     def interrupt(number: int, frame: Any) -> None:
         nonlocal interrupted
         interrupted = True
-        if callable(handler):
-            handler(number, frame)
+        assert callable(handler)
+        handler(number, frame)
 
     def again(unraisable: Any) -> None:
         if unraisable.exc_type is not KeyboardInterrupt:

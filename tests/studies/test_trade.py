@@ -67,13 +67,13 @@ def test_fixed_steps_have_their_order(oscillator):
 
 
 def test_extrapolation_of_an_exact_expansion():
-    """u + c h^2 + d h^4 is extrapolated to u by four meshes, with rounding only."""
+    """u + c h^2 + d h^4 is extrapolated to u, with rounding only."""
     u, c, d = np.random.default_rng(0).normal(size=(3, 2, 5))
-    levels = [u + c * h**2 + d * h**4 for h in (0.2, 0.1, 0.05, 0.025)]
+    levels = [u + c * h**2 + d * h**4 for h in (0.1, 0.05, 0.025)]
     result = extrapolate(levels, np.ones(2))
     assert np.allclose(result.values, u, rtol=0, atol=1e-14)
     assert (result.order == 2).all()
-    assert np.abs(result.values - u).max() <= result.error + 1e-15  # rounding of u
+    assert np.abs(result.values - u).max() <= result.error
 
 
 def test_no_extrapolation_without_an_order():
@@ -126,7 +126,7 @@ def test_meshes_against_the_elastica():
     extrapolated = entries[3]
     assert extrapolated.setup is None
     assert extrapolated.error <= extrapolated.estimate
-    assert extrapolated.error < 2e-2 * entries[2].error  # 1/80: order 2 taken out once
+    assert extrapolated.error < 1e-2 * entries[2].error
 
 
 TRADE = ("trade", "crank", "--time", "0.01", "--steps", "4", "-i", "0,155", "-t", "1e-4,1e-6", "--repeats", "1")

@@ -14,7 +14,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.errors import UsageError
-from spacar.expressions.grammar import VECTORS, X_NAMES, parse
+from spacar.expressions.grammar import VECTORS, X_NAMES, indices, parse
 from spacar.mechanism import build
 from spacar.modes import find_mode
 from spacar.result import Result
@@ -53,7 +53,7 @@ def compared(
     return Assessed(tuple(found.names[i] for i in here), found.values[here], found.amplitude[here])
 
 
-def _common_coordinates(deck: Deck, result: Result) -> set[tuple[int, int]] | None:
+def _common_coordinates(deck: Deck, result: Result) -> set[tuple[int, ...]] | None:
     """Node and number of the coordinates that mean the same in a planar result and the spatial deck; None: all."""
     made = result.mechanism.numbering
     if made.planar == ELEMENT_TYPES[deck.of(*ELEMENT_TYPES, block=1)[0].keyword].planar:
@@ -61,10 +61,10 @@ def _common_coordinates(deck: Deck, result: Result) -> set[tuple[int, int]] | No
     return {(node, c) for node, c in map(made.x_owner, range(made.nx)) if made.role(node) == "position"}
 
 
-def _made_of(variable: Quantity, coordinates: Container[tuple[int, int]]) -> bool:
+def _made_of(variable: Quantity, coordinates: Container[tuple[int, ...]]) -> bool:
     """Has an expression, apart from frequencies and multipliers, these coordinates and what belongs to them only?"""
     found = [v for v in ast.walk(parse(variable.text).tree) if isinstance(v, ast.Subscript)]
-    names = [(v.value.id, ast.literal_eval(v.slice)) for v in found if isinstance(v.value, ast.Name)]
+    names = [(v.value.id, indices(v, variable.text)) for v in found if isinstance(v.value, ast.Name)]
     return all(name in VECTORS or (name in X_NAMES and place in coordinates) for name, place in names)
 
 
