@@ -78,7 +78,7 @@ SPATIAL = (
         stiffness=(2, 3, 4, 4, 5, 5), length="always", direction=(6, 3, "plane"), notes=(_K1, _K2, _SIX),
         family="spatial.beam:SpatialBeam", angle_family="spatial.beam_angle:SpatialAngleBeam", shape="beam",
         coefficients="spatial beam", mass="spatial beam", statements=("LDEFORM", "ADEFORM"), axial=True, quadratic=True,
-        split=((3, 4), (5, 6)),
+        split=((3, 4), (5, 6)), counterpart="PLBEAM",
     ),
     element_type(
         "BEAMW", "spatial beam with warping", 18, False, _WARPED_NODES, (*_BEND3, *_WARPING), (*_Y3, COUPLING),
@@ -92,10 +92,12 @@ SPATIAL = (
     element_type(
         "TRUSS", "spatial truss", 2, False, BAR_NODES, STRETCH, stiffness=(2,), length="always",
         family="spatial.truss:SpatialTruss", shape="truss", coefficients="stretch", mass="bar", axial=True,
+        counterpart="PLTRUSS",
     ),
     element_type(
         "HINGE", "spatial hinge", 3, False, JOINT_NODES, (*TURN, *_MISALIGNED), _X3, stiffness=(2, 3, 4),
         direction=(4, 3, "axis"), notes=(_K3,), family="spatial.hinge:SpatialHinge", shape="hinge",
+        counterpart="PLTOR",
     ),
     element_type(
         "PINBODY", "spatial pinbody", 9, False, BODY_NODES, BODY_MODES, _Y3, (4, 7), stiffness=(2, 3, 4),
@@ -106,7 +108,7 @@ SPATIAL = (
     element_type(
         "RBEAM", "spatial rigid beam", 9, False, BODY_NODES, BODY_MODES, _Y3, (4, 7), stiffness=(2, 3, 4),
         length="always", direction=(5, 3, "plane"), notes=(_K1,), family="spatial.pinbody:SpatialPinbody", shape="body",
-        mass="spatial beam", statements=("ORPINBOD", "DRPINBOD"),
+        mass="spatial beam", statements=("ORPINBOD", "DRPINBOD"), counterpart="PLRBEAM",
     ),
     element_type(
         "WHEEL", "disk wheel", 13, False, _WHEEL, _ROLL, _SPIN3, slips=(4, 5), stiffness=(2, 3, 4, 5, 6, 7),

@@ -181,7 +181,7 @@ class ElementType:
     `axial`: mode 1 is the change of the length between the position nodes. `quadratic`: the strains have second order
     terms. `normal_mode` is the mode (from 1) whose stress is the force on the ground, 0 without. `split` are the pairs
     of bending modes (at p, at q) of a type that can be divided along its chord. `released` are the modes (from 1) that
-    are calculable whatever a statement says.
+    are calculable whatever a statement says. `counterpart` is the planar type that a spatial one is in the x-y plane.
     """
 
     keyword: str
@@ -209,6 +209,7 @@ class ElementType:
     normal_mode: int = 0
     split: tuple[tuple[int, int], ...] = ()
     released: tuple[int, ...] = ()
+    counterpart: str = ""
 
     @property
     def supported(self) -> bool:

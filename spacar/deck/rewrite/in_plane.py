@@ -1,10 +1,10 @@
 """The planar model of a spatial mechanism that moves in the x-y plane.
 
-BEAM, TRUSS, HINGE about z and RBEAM become PLBEAM, PLTRUSS, PLTOR and PLRBEAM with the same numbers of elements and
-nodes. What says something about motion out of the plane is left out when it says that there is none: fixed or released
-coordinates and modes, start values of zero. With z' or y' of a beam normal to the plane, modes 5, 6 or 3, 4 are the
-bending modes 2, 3 (`spacar.elements.planar.plbeam`, theory-spatial.md section 3) but for a sign; stiffness, damping and
-rotary inertia are those about that normal.
+Every element becomes its planar counterpart (`ElementType.counterpart`), with the same numbers of elements and nodes;
+the axis of a hinge is z. What says something about motion out of the plane is left out when it says that there is none:
+fixed or released coordinates and modes, start values of zero. With z' or y' of a beam normal to the plane, modes 5, 6
+or 3, 4 are the bending modes 2, 3 (`spacar.elements.planar.plbeam`, theory-spatial.md section 3) but for a sign;
+stiffness, damping and rotary inertia are those about that normal. Torsion is zero, so its coupling is left out.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from spacar.deck.deck import Deck
 from spacar.deck.keyword_table import ELEMENT_TYPES
 from spacar.deck.rewrite.rebuild import Row, rebuilt
 from spacar.deck.statement import Statement, Value
+from spacar.deck.table_types import position_places
 from spacar.errors import UsageError
 
-COUNTERPARTS = {"BEAM": "PLBEAM", "TRUSS": "PLTRUSS", "HINGE": "PLTOR", "RBEAM": "PLRBEAM"}
 ALIKE = ("TIMESTEP", "ERROR", "ITERSTEP", "INTEGRAT", "OUTLEVEL", "MODES", "LDEFORM", "ADEFORM")
 ALIGNED = 1e-9  # of a unit vector, given with the digits of a file, out of a direction
 LAMBDA3 = 4  # of the Euler parameters, the one of a rotation about z
@@ -48,9 +48,10 @@ class _Planar:
         if deck.sections:  # the stresses of a section are told from the axes of its beam
             raise UsageError(f"{deck.source} has beams with sections (BEAMSEC)", "study.planar")
         for s in elements:
-            if s.keyword not in COUNTERPARTS:
+            kind = ELEMENT_TYPES[s.keyword]
+            if not kind.counterpart:
                 raise self.refusal(s)
-            for k, role in enumerate(ELEMENT_TYPES[s.keyword].nodes):
+            for k, role in enumerate(kind.nodes):
                 self.position[s.integer(1 + k)] = role == "position"
         heights = {self.place.get(n, np.zeros(3))[2] for n, is_position in self.position.items() if is_position}
         if not elements or len(heights) != 1:
@@ -62,33 +63,34 @@ class _Planar:
         return UsageError(f"{self.deck.where(s)}: {s.subject} has no counterpart in the x-y plane", "study.planar")
 
     def _modes(self, s: Statement) -> dict[int, tuple[int, float]]:
-        number, x = s.integer(0), np.zeros(3)
-        if s.keyword == "TRUSS":
+        kind = ELEMENT_TYPES[s.keyword]
+        if kind.direction is None:
             return {1: (1, 1.0)}
-        if s.keyword == "HINGE":
-            x[:] = s.reals(3, 3)
-            if max(abs(x[:2])) > ALIGNED * abs(x[2]):
+        first, count, role = kind.direction
+        given = s.reals(first - 1, count) if len(s.values) >= first - 1 + count else (0.0, 0.0, 1.0)
+        if role == "axis":
+            if max(map(abs, given[:2])) > ALIGNED * abs(given[2]):
                 raise self.refusal(s)
-            return {1: (1, float(np.sign(x[2])))}
-        ends = [s.integer(1 + k) for k, role in enumerate(ELEMENT_TYPES[s.keyword].nodes) if role == "position"]
-        x = self.place.get(ends[1], x) - self.place.get(ends[0], x)
-        given = len(s.values) > (6 if s.keyword == "BEAM" else 4)
-        y = _normalized(np.array(s.reals(5 if s.keyword == "BEAM" else 4, 3) if given else (0.0, 0.0, 1.0)), x)
+            return {1: (1, float(np.sign(given[2])))}
+        p, q = (self.place.get(s.integer(i), np.zeros(3)) for i in position_places(kind))
+        x = q - p
+        y = _normalized(np.array(given), x)
         left = np.array((-x[1], x[0], 0.0)) / np.linalg.norm(x)
-        self.normal_is_y[number] = upright = abs(y[2]) > 0.5
-        if (s.keyword == "BEAM" and s.real(8 if given else 5)) or abs(y @ left if upright else y[2]) > ALIGNED:
+        self.normal_is_y[s.integer(0)] = upright = abs(y[2]) > 0.5
+        if abs(y @ left if upright else y[2]) > ALIGNED:
             raise self.refusal(s)
-        if s.keyword == "RBEAM":
+        if not kind.split:
             return {}
-        if upright:
-            return {1: (1, 1.0), 3: (2, -float(np.sign(y[2]))), 4: (3, -float(np.sign(y[2])))}
-        return {1: (1, 1.0), 5: (2, -float(np.sign(y @ left))), 6: (3, -float(np.sign(y @ left)))}
+        sign = -float(np.sign(y[2] if upright else y @ left))
+        at_p, at_q = kind.split[0 if upright else 1]
+        return {1: (1, 1.0), at_p: (2, sign), at_q: (3, sign)}
 
     def row(self, s: Statement) -> Iterator[Row]:
         """The statement in the plane, if it has a meaning there. Raises UsageError."""
         word, values = s.keyword, s.values
-        if word in COUNTERPARTS:
-            yield COUNTERPARTS[word], *values[: 1 + len(ELEMENT_TYPES[word].nodes)]
+        if word in ELEMENT_TYPES:
+            kind = ELEMENT_TYPES[word]
+            yield kind.counterpart, *values[: 1 + len(kind.nodes)]
         elif word in ALIKE:
             yield word, *values
         elif s.block == 1 and word in ("RLSE", "DYNE", "KINE", "INPUTE"):
