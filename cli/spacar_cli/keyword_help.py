@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from difflib import get_close_matches
 from typing import Any
 
-from spacar_drawing.settings_check import NEEDS_GROUP, RULES, SPELLINGS
+from spacar_drawing.settings import KINDS, RULES, SPELLINGS
 from spacar_formats import sim_blocks
 
 from spacar.deck.findings import alternatives
@@ -68,10 +68,11 @@ def _setting(name: str) -> Iterator[str]:
     others = [given for given, meant in SPELLINGS.items() if meant == name]
     if others:
         yield f"  also written {', '.join(others)}"
-    if name in NEEDS_GROUP:
-        yield f"  behind a line {' or '.join(NEEDS_GROUP[name])}"
-    behind = rule.what if rule.how_many is None else f"{rule.how_many} {rule.what}"
-    yield f"  {behind if rule.how_many != 0 else 'no arguments'}; nothing else stands on the line"
+    if rule.groups:
+        yield f"  behind a line {' or '.join(rule.groups)}"
+    count, what = KINDS[rule.kind]
+    behind = what if count is None else f"{count} {what}"
+    yield f"  {behind if count != 0 else 'no arguments'}; nothing else stands on the line"
     yield ""
 
 

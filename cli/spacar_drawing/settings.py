@@ -1,5 +1,7 @@
 """The VISUALIZATION section of an input file (or NAME.spv): both spellings and generations (input-language.md 2).
 
+`RULES` has the settings, for the reading here, for `check` (settings_check.py) and for `keywords`.
+
 Line oriented. Unknown lines are ignored, because later versions have more settings than are known to us. Readings that
 the reference leaves open, decided here: TRANSPARENCY is the opacity of solids (1 opaque), CIRC takes the diameter,
 CIRCHOL outer and inner diameter, RECTHOL outer width and height, then inner width and height, HINGEVIS radius and
@@ -10,7 +12,7 @@ degrees of freedom of a mode that is scaled to norm 1.
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from spacar.deck import read_deck
 from spacar.deck.lexer import number_of, scan, visualization_of
@@ -18,6 +20,61 @@ from spacar.errors import InputError
 
 DIMENSIONS = {"RECT": 2, "RECTHOL": 4, "CIRC": 1, "CIRCHOL": 2, "I": 4, "LINE": 0}
 ALL = 0  # the key of a setting that holds for all elements
+
+
+# Kind of the values behind a setting -> how many (None: any number), and what they are.
+KINDS: dict[str, tuple[int | None, str]] = {
+    "none": (0, ""), "element": (None, "element numbers"), "node": (None, "node numbers"), "shape": (1, "shape"),
+    "dimensions": (None, "dimensions"), "section": (None, "shape, element numbers and dimensions"),
+    "hinge": (3, "numbers: element, radius, length"), "colour": (3, "numbers from 0 to 1: red, green, blue"),
+    "unit": (1, "number from 0 to 1"), "switch": (1, "number, 0 or 1"), "positive": (1, "positive number"),
+    "real": (1, "number"), "number": (1, "mode number"),
+}  # fmt: skip
+# Kinds of one number -> its value in a picture
+READ: dict[str, Callable[[float], Any]] = {
+    "unit": lambda v: min(max(v, 0.0), 1.0), "switch": bool, "positive": float, "real": float, "number": int,
+}  # fmt: skip
+
+
+class Rule(NamedTuple):
+    """Kind of the values of a setting, what it is for, the field of PictureSettings that it sets as it stands, and the
+    headings behind which it must stand."""
+
+    kind: str
+    help: str
+    field: str = ""
+    groups: tuple[str, ...] = ()
+
+
+_SECTIONS = ("BEAMPROPS", "TRUSSPROPS")
+RULES = {
+    "BEAMPROPS": Rule("element", "heading: the lines CROSSTYPE and CROSSDIM behind it are for these beams, without"
+                      " numbers for all"),
+    "TRUSSPROPS": Rule("element", "heading: the lines CROSSTYPE and CROSSDIM behind it are for these trusses, without"
+                       " numbers for all"),
+    "GRAPHICS": Rule("element", "heading: the lines FACECOLOR and OPACITY behind it are for these elements, without"
+                     " numbers for all"),
+    "DONOTDRAW": Rule("element", "leave elements out of the picture"),
+    "INITIAL": Rule("none", "heading: the line COLOR behind it is for the outline of the position at rest"),
+    "CROSSTYPE": Rule("shape", "shape of a cross-section: RECT, RECTHOL, CIRC, CIRCHOL, I or LINE", groups=_SECTIONS),
+    "CROSSDIM": Rule("dimensions", "dimensions of the cross-section in the order of BEAMVIS [m]", groups=_SECTIONS),
+    "BEAMVIS": Rule("section", "cross-section of beams: shape (RECT when left out), element numbers (none: all),"
+                    " dimensions [m]"),
+    "TRUSSVIS": Rule("section", "cross-section of trusses, as BEAMVIS"),
+    "HINGEVIS": Rule("hinge", "size of a hinge: element, radius, length [m]"),
+    "FACECOLOR": Rule("colour", "colour of elements: red, green, blue from 0 to 1", groups=("GRAPHICS",)),
+    "COLOR": Rule("colour", "colour of the position at rest: red, green, blue from 0 to 1", groups=("INITIAL",)),
+    "OPACITY": Rule("unit", "opacity of elements: 0 cannot be seen, 1 is opaque", groups=("GRAPHICS",)),
+    "TRANSPARENCY": Rule("unit", "opacity of all solids: 0 cannot be seen, 1 is opaque", "opacity"),
+    "LIGHT": Rule("switch", "shade solids (1) or not (0)", "light"),
+    "TRAJECT": Rule("switch", "draw the paths of TRAJECTNODE (1) or not (0)"),
+    "TRAJECTNODE": Rule("node", "nodes whose paths are drawn"),
+    "STEPLINE": Rule("positive", "distance of the points on an elastic line, in element lengths", "step_line"),
+    "ENLARGEFACTOR": Rule("real", "factor on a mode whose degrees of freedom have norm 1", "enlarge"),
+    "VIBRATIONMODE": Rule("number", "the vibration mode that spacar visual shows", "vibration_mode"),
+    "BUCKLINGMODE": Rule("number", "the buckling mode that spacar visual shows", "buckling_mode"),
+}  # fmt: skip
+SPELLINGS = {"FACECOLOUR": "FACECOLOR", "COLOUR": "COLOR", "TRANSPERANCY": "TRANSPARENCY"}
 
 
 @dataclass(frozen=True)
@@ -80,135 +137,64 @@ def read_settings(source: Path) -> PictureSettings:
     return parse_settings(lines)
 
 
-@dataclass(frozen=True)
-class _SettingLine:
-    """One line: its first word in capitals, the other words, and those of them that are numbers."""
-
-    key: str
-    values: list[str]
-    numbers: list[float]
-
-    @property
-    def integers(self) -> tuple[int, ...]:
-        return tuple(int(v) for v in self.numbers)
-
-
-@dataclass
-class _Reading:
-    """What was said so far, and the heading line of the new style to which a line belongs."""
-
-    settings: PictureSettings = field(default_factory=PictureSettings)
-    group: str = ""
-    elements: tuple[int, ...] = (ALL,)
-    shape: str = "RECT"
-    traces: bool = True
-
-    def set(self, **values: Any) -> None:
-        self.settings = replace(self.settings, **values)
-
-    def section(self, section: SectionShape, elements: Sequence[int], truss: bool) -> None:
-        """Sections with dimensions that cannot be are ignored."""
-        dims = section.dims
-        if section.shape not in DIMENSIONS or len(dims) < DIMENSIONS[section.shape]:
-            return
-        if any(not 0 < d <= 1e100 for d in dims):
-            return
-        name = "trusses" if truss else "beams"
-        self.set(**{name: getattr(self.settings, name) | dict.fromkeys(elements, section)})
-
-
-def _heading(r: _Reading, line: _SettingLine) -> None:
-    r.group, r.shape = line.key, "RECT"
-    r.elements = (line.integers if line.key != "INITIAL" else ()) or (ALL,)
-
-
-def _cross_type(r: _Reading, line: _SettingLine) -> None:
-    if line.values:
-        r.shape = line.values[0].upper()
-        if r.shape == "LINE":
-            r.section(SectionShape("LINE"), r.elements, r.group == "TRUSSPROPS")
-
-
-def _cross_dimensions(r: _Reading, line: _SettingLine) -> None:
-    dims = tuple(line.numbers[: DIMENSIONS.get(r.shape)])
-    r.section(SectionShape(r.shape, dims), r.elements, r.group == "TRUSSPROPS")
-
-
-def _whole_section(r: _Reading, line: _SettingLine) -> None:
-    found = statement_section(line.values)
-    if found is not None:
-        r.section(found[1], found[0], line.key == "TRUSSVIS")
-
-
-def _hinge(r: _Reading, line: _SettingLine) -> None:
-    if len(line.numbers) == 3:
-        element, radius, length = line.numbers
-        r.set(hinges=r.settings.hinges | {int(element): (radius, length)})
-
-
-def _colour(r: _Reading, line: _SettingLine) -> None:
-    colour = tuple(line.numbers)
-    if len(colour) == 3 and line.key.startswith("FACE"):
-        r.set(colours=r.settings.colours | dict.fromkeys(r.elements, colour))
-    elif len(colour) == 3 and r.group == "INITIAL":
-        r.set(initial_colour=colour)
-
-
-def _traces_wanted(r: _Reading, value: float) -> None:
-    r.traces = bool(value)
-
-
-def _step_line(r: _Reading, value: float) -> None:
-    if value > 0:
-        r.set(step_line=value)
-
-
-def _number(store: Callable[[_Reading, float], None]) -> Callable[[_Reading, _SettingLine], None]:
-    """A setting that is one number; without it nothing is set."""
-    return lambda r, line: store(r, line.numbers[0]) if line.numbers else None
-
-
-def _unit(value: float) -> float:
-    return min(max(value, 0.0), 1.0)
-
-
-# First word of a line -> what it does.
-WORDS: dict[str, Callable[[_Reading, _SettingLine], None]] = {
-    **dict.fromkeys(("BEAMPROPS", "TRUSSPROPS", "GRAPHICS", "INITIAL"), _heading),
-    "CROSSTYPE": _cross_type,
-    "CROSSDIM": _cross_dimensions,
-    **dict.fromkeys(("BEAMVIS", "TRUSSVIS"), _whole_section),
-    "HINGEVIS": _hinge,
-    **dict.fromkeys(("FACECOLOR", "FACECOLOUR", "COLOR", "COLOUR"), _colour),
-    "OPACITY": _number(lambda r, v: r.set(opacities=r.settings.opacities | dict.fromkeys(r.elements, _unit(v)))),
-    "DONOTDRAW": lambda r, line: r.set(hidden=r.settings.hidden | set(line.integers)),
-    **dict.fromkeys(("TRANSPARENCY", "TRANSPERANCY"), _number(lambda r, v: r.set(opacity=_unit(v)))),
-    "LIGHT": _number(lambda r, v: r.set(light=bool(v))),
-    "TRAJECT": _number(_traces_wanted),
-    "TRAJECTNODE": lambda r, line: r.set(traces=r.settings.traces + line.integers),
-    "STEPLINE": _number(_step_line),
-    "ENLARGEFACTOR": _number(lambda r, v: r.set(enlarge=v)),
-    "VIBRATIONMODE": _number(lambda r, v: r.set(vibration_mode=int(v))),
-    "BUCKLINGMODE": _number(lambda r, v: r.set(buckling_mode=int(v))),
-}
-
-
 def parse_settings(lines: Iterable[str]) -> PictureSettings:
-    """The settings of the lines behind the word VISUALIZATION."""
-    reading = _Reading()
+    """The settings of the lines behind the word VISUALIZATION. A number that is missing sets nothing."""
+    s = PictureSettings()  # its tables are filled in place
+    group, shape, traced = "", "RECT", True
+    elements: tuple[int, ...] = (ALL,)
     for text in lines:
-        words = _words(text)
-        if words and words[0].upper() in WORDS:
-            numbers = [v for v in map(number_of, words[1:]) if v is not None and abs(v) <= 1e100]
-            line = _SettingLine(words[0].upper(), words[1:], numbers)
-            WORDS[line.key](reading, line)
-    return reading.settings if reading.traces else replace(reading.settings, traces=())
+        words = words_of(text)
+        key, values = (setting_of(words[0]), words[1:]) if words else ("", [])
+        rule = RULES.get(key, Rule("none", ""))
+        numbers = [v for v in map(number_of, values) if v is not None and abs(v) <= 1e100]
+        integers = tuple(int(v) for v in numbers)
+        match key:
+            case "BEAMPROPS" | "TRUSSPROPS" | "GRAPHICS" | "INITIAL":
+                group, shape, elements = key, "RECT", (integers if key != "INITIAL" else ()) or (ALL,)
+            case "CROSSTYPE" if values:
+                shape = values[0].upper()
+                if shape == "LINE":
+                    _keep(s.trusses if group == "TRUSSPROPS" else s.beams, elements, SectionShape("LINE"))
+            case "CROSSDIM":
+                section = SectionShape(shape, tuple(numbers[: DIMENSIONS.get(shape)]))
+                _keep(s.trusses if group == "TRUSSPROPS" else s.beams, elements, section)
+            case "BEAMVIS" | "TRUSSVIS" if found := statement_section(values):
+                _keep(s.trusses if key == "TRUSSVIS" else s.beams, *found)
+            case "HINGEVIS" if len(numbers) == 3:
+                s.hinges[integers[0]] = numbers[1], numbers[2]
+            case "FACECOLOR" if len(numbers) == 3:
+                s.colours.update(dict.fromkeys(elements, (numbers[0], numbers[1], numbers[2])))
+            case "COLOR" if len(numbers) == 3 and group == "INITIAL":
+                s = replace(s, initial_colour=(numbers[0], numbers[1], numbers[2]))
+            case "OPACITY" if numbers:
+                s.opacities.update(dict.fromkeys(elements, READ["unit"](numbers[0])))
+            case "DONOTDRAW":
+                s = replace(s, hidden=s.hidden | set(integers))
+            case "TRAJECTNODE":
+                s = replace(s, traces=s.traces + integers)
+            case "TRAJECT" if numbers:
+                traced = bool(numbers[0])
+            case _ if rule.field and numbers and (rule.kind != "positive" or numbers[0] > 0):
+                s = replace(s, **{rule.field: READ[rule.kind](numbers[0])})
+    return s if traced else replace(s, traces=())
 
 
-def _words(line: str) -> list[str]:
+def _keep(table: dict[int, SectionShape], elements: Sequence[int], section: SectionShape) -> None:
+    """Sections with dimensions that cannot be are ignored."""
+    needed = DIMENSIONS.get(section.shape)
+    if needed is not None and len(section.dims) >= needed and all(0 < d <= 1e100 for d in section.dims):
+        table.update(dict.fromkeys(elements, section))
+
+
+def words_of(line: str) -> list[str]:
     for mark in "%#;":
         line = line.partition(mark)[0]
     return line.split()
+
+
+def setting_of(word: str) -> str:
+    """The setting that a word means, in capitals."""
+    return SPELLINGS.get(word.upper(), word.upper())
 
 
 def statement_section(values: Sequence[str]) -> tuple[tuple[int, ...], SectionShape] | None:

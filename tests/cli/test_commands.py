@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from spacar_drawing.settings_check import RULES
+from spacar_drawing.settings import RULES
 from spacar_formats.sim_blocks import BLOCKS
 
 from spacar.deck.keyword_table import KEYWORDS

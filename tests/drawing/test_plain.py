@@ -8,8 +8,7 @@ from spacar_drawing.element_pictures import element_shapes
 from spacar_drawing.look import look_of
 from spacar_drawing.mechanism_picture import Extras, draw_steps
 from spacar_drawing.scene import Pose
-from spacar_drawing.settings import WORDS
-from spacar_drawing.settings_check import RULES, SPELLINGS
+from spacar_drawing.settings import RULES, SPELLINGS, parse_settings
 
 from .models import result_source
 
@@ -32,9 +31,21 @@ def test_no_shape_is_known(name, monkeypatch, tmp_path):
     figure.savefig(tmp_path / "plain.png")
 
 
-def test_every_setting_that_is_read_is_checked():
-    """`spacar check` knows the words that the pictures use, and no others."""
-    assert set(WORDS) == set(RULES) | set(SPELLINGS)
+VALUES = {
+    "element": "3", "node": "8", "shape": "LINE", "dimensions": "0.01 0.02", "section": "0.01 0.02",
+    "hinge": "1 0.01 0.02", "colour": "0.1 0.2 0.3", "unit": "0.5", "switch": "0", "positive": "0.1", "real": "2",
+    "number": "2",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [*RULES, *SPELLINGS])
+def test_every_setting_that_is_checked_is_read(name):
+    """A setting, behind a heading where it needs one, changes the picture; a heading with a setting behind it does."""
+    rule = RULES[SPELLINGS.get(name, name)]
+    lines = ["TRAJECTNODE 8", *rule.groups[:1]]
+    behind = [other for other, r in RULES.items() if name in r.groups]
+    more = [f"{name} {VALUES.get(rule.kind, '')}", *(f"{n} {VALUES[RULES[n].kind]}" for n in behind)]
+    assert parse_settings([*lines, *more]) != parse_settings(lines)
 
 
 def test_curves_over_a_stroke_are_smooth_but_for_kinks():

@@ -3,7 +3,7 @@
 import pytest
 from spacar_drawing import report_page
 from spacar_drawing.picture_source import open_source
-from spacar_drawing.settings_check import NEEDS_GROUP, RULES, SPELLINGS
+from spacar_drawing.settings import RULES, SPELLINGS
 
 from .conftest import call
 
@@ -14,7 +14,7 @@ def test_every_setting_has_an_entry(name):
     assert done.status == 0
     assert f"{name}: {RULES[name].help}" in done.out
     assert "VISUALIZATION section" in done.out
-    for heading in NEEDS_GROUP.get(name, ()):
+    for heading in RULES[name].groups:
         assert f"behind a line {heading}" in done.out or f"or {heading}" in done.out
 
 
