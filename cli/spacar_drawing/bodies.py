@@ -142,36 +142,43 @@ class Alike:
     radius: float
 
 
-def body_groups(scene: Scene, look: Look, elements: Sequence[Element]) -> list[Alike]:
-    """Beams and rigid bodies by how they look; of bodies that hold nothing those that lie beside another one are not
-    drawn."""
+def alike_bodies(scene: Scene, look: Look, elements: Sequence[Element]) -> list[Alike]:
+    """Beams, rigid bodies and straight trusses by how they look; of bodies that hold nothing those that lie beside
+    another one are not drawn."""
 
     def items() -> Iterable[tuple[tuple[Any, ...], Element]]:
         for e in elements:
             i = e.number - 1
-            body = e.shape == "body"
-            rigid = bool(body or scene.rigid[i])
-            width, radius = (2.8, THICK_BEAM) if rigid else (2.2, THIN_BEAM)
-            if body and scene.free[i]:
+            rigid = e.shape == "body" or bool(scene.rigid[i])
+            width, radius, usual = (2.8, THICK_BEAM, paint.RIGID) if rigid else (2.2, THIN_BEAM, paint.FLEXIBLE)
+            if e.shape == "truss":
+                width, radius = 2.2, THIN_BEAM
+                usual = paint.DRIVE if scene.e_class(e.number, 1) == "input" else paint.TRUSS
+            elif e.shape == "body" and scene.free[i]:
                 if scene.doubled[i]:
                     continue
                 width, radius = 1.2, DRAWN_ONLY
-            colour = look.colour(e.number, paint.RIGID if rigid else paint.FLEXIBLE)
-            dress = look.settings.section(e.number), look.settings.opacity_of(e.number)
-            yield (e.shape, width, radius, colour, dress, bool(e.warping)), e
+            dress = look.settings.section(e.number, e.shape), look.settings.opacity_of(e.number)
+            yield (e.shape, width, radius, look.colour(e.number, usual), dress, bool(e.warping)), e
 
     found = []
     for (shape, width, radius, colour, *_), alike in together(items()).items():
-        n = look.points if shape == "beam" else 2 if scene.planar else 25  # short pieces sort better by depth
-        found.append(Alike(alike, n, colour, width, radius))
+        short = 2 if scene.planar or shape == "truss" else 25  # short pieces sort better by depth
+        found.append(Alike(alike, look.points if shape == "beam" else short, colour, width, radius))
     return found
 
 
 def bodies(scene: Scene, pose: Pose, look: Look, elements: Sequence[Element]) -> list[Shape]:
-    """Beams and rigid bodies along their elastic lines."""
+    """Beams and rigid bodies along their elastic lines, trusses by their cross-section or as lines."""
     shapes: list[Shape] = []
-    for g in body_groups(scene, look, elements):
-        shapes += slender(scene, pose, look, g.elements, g.n, g.colour, g.width, g.radius)
+    for g in alike_bodies(scene, look, elements):
+        first = g.elements[0]
+        section = look.settings.section(first.number, first.shape)
+        if first.shape == "truss" and (section is None or outline(section) is None):
+            nodes = scene.node_table[rows_of(g.elements)][:, [0, 2]]
+            shapes.append(Line(pose.place[nodes - 1], g.colour, g.width, 2))
+        else:
+            shapes += slender(scene, pose, look, g.elements, g.n, g.colour, g.width, g.radius)
     return shapes
 
 
@@ -185,8 +192,8 @@ def slender(
     colour  of all, or (m, n - 1, 3), one for every piece of the lines;  width [points] of a line
     radius  of a rod, of the symbol size
     """
-    settings = look.settings
-    section, alpha = settings.section(alike[0].number), settings.opacity_of(alike[0].number)
+    settings, first = look.settings, alike[0]
+    section, alpha = settings.section(first.number, first.shape), settings.opacity_of(first.number)
     thin = scene.planar
     if section is not None and section.shape == "LINE":
         section, thin = None, True
@@ -237,34 +244,3 @@ def _pieces(points: Array, colour: Colour | Array, width: float, alpha: float) -
     pairs = np.stack((points[:, :-1], points[:, 1:]), axis=2).reshape(-1, 2, 3)
     colours = colour.reshape(-1, 3)
     return [Line(pair, (c[0], c[1], c[2]), width, 2, alpha=alpha) for pair, c in zip(pairs, colours, strict=True)]
-
-
-def bar_groups(scene: Scene, look: Look, elements: Sequence[Element]) -> list[Alike]:
-    """Trusses that are drawn as a straight bar, by how they look."""
-
-    def items() -> Iterable[tuple[tuple[Any, ...], Element]]:
-        for e in elements:
-            colour = look.colour(e.number, paint.DRIVE if scene.e_class(e.number, 1) == "input" else paint.TRUSS)
-            yield (colour, look.settings.section(e.number, truss=True), look.settings.opacity_of(e.number)), e
-
-    return [Alike(alike, 2, colour, 2.2, THIN_BEAM) for (colour, *_), alike in together(items()).items()]
-
-
-def bars(scene: Scene, pose: Pose, look: Look, elements: Sequence[Element]) -> list[Shape]:
-    """The same as shapes: by their cross-section or as lines."""
-    settings = look.settings
-    shapes: list[Shape] = []
-    for g in bar_groups(scene, look, elements):
-        first = g.elements[0].number
-        section, alpha = settings.section(first, truss=True), settings.opacity_of(first)
-        contour = outline(section) if section is not None else None
-        if section is None or contour is None:
-            nodes = scene.node_table[rows_of(g.elements)][:, [0, 2]]
-            shapes.append(Line(pose.place[nodes - 1], g.colour, g.width, 2))
-            continue
-        points, y, z = beam_lines(scene, pose, g.elements, 2)
-        if scene.planar:
-            shapes += planar_bodies(points, y, breadth(section), g.colour, 2.0, alpha)
-        else:
-            shapes += solid(contour, points, y, z, g.colour, alpha, settings.light, hole(section))
-    return shapes

@@ -9,7 +9,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar_drawing import look as paint
-from spacar_drawing.bodies import bars, beam_lines, bodies
+from spacar_drawing.bodies import beam_lines, bodies
 from spacar_drawing.drawn_shapes import Colour, Faces, Line, Mark, Shape, circle, cylinder, normal_pair, solid, torus
 from spacar_drawing.look import Look, middle
 from spacar_drawing.scene import Element, Pose, Scene
@@ -248,7 +248,7 @@ def trusses(scene: Scene, pose: Pose, look: Look, elements: Sequence[Element]) -
     """Bars; with stiffness but free to change its length a spring, with damping only a dashpot, with nothing a dotted
     measuring line."""
     straight, others = straight_and_free(scene, look, elements)
-    shapes = bars(scene, pose, look, straight)
+    shapes = bodies(scene, pose, look, straight)
     for e in others:
         shapes += free_truss(scene, pose, look, e)
     return shapes
@@ -259,7 +259,7 @@ def straight_and_free(scene: Scene, look: Look, elements: Sequence[Element]) -> 
     straight: list[Element] = []
     others: list[Element] = []
     for e in elements:
-        section = look.settings.section(e.number, truss=True)
+        section = look.settings.section(e.number, e.shape)
         shown = section is not None and outline(section) is not None
         bar = shown or scene.e_class(e.number, 1) in ("fixed", "input")
         (straight if bar else others).append(e)

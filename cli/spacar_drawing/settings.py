@@ -105,8 +105,9 @@ class PictureSettings:
     buckling_mode: int | None = None
     metre: float = 1.0  # unit of length of the input file, from UNITS
 
-    def section(self, element: int, truss: bool = False) -> SectionShape | None:
-        table = self.trusses if truss else self.beams
+    def section(self, element: int, shape: str) -> SectionShape | None:
+        """That of an element of a shape of the element table ("beam", "truss" ...)."""
+        table = self.trusses if shape == "truss" else self.beams
         return table.get(element, table.get(ALL))
 
     def colour(self, element: int) -> tuple[float, float, float] | None:

@@ -158,7 +158,7 @@ def stress_results(
         every = Resultants.joined([resultants(source.scene, element, sig, e, points) for sig, e in states])
         for name in RESULTANTS:
             values[name][:, m] = every.of(name).reshape(len(chosen), points)
-        section = source.settings.section(element.number, element.shape == "truss")
+        section = source.settings.section(element.number, element.shape)
         if section is None or moments(section) is None:
             continue
         y, z = section_points(section)
@@ -201,7 +201,7 @@ class StressDerivatives:
         if len(numbers) > 1 and numbers[1] > POINTS:
             text = f"{name}[{numbers[0]},{numbers[1]}]: places along an element are 1 to {POINTS}, from p to q"
             raise UsageError(text, "sensitivity.quantity")
-        section = self.settings.section(element.number, element.shape == "truss")
+        section = self.settings.section(element.number, element.shape)
         r = resultants(self.scene, element, sigma, e, POINTS)
         point = np.zeros(POINTS, int)
         if name in RESULTANTS:

@@ -69,7 +69,7 @@ def section_stress(source: PictureSource, step: int, element: int, xi: float) ->
     e = source.scene.bar(element)
     if not 0.0 <= xi <= 1.0:
         raise UsageError(f"place {xi:g} is not on the element: from 0 at p to 1 at q", "stress.place")
-    section = source.settings.section(element, e.shape == "truss")
+    section = source.settings.section(element, e.shape)
     if section is None or moments(section) is None:
         raise UsageError(
             f"element {element} has no cross-section: give BEAMSEC, BEAMVIS or CROSSTYPE", "stress.section"
@@ -140,7 +140,7 @@ def courses(scene: Scene, sig: Array, e: Array, settings: PictureSettings, quant
         if element.number in settings.hidden:
             continue
         r = resultants(scene, element, sig, e, n)
-        values = along(quantity, r, settings.section(element.number, element.shape == "truss"))
+        values = along(quantity, r, settings.section(element.number, element.shape))
         if values is not None:
             found.append(Course(element, factor * values))
     return found or _nowhere(quantity)
@@ -192,7 +192,7 @@ def _surfaces(
     found: list[tuple[Element, Array, Array, Array | None]] = []
     factor = shown_in(QUANTITIES[quantity][1], scene.metre)[0]
     for element in scene.bars.values():
-        section = settings.section(element.number, element.shape == "truss")
+        section = settings.section(element.number, element.shape)
         contour = outline(section, 40) if section is not None else None
         if section is None or contour is None or element.number in settings.hidden:
             continue

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar_drawing.bodies import Alike, bar_groups, beam_lines, body_groups, open_ends
+from spacar_drawing.bodies import Alike, alike_bodies, beam_lines, open_ends
 from spacar_drawing.drawn_shapes import Faces, Line, Mark, Shape, convex_pieces, disc_outline
 from spacar_drawing.element_pictures import PARTS, free_truss, plain, slider, slides, straight_and_free, wound_arcs
 from spacar_drawing.look import SYMBOL, Look
@@ -136,8 +136,7 @@ def mesh_of(scene: Scene, xs: Array, look: Look, more: Sequence[Draw] = ()) -> T
     seen = [e for e in scene.elements if e.number not in look.settings.hidden]
     trusses = [e for e in seen if e.shape == "truss"]
     straight, springs = straight_and_free(scene, look, trusses)
-    groups = body_groups(scene, look, [e for e in seen if e.shape in ("beam", "body")])
-    groups += bar_groups(scene, look, straight)
+    groups = alike_bodies(scene, look, [*(e for e in seen if e.shape in ("beam", "body")), *straight])
     few = sum(len(g.elements) for g in groups) < MANY
     for group in groups:
         _slender(mesh, scene, poses, look, group, SIDES if few else SIDES // 2)
@@ -160,7 +159,7 @@ def mesh_of(scene: Scene, xs: Array, look: Look, more: Sequence[Draw] = ()) -> T
 
 def _slender(mesh: TriangleMesh, scene: Scene, poses: Sequence[Pose], look: Look, group: Alike, sides: int) -> None:
     first = group.elements[0]
-    section = look.settings.section(first.number, first.shape == "truss")
+    section = look.settings.section(first.number, first.shape)
     contour = outline(section) if section is not None else None
     round_ = contour is None or (section is not None and section.shape.startswith("CIRC"))
     if contour is None:

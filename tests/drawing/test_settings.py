@@ -26,11 +26,11 @@ def test_old_style():
         VIBRATIONMODE 2
         BUCKLINGMODE 3
     """)
-    assert s.section(1) == SectionShape("RECT", (0.01, 0.1))
-    assert s.section(3) == s.section(4) == SectionShape("RECTHOL", (0.02, 0.03, 0.01, 0.02))
-    assert s.section(7) == SectionShape("CIRC", (0.05,))
-    assert s.section(9) == SectionShape("LINE")
-    assert s.section(5, truss=True) == SectionShape("CIRC", (0.02,))
+    assert s.section(1, "beam") == SectionShape("RECT", (0.01, 0.1))
+    assert s.section(3, "beam") == s.section(4, "beam") == SectionShape("RECTHOL", (0.02, 0.03, 0.01, 0.02))
+    assert s.section(7, "beam") == SectionShape("CIRC", (0.05,))
+    assert s.section(9, "beam") == SectionShape("LINE")
+    assert s.section(5, "truss") == SectionShape("CIRC", (0.02,))
     assert s.hinges == {1: (0.01, 0.03)}
     assert (s.light, s.opacity, s.traces, s.step_line) == (False, 0.6, (8,), 0.01)
     assert (s.enlarge, s.vibration_mode, s.buckling_mode) == (0.04, 2, 3)
@@ -51,9 +51,9 @@ def test_new_style():
           COLOR 0.5 0.5 0.5
         DONOTDRAW 12 13
     """)
-    assert s.section(2) == SectionShape("RECT", (0.04, 0.0005))
-    assert s.section(4) == SectionShape("CIRC", (0.01,))
-    assert s.section(5) is None
+    assert s.section(2, "beam") == SectionShape("RECT", (0.04, 0.0005))
+    assert s.section(4, "beam") == SectionShape("CIRC", (0.01,))
+    assert s.section(5, "beam") is None
     assert s.colour(1) == (0.1, 0.5, 0.9)
     assert s.colour(3) is None
     assert (s.opacity_of(2), s.opacity_of(3)) == (0.4, 1.0)

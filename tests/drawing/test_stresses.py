@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from spacar_drawing.mechanism_picture import Extras
 from spacar_drawing.picture_source import source_of_result
 from spacar_drawing.sections import inside, moments, rectangle_torsion, rectangle_twist_stress
 from spacar_drawing.settings import SectionShape
+from spacar_drawing.stress_picture import stress_still
 from spacar_drawing.stresses import GRID, Resultants, along, resultants, stress_field
 
 import spacar
@@ -180,3 +182,24 @@ def test_section_forces_are_those_of_equilibrium(kind, extra):
         worst.append(error)
     assert worst[1] < 0.06  # of 40 N, where the differences of the end moments are 4 N off
     assert worst[1] < 0.5 * worst[0]
+
+
+def test_a_truss_is_coloured_with_its_own_section():
+    """Two bars on one line: 0.06 m high as TRUSSVIS says, and not as the beams are (BEAMVIS) or a thin line."""
+    deck = parse_deck("""PLTRUSS 1 1 2   PLTRUSS 2 2 3   X 1 0. 0.   X 2 1. 0.   X 3 2. 0.   FIX 1   FIX 3   FIX 2 2
+        DYNE 1   RLSE 2   END HALT   ESTIFF 1 1e6   ESTIFF 2 1e6   EM 1 1.   EM 2 1.   XF 2 100. 0.   END END
+VISUALIZATION
+TRUSSVIS 0.06 0.04
+BEAMVIS 0.02 0.02
+""")
+    source = source_of_result(spacar.run(7, deck))
+    figure = stress_still(
+        source.scene, source.x(1), source.get("sig", 1), source.get("e", 1), source.settings, Extras(), "N"
+    )
+    heights = [
+        np.ptp(path.vertices[:, 1])
+        for faces in figure.axes[0].collections
+        for path in faces.get_paths()
+    ]
+    assert np.isclose(heights, 0.06, rtol=1e-9).sum() >= 2 * 16  # pieces of a bar
+    assert not np.isclose(heights, 0.02, rtol=1e-9).any()
