@@ -9,16 +9,16 @@ L = (1 - xi, (xi - xi^2)/2, xi, -(xi - xi^2)/2) and Phi = 12 EI/(GAk l0^2). The 
 Phi/(1 + Phi) sum (L_k - N_k) y_k, is taken in each of the two bending directions with its own Phi.
 """
 
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar_drawing import look as paint
-from spacar_drawing.drawn_shapes import Colour, Faces, Line, Shape, disc_outline, solid
+from spacar_drawing.drawn_shapes import Colour, Faces, Line, Shape, disc_outline, solid, together
 from spacar_drawing.look import Look
 from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.sections import breadth, hole, outline
@@ -90,15 +90,6 @@ Z = np.array([0.0, 0.0, 1.0])
 # radius of spatial beams without a cross-section, of the symbol size
 DRAWN_ONLY, THIN_BEAM, THICK_BEAM = 0.20, 0.28, 0.40
 SMOOTH = 0.1  # two bodies whose directions differ by less than this many radians need no closed ends where they meet
-Key = TypeVar("Key", bound=Hashable)
-
-
-def together(items: Iterable[tuple[Key, Element]]) -> dict[Key, list[Element]]:
-    """The elements by what they have in common, in the order of the first of each kind."""
-    found: dict[Key, list[Element]] = {}
-    for key, e in items:
-        found.setdefault(key, []).append(e)
-    return found
 
 
 def rows_of(elements: Sequence[Element]) -> Index:

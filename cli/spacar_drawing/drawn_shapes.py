@@ -1,8 +1,8 @@
 """Drawable shapes in space, and the small solids of which pictures are made. Lengths in m, widths in points."""
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,6 +66,22 @@ class Label:
 
 
 Shape = Line | Faces | Mark | Label
+Key = TypeVar("Key", bound=Hashable)
+Item = TypeVar("Item")
+
+
+def together(items: Iterable[tuple[Key, Item]]) -> dict[Key, list[Item]]:
+    """The items by what they have in common, in the order of the first of each kind."""
+    found: dict[Key, list[Item]] = {}
+    for key, item in items:
+        found.setdefault(key, []).append(item)
+    return found
+
+
+def marks_alike(shapes: Sequence[Shape]) -> list[tuple[Mark, Array]]:
+    """Marks that look alike: the first of each kind, and where all of them are (n, 3)."""
+    kinds = together(((s.size, s.face, s.edge, s.layer), s) for s in shapes if isinstance(s, Mark))
+    return [(alike[0], np.concatenate([m.at.reshape(-1, 3) for m in alike])) for alike in kinds.values()]
 
 
 def circle(

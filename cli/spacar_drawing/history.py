@@ -18,6 +18,7 @@ from spacar.errors import escaped
 from spacar.expressions import MEANING, NONE, unit_text
 from spacar_drawing.curves import Curve
 from spacar_drawing.defaults import plain
+from spacar_drawing.drawn_shapes import together
 from spacar_drawing.stage import INK, blank, dress, widened
 
 if TYPE_CHECKING:
@@ -37,10 +38,7 @@ def axis_text(curve: Curve) -> str:
 
 def panels(curves: Sequence[Curve]) -> list[list[Curve]]:
     """Curves of the same variable, or of expressions with the same unit, together, in the given order."""
-    groups: dict[object, list[Curve]] = {}
-    for c in curves:
-        groups.setdefault((c.variable, c.unit, c.group), []).append(c)
-    return list(groups.values())
+    return list(together(((c.variable, c.unit, c.group), c) for c in curves).values())
 
 
 def panel_text(group: Sequence[Curve]) -> str:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from spacar.arrays import Array
-from spacar_drawing.drawn_shapes import Colour
+from spacar_drawing.drawn_shapes import Colour, together
 from spacar_drawing.scene import ROUND, Element, Pose, Scene, positions
 from spacar_drawing.settings import PictureSettings
 
@@ -25,7 +25,7 @@ def attachments(scene: Scene, whole_bodies: bool) -> dict[int, tuple[int, ...]]:
         pairs = [(e.p_turn, e.p), (e.q_turn, e.q)]
         if e.shape == "planar wheel":  # both angles are those of the one place that it has
             pairs = [(e.p_turn, e.p), (e.q_turn, e.p)]
-        elif e.shape == "body" and scene.is_rigid(e.number):
+        elif e.shape == "body" and scene.rigid[e.number - 1]:
             pairs.append((e.p_turn, e.q))
         for turn, place in pairs:
             if turn and place and place not in found[turn]:
@@ -33,11 +33,17 @@ def attachments(scene: Scene, whole_bodies: bool) -> dict[int, tuple[int, ...]]:
     if whole_bodies:
         body = {turn: {turn} for turn in found}
         for e in scene.elements:
-            if e.shape == "beam" and scene.is_rigid(e.number):
+            if e.shape == "beam" and scene.rigid[e.number - 1]:
                 together = body[e.p_turn] | body[e.q_turn]
                 body |= dict.fromkeys(together, together)
         return {turn: tuple(dict.fromkeys(n for t in sorted(body[turn]) for n in found[t])) for turn in found}
     return {turn: tuple(nodes) for turn, nodes in found.items()}
+
+
+def node_names(scene: Scene) -> dict[int, str]:
+    """What stands beside the position nodes: their number, and in brackets those of the orientation nodes there."""
+    turning = together((places[0], str(turn)) for turn, places in sorted(attachments(scene, False).items()))
+    return {n: f"{n} ({','.join(turning[n])})" if n in turning else str(n) for n in scene.position_nodes.tolist()}
 
 
 def places_of_hinges(scene: Scene, place: Array) -> dict[int, tuple[int, ...]]:

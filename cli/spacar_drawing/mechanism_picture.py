@@ -14,9 +14,9 @@ from spacar_formats.getfrsbf import step_numbers
 
 from spacar.arrays import Array
 from spacar_drawing import look as colours
-from spacar_drawing.bodies import beam_lines, together
+from spacar_drawing.bodies import beam_lines
 from spacar_drawing.defaults import plain
-from spacar_drawing.drawn_shapes import Faces, Line, Shape, merge_bounds, wider
+from spacar_drawing.drawn_shapes import Faces, Line, Shape, merge_bounds, together, wider
 from spacar_drawing.element_pictures import element_shapes
 from spacar_drawing.files import MovingFigure, Pictures, evenly
 from spacar_drawing.look import GHOST, Look, look_of

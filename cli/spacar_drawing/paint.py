@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar_drawing.drawn_shapes import Faces, Label, Line, Mark, Shape
+from spacar_drawing.drawn_shapes import Faces, Label, Line, Shape, marks_alike
 from spacar_drawing.stage import Camera
 
 if TYPE_CHECKING:
@@ -130,12 +130,8 @@ DARKEST = 0.55
 def paint(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
     """Add the shapes to the axes; returns the artists, to be removed before the next frame."""
     artists: list[Any] = _planar(axes, camera, shapes) if camera.planar else _spatial(axes, camera, shapes)
-    marks: dict[tuple[object, ...], list[Mark]] = {}
-    for mark in (s for s in shapes if isinstance(s, Mark)):
-        marks.setdefault((mark.size, mark.face, mark.edge, mark.layer), []).append(mark)
-    for alike in marks.values():
-        x, y = camera.project(np.concatenate([m.at.reshape(-1, 3) for m in alike])).T
-        first = alike[0]
+    for first, places in marks_alike(shapes):
+        x, y = camera.project(places).T
         look: dict[str, Any] = {
             "ms": first.size, "mfc": first.face, "mec": first.edge, "mew": 0.8, "zorder": 10 + first.layer
         }

@@ -15,7 +15,7 @@ from matplotlib.path import Path
 from matplotlib.transforms import Affine2D, IdentityTransform
 
 from spacar.arrays import Array
-from spacar_drawing.drawn_shapes import Faces, Line, Mark, Shape
+from spacar_drawing.drawn_shapes import Faces, Line, Mark, Shape, marks_alike, together
 from spacar_drawing.paint import FRONT, brightness, rgba
 from spacar_drawing.stage import Camera
 
@@ -84,11 +84,10 @@ class _Drawing:
 
     def lines(self, lines: Sequence[Line], height: float | None) -> list[tuple[float, Call]]:
         """Those that look alike as one path: nothing is drawn twice where pale ones meet."""
-        alike: dict[tuple[Any, ...], list[Line]] = {}
-        for s in lines:
-            key = (10.5 + s.layer if height is None else height, s.colour, s.width, s.dashes, s.alpha)
-            alike.setdefault(key, []).append(s)
-        return [(key[0], self._stroke(found)) for key, found in alike.items()]
+        kinds = together(
+            ((10.5 + s.layer if height is None else height, s.colour, s.width, s.dashes, s.alpha), s) for s in lines
+        )
+        return [(key[0], self._stroke(found)) for key, found in kinds.items()]
 
     def _stroke(self, lines: Sequence[Line]) -> Call:
         parts = [_with_gaps(self.pixels(s.points.reshape(-1, *s.points.shape[-2:]))) for s in lines]
@@ -126,14 +125,10 @@ class _Drawing:
         return call
 
     def marks(self, shapes: Sequence[Shape]) -> list[tuple[float, Call]]:
-        alike: dict[tuple[Any, ...], list[Mark]] = {}
-        for s in shapes:
-            if isinstance(s, Mark):
-                alike.setdefault((s.size, s.face, s.edge, s.layer), []).append(s)
-        return [(10.0 + key[3], self._dots(found)) for key, found in alike.items()]
+        return [(10.0 + look.layer, self._dots(look, places)) for look, places in marks_alike(shapes)]
 
-    def _dots(self, marks: Sequence[Mark]) -> Call:
-        places, look = Path(self.pixels(np.concatenate([m.at.reshape(-1, 3) for m in marks]))), marks[0]
+    def _dots(self, look: Mark, at: Array) -> Call:
+        places = Path(self.pixels(at))
         face, edge = tuple(rgba(look.face, 1.0)[0]), tuple(rgba(look.edge, 1.0)[0])
         size = 0.5 * look.size * self.point
 

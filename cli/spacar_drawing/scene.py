@@ -225,10 +225,6 @@ class Scene:
                 return ""
         return "fixed" if found == {"fixed"} else "input" if "input" in found else ""
 
-    def is_rigid(self, element: int) -> bool:
-        """All deformations are fixed."""
-        return bool(self.rigid[element - 1])
-
 
 def positions(scene: Scene, x: Array) -> Array:
     """(highest node, 3) places of the position nodes [m], zero for the others, from x (nx,)."""
@@ -286,11 +282,7 @@ class Pose:
 
     def frame(self, scene: Scene, element: Element, end: str = "p") -> Array:
         """(3, 3) rows x', y', z' of the element's frame at an end, in space."""
-        table, node = (scene.frame_p, element.p_turn) if end == "p" else (scene.frame_q, element.q_turn)
-        start = table[element.number - 1]
-        if not start.any():
-            start = scene.frame_p[element.number - 1]
-        return start @ self.turn[node - 1].T if node else start
+        return self.frames(scene, np.array([element.number - 1]), end)[0]
 
     def frames(self, scene: Scene, rows: Index, end: str = "p") -> Array:
         """(m, 3, 3) the same of the elements in these rows (number minus 1)."""

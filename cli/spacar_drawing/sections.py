@@ -1,12 +1,10 @@
 """Cross-sections of beams as outlines, with their areas and moments. Coordinates (y, z) along local y', z' [m]."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar.deck.cross_section import pictured_constants, rectangle_torsion
+from spacar.deck.cross_section import SectionConstants, pictured_constants, rectangle_torsion
 from spacar_drawing.drawn_shapes import disc_outline
 from spacar_drawing.settings import SectionShape
 
@@ -65,24 +63,9 @@ def breadth(section: SectionShape | None) -> float:
     return section.dims[0] if section is not None and section.dims else 0.0
 
 
-@dataclass(frozen=True)
-class Moments:
-    """Area [m^2], second moments Iy (bending in x'z'), Iz (in x'y'), torsion constant It [m^4], warping constant
-    [m^6]."""
-
-    A: float
-    Iy: float
-    Iz: float
-    It: float
-    Cw: float
-
-
-def moments(section: SectionShape) -> Moments | None:
+def moments(section: SectionShape) -> SectionConstants | None:
     """The constants that beams of this section are computed with (sections.md section 2). None for LINE."""
-    c = pictured_constants(section.shape, section.dims)
-    if c is None:
-        return None
-    return Moments(c.A, c.Iy, c.Iz, c.It, c.Cw)
+    return pictured_constants(section.shape, section.dims)
 
 
 def warping_function(section: SectionShape, y: Array, z: Array) -> Array | None:

@@ -31,6 +31,7 @@ from spacar_drawing.stresses import (
     RESULTANTS,
     STRESSES,
     Resultants,
+    of_quantity,
     resultants,
     section_points,
     stress_field,
@@ -219,19 +220,11 @@ class StressDerivatives:
                 moved = r.of(name)[place]
             else:
                 assert section is not None
-                moved = _stress(name, sections.get(element.number, section), r, place, int(point[place]))
+                shape = sections.get(element.number, section)
+                y, z = (v[point[[place]]] for v in section_points(shape))
+                moved = of_quantity(name, *stress_field(shape, r.part(slice(place, place + 1)), (y, z)))[0, 0]
             rates.append(moved.imag / STEP)
         return float(values[place]), np.array(rates)
-
-
-def _stress(name: str, section: SectionShape, r: Resultants, place: int, point: int) -> complex:
-    """At one place along an element and one point of its section."""
-    y, z = section_points(section)
-    field = stress_field(section, r.part(slice(place, place + 1)), (y[[point]], z[[point]]))
-    normal, shear = (complex(a[0, 0]) for a in field)
-    if name == "normal":
-        return normal
-    return shear if name == "shear" else (normal * normal + 3.0 * shear * shear) ** 0.5
 
 
 def _directed(scene: Scene, mechanism: Mechanism) -> Scene:

@@ -38,8 +38,9 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.deck.cross_section import SectionConstants
 from spacar_drawing.scene import Element, Scene
-from spacar_drawing.sections import Moments, moments, rectangle_twist_stress, warping_function, warping_shear
+from spacar_drawing.sections import moments, rectangle_twist_stress, warping_function, warping_shear
 from spacar_drawing.settings import SectionShape
 
 GRID = 15  # points across a section in each direction
@@ -239,7 +240,7 @@ def stress_field(
     return normal, np.hypot(tau_y, tau_z)
 
 
-def _i_shear(section: SectionShape, m: Moments, y: Array, z: Array) -> tuple[Array, Array, Array, Array]:
+def _i_shear(section: SectionShape, m: SectionConstants, y: Array, z: Array) -> tuple[Array, Array, Array, Array]:
     """Shear stresses of an I section along y', z': per unit torque, where every plate has its part as a thin rectangle
     (2 G theta times the distance from its middle line), and per unit shear force (flanges 3/2 parabola, web mean)."""
     b, h, tw, tf = section.dims

@@ -9,7 +9,7 @@ from spacar_drawing import look as paint
 from spacar_drawing.bodies import beam_lines
 from spacar_drawing.drawn_shapes import Faces, Label, Line, Mark, Shape, circle, normal_pair, solid
 from spacar_drawing.element_pictures import span
-from spacar_drawing.look import Look, attachments, middle
+from spacar_drawing.look import Look, middle, node_names
 from spacar_drawing.scene import ROUND, Element, Pose, Scene
 
 X, Y, Z = np.eye(3)
@@ -162,12 +162,7 @@ def number_labels(scene: Scene, pose: Pose, look: Look, nodes: bool, elements: b
     """Numbers of the nodes (orientation nodes in brackets behind their place) and of the elements (boxed)."""
     shapes: list[Shape] = []
     if nodes:
-        turning: dict[int, list[int]] = {}
-        for turn, places in sorted(attachments(scene, False).items()):
-            turning.setdefault(places[0], []).append(turn)
-        for n in scene.position_nodes.tolist():
-            behind = f" ({','.join(map(str, turning[n]))})" if n in turning else ""
-            shapes.append(Label(pose.place[n - 1], f"{n}{behind}", "#33414d"))
+        shapes += [Label(pose.place[n - 1], text, "#33414d") for n, text in node_names(scene).items()]
     if elements:
         shown = [e for e in scene.elements if e.number not in look.settings.hidden]
         at = _label_places(scene, pose, look, shown)

@@ -27,7 +27,7 @@ from spacar.deck import ELEMENT_TYPES
 from spacar.deck.length_unit import shown_in
 from spacar.errors import UsageError
 from spacar_drawing.files import evenly
-from spacar_drawing.look import attachments, look_of
+from spacar_drawing.look import look_of, node_names
 from spacar_drawing.mechanism_picture import Extras, series_bounds, step_text
 from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.scene import Scene, positions
@@ -183,9 +183,6 @@ def view_model(
     azimuth, elevation = (-90.0, 90.0) if scene.planar else view_angles(view)
     values, columns = _values(source, chosen)
     traces, spans = _paths(source, centre)
-    turning: dict[int, list[int]] = {}
-    for turn, at in sorted(attachments(scene, False).items()):
-        turning.setdefault(at[0], []).append(turn)
     arrays = _arrays(mesh, len(chosen), centre) | {
         "nodes": _text(places - centre, np.float32), "paths": _text(traces, np.float32)
     }
@@ -195,14 +192,12 @@ def view_model(
     if stress is not None:
         colours = field_colours(source, mesh, chosen, stress)
         arrays["field"] = _text(colours.numbers, np.uint16)
-    nodes = scene.position_nodes.tolist()
     return {
         "planar": scene.planar, "frames": mesh.frames,
         "times": [step_text(source, k).removeprefix(scene.title).strip() for k in chosen], "fps": fps,
         "shown": len(chosen) - 1 if scene.analysis.stationary else 0,
-        "nodes": [f"{n} ({','.join(map(str, turning[n]))})" if n in turning else str(n) for n in nodes],
-        "elements": _elements(scene),
-        "modes": {k: [str(m[0]) for m in ELEMENT_TYPES[k].modes] for k in {e.keyword for e in scene.elements}},
+        "nodes": [*node_names(scene).values()], "elements": _elements(scene),
+        "modes": {e.keyword: [str(m[0]) for m in ELEMENT_TYPES[e.keyword].modes] for e in scene.elements},
         "ne": int(np.sum(scene.nep)), "columns": columns, "centre": centre.tolist(), "low": (low - centre).tolist(),
         "high": (high - centre).tolist(), "metre": scene.metre, "unit": shown_in("m", scene.metre)[1],
         "azimuth": azimuth, "elevation": elevation, "paths": spans,
