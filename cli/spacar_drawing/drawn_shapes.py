@@ -24,6 +24,11 @@ class Line:
     dashes: tuple[float, ...] = ()
     alpha: float = 1.0
 
+    @property
+    def pieces(self) -> Array:
+        """(pieces, 2, 3) the straight pieces between the points."""
+        return np.stack((self.points[..., :-1, :], self.points[..., 1:, :]), axis=-2).reshape(-1, 2, 3)
+
 
 @dataclass(frozen=True)
 class Faces:

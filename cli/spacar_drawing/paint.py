@@ -147,26 +147,12 @@ def paint_labels(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[An
 
 def _planar(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
     """Every layer: faces, then lines, in collections of their own."""
-    from matplotlib.collections import LineCollection, PolyCollection
+    from matplotlib.collections import LineCollection
 
     artists: list[Any] = []
     for layer in sorted({s.layer for s in shapes if isinstance(s, Faces)}):
-        polygons: list[Array] = []
-        faces, edges, widths = [], [], []
-        for s in (s for s in shapes if isinstance(s, Faces) and s.layer == layer):
-            colour = rgba(s.colour, s.alpha, len(s.corners))
-            many = isinstance(s.colour, np.ndarray)  # edges in the colour of the face close the hairlines between them
-            closed = colour if many and s.alpha >= 1 else colour * [1, 1, 1, 0]
-            polygons.append(camera.project(s.corners))
-            faces.append(colour)
-            edges.append(rgba(s.edge, 1.0, len(colour)) if s.edge else closed)
-            widths.append(np.full(len(colour), s.width if s.edge or (many and s.alpha >= 1) else 0.0))
-        face = PolyCollection(
-            list(_alike(polygons)), facecolors=np.concatenate(faces), edgecolors=np.concatenate(edges),
-            linewidths=np.concatenate(widths),
-        )  # fmt: skip
-        face.set_zorder(10 + layer)
-        artists.append(axes.add_collection(face, autolim=False))
+        parts = [_faces(camera, s) for s in shapes if isinstance(s, Faces) and s.layer == layer]
+        artists.append(_polygons(axes, parts, 10 + layer, False))
     layers = sorted({(s.layer, s.alpha >= 1) for s in shapes if isinstance(s, Line)})
     for layer, opaque in layers:
         lines = [s for s in shapes if isinstance(s, Line) and (s.layer, s.alpha >= 1) == (layer, opaque)]
@@ -182,49 +168,61 @@ def _planar(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
 
 def _spatial(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
     """All faces and pieces of lines in one collection, far ones first (painter's algorithm)."""
-    from matplotlib.collections import LineCollection, PolyCollection
+    from matplotlib.collections import LineCollection
 
-    polygons: list[Array] = []
-    depths, faces, edges, widths = [], [], [], []
-    front: list[Line] = []
-    for s in shapes:
-        if isinstance(s, Faces):
-            colour = rgba(s.colour, s.alpha, len(s.corners))
-            if s.light:
-                colour[:, :3] *= brightness(camera, s.corners)[:, None]
-            polygons.append(camera.project(s.corners))
-            depths.append(camera.depth(s.corners).mean(1))
-            faces.append(colour)
-            # an edge in the colour of the face closes the hairlines between neighbours; with transparency it would show
-            edges.append(
-                rgba(s.edge, 1.0, len(colour)) if s.edge else colour if s.alpha >= 1 else colour * [1, 1, 1, 0]
-            )
-            widths.append(np.full(len(colour), s.width if s.edge else 0.4))
-        elif isinstance(s, Line):
-            if s.layer >= FRONT or s.dashes:
-                front.append(s)
-                continue
-            pieces = np.stack((s.points[..., :-1, :], s.points[..., 1:, :]), axis=-2).reshape(-1, 2, 3)
-            colour = rgba(s.colour, s.alpha, len(pieces))
-            polygons.append(camera.project(pieces))
-            depths.append(camera.depth(pieces).mean(1))
-            faces.append(colour * [1, 1, 1, 0])
-            edges.append(colour)
-            widths.append(np.full(len(pieces), s.width))
+    front, behind = in_front(shapes)
     artists: list[Any] = []
-    if polygons:
-        order = np.argsort(np.concatenate(depths), kind="stable")
-        collection = PolyCollection(
-            list(_alike(polygons)[order]), facecolors=np.concatenate(faces)[order],
-            edgecolors=np.concatenate(edges)[order], linewidths=np.concatenate(widths)[order], joinstyle="round",
-        )  # fmt: skip
-        collection.set_zorder(10)
-        artists.append(axes.add_collection(collection, autolim=False))
+    if behind:
+        parts = [_faces(camera, s) if isinstance(s, Faces) else _pieces(camera, s) for s in behind]
+        artists.append(_polygons(axes, parts, 10, True))
     if front:
         lines = LineCollection(**_polylines(camera, front))
         lines.set_zorder(15)
         artists.append(axes.add_collection(lines, autolim=False))
     return artists
+
+
+def in_front(shapes: Sequence[Shape]) -> tuple[list[Line], list[Line | Faces]]:
+    """Of a spatial picture the lines that are drawn over all others, and what is sorted by depth."""
+    found = [s for s in shapes if isinstance(s, Line | Faces)]
+    over = [s for s in found if isinstance(s, Line) and (s.layer >= FRONT or s.dashes)]
+    return over, [s for s in found if isinstance(s, Faces) or (s.layer < FRONT and not s.dashes)]
+
+
+Part = tuple[Array, Array, Array, Array, Array]  # polygons (n, k, 2), depths, colours of faces and of edges, widths
+
+
+def _faces(camera: Camera, s: Faces) -> Part:
+    colour = rgba(s.colour, s.alpha, len(s.corners))
+    if s.light and not camera.planar:
+        colour[:, :3] *= brightness(camera, s.corners)[:, None]
+    # an edge in the colour of the face closes the hairlines between neighbours; with transparency it would show
+    closed = s.alpha >= 1 and (not camera.planar or isinstance(s.colour, np.ndarray))
+    edge = rgba(s.edge, 1.0, len(colour)) if s.edge else colour if closed else colour * [1, 1, 1, 0]
+    width = s.width if s.edge or (closed and camera.planar) else 0.0 if camera.planar else 0.4
+    return camera.project(s.corners), camera.depth(s.corners).mean(1), colour, edge, np.full(len(colour), width)
+
+
+def _pieces(camera: Camera, s: Line) -> Part:
+    """Pieces of lines as polygons that are only edges."""
+    pieces = s.pieces
+    colour = rgba(s.colour, s.alpha, len(pieces))
+    widths = np.full(len(pieces), s.width)
+    return camera.project(pieces), camera.depth(pieces).mean(1), colour * [1, 1, 1, 0], colour, widths
+
+
+def _polygons(axes: Axes, parts: Sequence[Part], height: int, by_depth: bool) -> Any:
+    from matplotlib.collections import PolyCollection
+
+    polygons = _alike([part[0] for part in parts])
+    depths, faces, edges, widths = (np.concatenate([part[i] for part in parts]) for i in range(1, 5))
+    order = np.argsort(depths, kind="stable") if by_depth else np.arange(len(depths))
+    collection = PolyCollection(
+        list(polygons[order]), facecolors=faces[order], edgecolors=edges[order], linewidths=widths[order],
+        joinstyle="round" if by_depth else None,
+    )  # fmt: skip
+    collection.set_zorder(height)
+    return axes.add_collection(collection, autolim=False)
 
 
 def _polylines(camera: Camera, lines: Sequence[Line]) -> dict[str, Any]:

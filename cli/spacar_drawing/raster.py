@@ -16,7 +16,7 @@ from matplotlib.transforms import Affine2D, IdentityTransform
 
 from spacar.arrays import Array
 from spacar_drawing.drawn_shapes import Faces, Line, Mark, Shape, marks_alike, together
-from spacar_drawing.paint import FRONT, brightness, rgba
+from spacar_drawing.paint import brightness, in_front, rgba
 from spacar_drawing.stage import Camera
 
 DILATED = 1.0  # pixels that the renderer adds to the width of a triangle, so that neighbours leave no gap
@@ -72,14 +72,8 @@ class _Drawing:
         return calls + self.lines([s for s in shapes if isinstance(s, Line)], None) + self.marks(shapes)
 
     def spatial(self, shapes: Sequence[Shape]) -> list[tuple[float, Call]]:
-        front: list[Line] = []
-        sorted_ones: list[Shape] = []
-        for s in shapes:
-            if isinstance(s, Line) and (s.layer >= FRONT or s.dashes):
-                front.append(s)
-            elif isinstance(s, Line | Faces):
-                sorted_ones.append(s)
-        calls = [(10.0, self.solids(sorted_ones))] if sorted_ones else []
+        front, behind = in_front(shapes)
+        calls = [(10.0, self.solids(behind))] if behind else []
         return calls + self.lines(front, 15.0) + self.marks(shapes)
 
     def lines(self, lines: Sequence[Line], height: float | None) -> list[tuple[float, Call]]:
@@ -140,9 +134,9 @@ class _Drawing:
 
         return call
 
-    def solids(self, shapes: Sequence[Shape]) -> Call:
+    def solids(self, shapes: Sequence[Line | Faces]) -> Call:
         """Triangles of all faces and lines, the far ones first."""
-        found = [t for s in shapes for t in (self._faces(s) if isinstance(s, Faces) else self._ribbons(s))]  # type: ignore[arg-type]
+        found = [t for s in shapes for t in (self._faces(s) if isinstance(s, Faces) else self._ribbons(s))]
         corners, depth, colours = (np.concatenate([t[i] for t in found]) for i in range(3))
         order = np.argsort(depth, kind="stable")
         triangles = np.ascontiguousarray(corners[order])
@@ -174,7 +168,7 @@ class _Drawing:
         return parts
 
     def _ribbons(self, s: Line) -> list[tuple[Array, Array, Array]]:
-        pieces = np.stack((s.points[..., :-1, :], s.points[..., 1:, :]), axis=-2).reshape(-1, 2, 3)
+        pieces = s.pieces
         depth = self.camera.depth(pieces).mean(axis=1)
         return self._bands(pieces, depth, s.width, rgba(s.colour, s.alpha, len(pieces)))
 

@@ -8,7 +8,6 @@ the frames are stored for every picture.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,45 +26,56 @@ RIGID = 1e-6  # of the extent: corners that stay within this of a turned and mov
 THICKNESS = 0.09  # radius of a line of one point, of the symbol size
 SIDES = 8  # of a rod; half of them where there are many
 MANY = 500  # beams
+PLACE, NORMAL, COLOUR, FRAME, ELEMENT = slice(3), slice(3, 6), slice(6, 9), 9, 10  # columns of corners
 Draw = Callable[[Pose], list[Shape]]
 
 
-@dataclass
 class TriangleMesh:
-    """frames: lists of (pictures, n, 3) p, Y, Z; corners: (frame,) (place, 3) (normal, 3) (colour, 3) (element,).
+    """Parts that were added, one after the other, in pictures with symbols of a size [m].
 
-    lines  of frames on elastic lines, which follow each other: the first one, numbers of elements, points on each
+    frames, corners   how many there are
+    lines   of frames on elastic lines, which follow each other: the first one, numbers of elements, points on each
     """
 
-    size: float
-    p: list[Array] = field(default_factory=list)
-    y: list[Array] = field(default_factory=list)
-    z: list[Array] = field(default_factory=list)
-    frame: list[NDArray[np.int64]] = field(default_factory=list)
-    place: list[Array] = field(default_factory=list)
-    normal: list[Array] = field(default_factory=list)
-    colour: list[Array] = field(default_factory=list)
-    element: list[NDArray[np.int64]] = field(default_factory=list)
-    triangles: list[NDArray[np.int64]] = field(default_factory=list)
-    lines: list[tuple[int, list[int], int]] = field(default_factory=list)
-    frames: int = 0
-    corners: int = 0
+    def __init__(self, size: float, pictures: int) -> None:
+        self.size, self.frames, self.corners = size, 0, 0
+        self._moving, self._corner = [np.zeros((3, pictures, 0, 3))], [np.zeros((0, ELEMENT + 1))]
+        self._triangles = [np.zeros((0, 3), np.int64)]
+        self.lines: list[tuple[int, list[int], int]] = []
+
+    @property
+    def moving(self) -> Array:
+        """(3, pictures, frames, 3) p, Y, Z of the frames."""
+        return np.concatenate(self._moving, axis=2)
+
+    @property
+    def corner(self) -> Array:
+        """(corners, 11) in columns PLACE, NORMAL, COLOUR (0 to 1), FRAME, ELEMENT."""
+        return np.concatenate(self._corner)
+
+    @property
+    def triangles(self) -> NDArray[np.int64]:
+        """(n, 3) corners."""
+        return np.concatenate(self._triangles)
+
+    @property
+    def owner(self) -> NDArray[np.int64]:
+        """(frames,) elements, 0 for none."""
+        found, corner = np.zeros(self.frames, np.int64), self.corner
+        found[corner[:, FRAME].astype(np.int64)] = corner[:, ELEMENT]
+        return found
 
     def add(
-        self, p: Array, y: Array, z: Array, frame: Array, place: Array, colour: Array, element: Array,
-        triangles: Array, normal: Array | None = None,
+        self, moving: Sequence[Array], frame: Array, place: Array, colour: Array, element: Array, triangles: Array,
+        normal: Array | None = None,
     ) -> None:  # fmt: skip
-        """Frames (pictures, n, 3) and the corners in them; numbers of frames and corners count from 0 here."""
-        self.p.append(p)
-        self.y.append(y)
-        self.z.append(z)
-        self.frame.append(np.asarray(frame, np.int64) + self.frames)
-        self.place.append(place)
-        self.normal.append(np.zeros_like(place) if normal is None else normal)
-        self.colour.append(colour)
-        self.element.append(np.asarray(element, np.int64))
-        self.triangles.append(np.asarray(triangles, np.int64) + self.corners)
-        self.frames += p.shape[1]
+        """Frames p, Y, Z (pictures, n, 3) each and the corners in them; numbers of frames and corners count from 0
+        here."""
+        normal = np.zeros_like(place) if normal is None else normal
+        self._moving.append(np.stack(moving))
+        self._corner.append(np.column_stack((place, normal, colour, frame + self.frames, element)))
+        self._triangles.append(np.asarray(triangles, np.int64) + self.corners)
+        self.frames += moving[0].shape[1]
         self.corners += len(place)
 
     def tubes(
@@ -76,10 +86,7 @@ class TriangleMesh:
         (m, 2) which of them are closed, default all."""
         pictures, m, n, _ = points.shape
         k = len(contour)
-        corner = np.arange(m * n * k).reshape(m, n, k)
-        after = np.roll(corner, -1, axis=2)
-        a, b, c, d = corner[:, :-1], after[:, :-1], after[:, 1:], corner[:, 1:]
-        sides = np.stack((a, b, c, a, c, d), axis=-1).reshape(-1, 3)
+        corner, sides = _sides(m, n, k)
         pieces = convex_pieces(contour)
         fan = np.array([(q[0], q[i], q[i + 1]) for q in pieces for i in range(1, len(q) - 1)])
         closed = np.ones((m, 2), bool) if ends is None else ends
@@ -87,51 +94,48 @@ class TriangleMesh:
         place = np.zeros((m * n * k, 3))
         place[:, 1:] = np.tile(contour, (m * n, 1))
         normal = place / np.maximum(np.linalg.norm(place, axis=1, keepdims=True), 1e-300) if round_ else None
-        p, y, z = (v.reshape(pictures, -1, 3) for v in (points, y, z))
         self.add(
-            p, y, z, np.repeat(np.arange(m * n), k), place, np.tile(colour, (m * n * k, 1)), np.repeat(elements, n * k),
-            np.concatenate([sides, *caps]), normal,
+            [v.reshape(pictures, -1, 3) for v in (points, y, z)], np.repeat(np.arange(m * n), k), place,
+            np.tile(colour, (m * n * k, 1)), np.repeat(elements, n * k), np.concatenate([sides, *caps]), normal,
         )  # fmt: skip
 
     def part(self, corners: Array, colour: Array, element: int, triangles: Array, extent: float) -> None:
         """Corners (pictures, n, 3) of one part: as a rigid one when they keep their distances, else as they are."""
-        fitted = rigid_motion(corners)
-        number = np.full(corners.shape[1], element)
-        if np.max(np.abs(fitted.rest), initial=0.0) <= RIGID * extent:
-            turn = fitted.turn
-            zero = np.zeros(corners.shape[1], int)
-            place = corners[0] - fitted.centre[0]
-            self.add(
-                fitted.centre[:, None], turn[:, None, :, 1], turn[:, None, :, 2], zero, place, colour, number, triangles
-            )
-            return
-        y, z = (np.broadcast_to(np.eye(3)[i], corners.shape) for i in (1, 2))
-        self.add(corners, y, z, np.arange(corners.shape[1]), np.zeros(corners.shape[1:]), colour, number, triangles)
+        centre, turn, rest = rigid_motion(corners)
+        n = corners.shape[1]
+        if np.max(np.abs(rest), initial=0.0) <= RIGID * extent:
+            frames = centre[:, None], turn[:, None, :, 1], turn[:, None, :, 2]
+            frame, place = np.zeros(n), corners[0] - centre[0]
+        else:
+            y, z = (np.broadcast_to(np.eye(3)[i], corners.shape) for i in (1, 2))
+            frames, frame, place = (corners, y, z), np.arange(float(n)), np.zeros((n, 3))
+        self.add(frames, frame, place, colour, np.full(n, element), triangles)
 
 
-@dataclass(frozen=True)
-class RigidMotion:
-    """centre (k, 3), turn (k, 3, 3) from the first picture, rest (k, n, 3) what it leaves."""
+def _sides(m: int, n: int, k: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Numbers (m, n, k) of the corners of m tubes with n rings of k corners, and the triangles (..., 3) of their sides.
+    """
+    corner = np.arange(m * n * k).reshape(m, n, k)
+    after = np.roll(corner, -1, axis=2)
+    a, b, c, d = corner[:, :-1], after[:, :-1], after[:, 1:], corner[:, 1:]
+    return corner, np.stack((a, b, c, a, c, d), axis=-1).reshape(-1, 3)
 
-    centre: Array
-    turn: Array
-    rest: Array
 
-
-def rigid_motion(corners: Array) -> RigidMotion:
-    """The motions that fit the corners (k, n, 3) best, from those of the first picture; least squares."""
+def rigid_motion(corners: Array) -> tuple[Array, Array, Array]:
+    """centre (k, 3), turn (k, 3, 3) of the motions that fit the corners (k, n, 3) best, from those of the first
+    picture, and rest (k, n, 3), what they leave; least squares."""
     centre = corners.mean(axis=1)
     first, every = corners[0] - centre[0], corners - centre[:, None]
     u, _, v = np.linalg.svd(np.swapaxes(every, 1, 2) @ first)
     proper = np.sign(np.linalg.det(u @ v))
     u[:, :, 2] *= np.where(proper == 0, 1.0, proper)[:, None]
     turn = u @ v
-    return RigidMotion(centre, turn, every - first @ np.swapaxes(turn, 1, 2))
+    return centre, turn, every - first @ np.swapaxes(turn, 1, 2)
 
 
 def mesh_of(scene: Scene, xs: Array, look: Look, more: Sequence[Draw] = ()) -> TriangleMesh:
     """The mechanism at the configurations xs (pictures, nx), and what `more` draws."""
-    mesh = TriangleMesh(look.size)
+    mesh = TriangleMesh(look.size, len(xs))
     poses = [Pose.of(scene, x) for x in xs]
     seen = [e for e in scene.elements if e.number not in look.settings.hidden]
     trusses = [e for e in seen if e.shape == "truss"]
@@ -208,11 +212,8 @@ def _line(mesh: TriangleMesh, points: Array, look: Line, element: int, extent: f
     m, n = points.shape[1:3]
     rings = points[..., None, :] + contour[:, 0, None] * y[..., None, :] + contour[:, 1, None] * z[..., None, :]
     rigid = rings.reshape(len(points), -1, 3)
-    if np.max(np.abs(rigid_motion(rigid).rest), initial=0.0) <= RIGID * extent:
-        corner = np.arange(m * n * 4).reshape(m, n, 4)
-        after = np.roll(corner, -1, axis=2)
-        a, b, c, d = corner[:, :-1], after[:, :-1], after[:, 1:], corner[:, 1:]
-        sides = np.stack((a, b, c, a, c, d), axis=-1).reshape(-1, 3)
-        mesh.part(rigid, np.tile(rgba(look.colour, 1.0)[0, :3], (m * n * 4, 1)), element, sides, extent)
+    if np.max(np.abs(rigid_motion(rigid)[2]), initial=0.0) <= RIGID * extent:
+        colour = np.tile(rgba(look.colour, 1.0)[0, :3], (m * n * 4, 1))
+        mesh.part(rigid, colour, element, _sides(m, n, 4)[1], extent)
         return
     mesh.tubes(points, y, z, contour, rgba(look.colour, 1.0)[0, :3], np.full(m, element), True)

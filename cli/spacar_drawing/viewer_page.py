@@ -34,7 +34,7 @@ from spacar_drawing.scene import Scene, positions
 from spacar_drawing.stage import view_angles
 from spacar_drawing.stress_picture import colour_range, courses
 from spacar_drawing.stresses import QUANTITIES
-from spacar_drawing.viewer_mesh import Draw, TriangleMesh, mesh_of
+from spacar_drawing.viewer_mesh import COLOUR, ELEMENT, FRAME, NORMAL, PLACE, Draw, TriangleMesh, mesh_of
 
 NONE, LAST = 65535, 65534
 SHADES = 9  # of the palette
@@ -51,10 +51,6 @@ class FieldColours:
     palette: list[list[int]]
     numbers: NDArray[np.uint16]
 
-    def described(self) -> dict[str, Any]:
-        """What the page needs besides the numbers."""
-        return {"name": self.name, "unit": self.unit, "low": self.low, "high": self.high, "palette": self.palette}
-
 
 def field_colours(source: PictureSource, mesh: TriangleMesh, chosen: Sequence[int], quantity: str) -> FieldColours:
     """The quantity (of QUANTITIES) at the steps that the pictures show.
@@ -64,9 +60,7 @@ def field_colours(source: PictureSource, mesh: TriangleMesh, chosen: Sequence[in
     if quantity not in QUANTITIES:
         raise UsageError(f"there is no stress '{quantity}'; expected {', '.join(QUANTITIES)}", "draw.stress")
     values = np.full((len(chosen), mesh.frames), np.nan)
-    owner = np.zeros(mesh.frames, np.int64)
-    if mesh.frame:
-        owner[np.concatenate(mesh.frame)] = np.concatenate(mesh.element)
+    owner = mesh.owner
     trusses = {e.number: np.flatnonzero(owner == e.number) for e in source.scene.elements if e.shape == "truss"}
     counts = sorted({n for _, _, n in mesh.lines}) or [2]
     for k, step in enumerate(chosen):
@@ -183,7 +177,7 @@ def view_model(
     azimuth, elevation = (-90.0, 90.0) if scene.planar else view_angles(view)
     values, columns = _values(source, chosen)
     traces, spans = _paths(source, centre)
-    arrays = _arrays(mesh, len(chosen), centre) | {
+    arrays = _arrays(mesh, centre) | {
         "nodes": _text(places - centre, np.float32), "paths": _text(traces, np.float32)
     }
     if values is not None:
@@ -201,24 +195,21 @@ def view_model(
         "ne": int(np.sum(scene.nep)), "columns": columns, "centre": centre.tolist(), "low": (low - centre).tolist(),
         "high": (high - centre).tolist(), "metre": scene.metre, "unit": shown_in("m", scene.metre)[1],
         "azimuth": azimuth, "elevation": elevation, "paths": spans,
-        "field": None if colours is None else colours.described(), "arrays": arrays,
+        "field": None if colours is None else {k: v for k, v in vars(colours).items() if k != "numbers"},
+        "arrays": arrays,
     }  # fmt: skip
 
 
-def _arrays(mesh: TriangleMesh, pictures: int, centre: Array) -> dict[str, str]:
-    empty = np.zeros((pictures, 0, 3))
-    p, y, z = (np.concatenate([empty, *parts], axis=1) for parts in (mesh.p, mesh.y, mesh.z))
+def _arrays(mesh: TriangleMesh, centre: Array) -> dict[str, str]:
+    p, y, z = mesh.moving
+    corner, padding = mesh.corner, np.zeros((mesh.corners, 1))
     axes = np.rint(32767 * np.clip(np.concatenate((y, z), axis=2), -1, 1))
-    none = np.zeros((0, 3))
-    padding = np.zeros((mesh.corners, 1))
     return {
         "p": _text(p - centre, np.float32), "axes": _text(axes, np.int16),
-        "frame": _text(np.concatenate([np.zeros(0, int), *mesh.frame]), np.uint32),
-        "place": _text(np.concatenate([none, *mesh.place]), np.float32),
-        "normal": _text(np.hstack((np.rint(127 * np.concatenate([none, *mesh.normal])), padding)), np.int8),
-        "colour": _text(np.hstack((np.rint(255 * np.concatenate([none, *mesh.colour])), padding)), np.uint8),
-        "element": _text(np.concatenate([np.zeros(0, int), *mesh.element]), np.uint32),
-        "triangles": _text(np.concatenate([np.zeros((0, 3), int), *mesh.triangles]), np.uint32),
+        "frame": _text(corner[:, FRAME], np.uint32), "place": _text(corner[:, PLACE], np.float32),
+        "normal": _text(np.hstack((np.rint(127 * corner[:, NORMAL]), padding)), np.int8),
+        "colour": _text(np.hstack((np.rint(255 * corner[:, COLOUR]), padding)), np.uint8),
+        "element": _text(corner[:, ELEMENT], np.uint32), "triangles": _text(mesh.triangles, np.uint32),
     }  # fmt: skip
 
 

@@ -18,7 +18,7 @@ from spacar_drawing.element_pictures import PARTS
 from spacar_drawing.look import look_of
 from spacar_drawing.report_page import report_page
 from spacar_drawing.scene import Pose
-from spacar_drawing.viewer_mesh import TriangleMesh, mesh_of, rigid_motion
+from spacar_drawing.viewer_mesh import ELEMENT, FRAME, PLACE, TriangleMesh, mesh_of, rigid_motion
 from spacar_drawing.viewer_page import view_page
 
 from .conftest import call
@@ -29,8 +29,8 @@ CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shuti
 
 def corners(mesh, k):
     """Places of all corners in picture k: p + a X + b Y + c Z."""
-    p, y, z = (np.concatenate(part, axis=1)[k] for part in (mesh.p, mesh.y, mesh.z))
-    i, place = np.concatenate(mesh.frame), np.concatenate(mesh.place)
+    p, y, z = mesh.moving[:, k]
+    i, place = mesh.corner[:, FRAME].astype(int), mesh.corner[:, PLACE]
     axes = np.stack((np.cross(y, z), y, z), axis=1)
     return p[i] + np.einsum("na,nax->nx", place, axes[i])
 
@@ -44,7 +44,7 @@ def test_parts_of_the_mesh_are_the_faces_of_the_pictures(name):
     scene, xs = source.scene, source.x()
     look = look_of(scene, xs, source.settings)
     mesh = mesh_of(scene, xs, look)
-    number = np.concatenate(mesh.element)
+    number = mesh.corner[:, ELEMENT]
     for k, x in enumerate(xs):
         found = corners(mesh, k)
         for e in scene.elements:
@@ -63,7 +63,7 @@ def test_beams_of_the_mesh_follow_the_elastic_line():
     look = look_of(scene, xs, source.settings)
     mesh = mesh_of(scene, xs, look)
     beams = [e for e in scene.elements if e.shape == "beam"]
-    p = np.concatenate(mesh.p, axis=1)
+    p = mesh.moving[0]
     for k, x in enumerate(xs):
         for e in beams:
             line = beam_lines(scene, Pose.of(scene, x), [e], look.points)[0][0]
@@ -76,16 +76,16 @@ def test_rigid_motion_finds_the_rotation():
     R = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     R *= np.linalg.det(R)
     body = rng.normal(size=(7, 3))
-    found = rigid_motion(np.stack((body, body @ R.T + [1.0, 2, 3])))
-    np.testing.assert_allclose(found.turn[1], R, atol=1e-13)
-    assert np.abs(found.rest).max() < 1e-13
+    _, turn, rest = rigid_motion(np.stack((body, body @ R.T + [1.0, 2, 3])))
+    np.testing.assert_allclose(turn[1], R, atol=1e-13)
+    assert np.abs(rest).max() < 1e-13
     flat = body * [1, 1, 0]  # a plane has two solutions to the least squares, one of them a reflection
-    found = rigid_motion(np.stack((flat, flat @ R.T)))
-    np.testing.assert_allclose(np.linalg.det(found.turn), 1.0, atol=1e-12)
+    _, turn, _ = rigid_motion(np.stack((flat, flat @ R.T)))
+    np.testing.assert_allclose(np.linalg.det(turn), 1.0, atol=1e-12)
 
 
 def test_what_changes_its_shape_keeps_its_corners():
-    mesh = TriangleMesh(1.0)
+    mesh = TriangleMesh(1.0, 2)
     (side, *_) = cylinder(np.zeros(3), np.array([0, 0, 1.0]), 0.1, "#ff0000")
     one = side.corners.reshape(-1, 3)
     both = np.stack((one, one * [1, 1, 2]))

@@ -67,8 +67,7 @@ def test_springs_have_the_colour_of_their_force():
     mesh = mesh_of(source.scene, xs, look_of(source.scene, xs, source.settings))
     assert not mesh.lines
     found = field_colours(source, mesh, [1], "N")
-    owner = np.zeros(mesh.frames, int)
-    owner[np.concatenate(mesh.frame)] = np.concatenate(mesh.element)
+    owner = mesh.owner
     for number, force in zip((1, 2, 3), stress_results(source, [1], points=2)["N"][0, :, 0], strict=True):
         shown = found.low + found.numbers[0, owner == number] / LAST * (found.high - found.low)
         assert np.allclose(shown, force, rtol=0.0, atol=found.high / 6e4)
