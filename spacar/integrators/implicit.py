@@ -32,59 +32,54 @@ class _FixedStep:
     def start(self, t: float, y: np.ndarray) -> None:
         """Nothing to prepare."""
 
-    def factored(self, jacobian: Any, t: float, h: float, gh: float) -> Resolvent:
-        """b -> (I - gh J)^-1 b. Raises AnalysisError `integrator.singular`."""
-        s = 1.0 / gh
-        solve = resolvent(jacobian, s, self.nq, t, h)
-        return lambda b: solve(s * b)
-
     def end(self, t: float, y: np.ndarray) -> None:
         """The end of the step."""
         self.y_new = y
         self.evaluation.settle(t, y)
 
 
-class Rosenbrock1(_FixedStep):
-    """310: (I - hJ) k = F + h F_t, y+ = y + h k."""
+# gamma; of every stage alpha, rows of a and c, and g; weights m
+ROSENBROCK = {
+    310: (1.0, ((0.0, (), (), 1.0),), (1.0,)),
+    320: (
+        GAMMA_2, ((0.0, (), (), GAMMA_2), (1.0, (1.0 / GAMMA_2,), (-2.0 / GAMMA_2,), -GAMMA_2)),
+        (1.5 / GAMMA_2, 0.5 / GAMMA_2),
+    ),
+    330: (
+        GAMMA_3,
+        (
+            (0.0, (), (), 0.43586652150845900),
+            (GAMMA_3, (1.0,), (-1.0156171083877702,), 0.24291996454816804),
+            (GAMMA_3, (1.0,), (4.0759956452537700, 9.2076794298330791), 2.1851380027664058),
+        ),
+        (1.0, 6.1697947043828246, -0.42772256543218573),
+    ),
+}  # fmt: skip
+
+
+class Rosenbrock(_FixedStep):
+    """310, 320, 330: with u the sum of k times gamma h (Hairer and Wanner II, section IV.7),
+
+        (1/(gamma h) - J) u_i = F(t + alpha_i h, y + sum_j a_ij u_j) + sum_j c_ij u_j / h + g_i h F_t
+
+    and y+ = y + sum_i m_i u_i. Stages with the same arguments share F.
+    """
+
+    def __init__(self, code: int, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
+        super().__init__(evaluation, n, tolerance)
+        self.gamma, self.stages, self.m = ROSENBROCK[code]
+        self.u = np.zeros((len(self.m), n))
 
     def fixed(self, t: float, h: float, y: np.ndarray) -> None:
         jacobian, f_t = self.evaluation.jacobian(t, y)
-        solve = self.factored(jacobian, t, h, h)
-        self.end(t + h, y + h * solve(self.evaluation.rhs(t, y) + h * f_t))
-
-
-class Rosenbrock2(_FixedStep):
-    """320: two stages, gamma = 1 - 1/sqrt(2)."""
-
-    def fixed(self, t: float, h: float, y: np.ndarray) -> None:
-        jacobian, f_t = self.evaluation.jacobian(t, y)
-        gh = GAMMA_2 * h
-        gh_ft = gh * f_t
-        solve = self.factored(jacobian, t, h, gh)
-        k1 = solve(self.evaluation.rhs(t, y) + gh_ft)
-        k2 = solve(self.evaluation.rhs(t + h, y + h * k1) - 2.0 * k1 - gh_ft)
-        self.end(t + h, y + (1.5 * h) * k1 + (0.5 * h) * k2)
-
-
-class Rosenbrock3(_FixedStep):
-    """330: three stages, gamma = 0.4358..., two evaluations of F."""
-
-    c21, c31, c32 = -1.0156171083877702, 4.0759956452537700, 9.2076794298330791
-    g = (0.43586652150845900, 0.24291996454816804, 2.1851380027664058)
-    m = (1.0, 6.1697947043828246, -0.42772256543218573)
-
-    def fixed(self, t: float, h: float, y: np.ndarray) -> None:
-        jacobian, f_t = self.evaluation.jacobian(t, y)
-        hg = h * GAMMA_3
-        solve = self.factored(jacobian, t, h, hg)
-        h_ft = h * f_t
-        g, m = self.g, self.m
-        u1 = solve(hg * (self.evaluation.rhs(t, y) + g[0] * h_ft))
-        # Stages 2 and 3 have the same arguments (a21 = a31 = 1, a32 = 0, equal alpha), hence the same F.
-        f = self.evaluation.rhs(t + GAMMA_3 * h, y + u1)
-        u2 = solve(hg * (f + (self.c21 / h) * u1 + g[1] * h_ft))
-        u3 = solve(hg * (f + (self.c31 / h) * u1 + (self.c32 / h) * u2 + g[2] * h_ft))
-        self.end(t + h, y + m[0] * u1 + m[1] * u2 + m[2] * u3)
+        solve = resolvent(jacobian, 1.0 / (self.gamma * h), self.nq, t, h)
+        f, at = f_t, None
+        for i, (alpha, a, c, g) in enumerate(self.stages):
+            if at != (alpha, a):
+                at = alpha, a
+                f = self.evaluation.rhs(t + alpha * h, y + np.dot(a, self.u[: len(a)]))
+            self.u[i] = solve(f + np.dot(c, self.u[: len(c)]) / h + (g * h) * f_t)
+        self.end(t + h, y + np.dot(self.m, self.u))
 
 
 def sdirk_tableau(code: int) -> tuple[np.ndarray, np.ndarray]:
@@ -113,13 +108,19 @@ class SinglyDiagonallyImplicit(_FixedStep):
         self.gamma = float(self.a[0, 0])
         self.stages = np.zeros((len(self.c), n))
 
+    def factored(self, jacobian: Any, t: float, h: float) -> Resolvent:
+        """b -> (I - h gamma J)^-1 b. Raises AnalysisError `integrator.singular`."""
+        s = 1.0 / (h * self.gamma)
+        solve = resolvent(jacobian, s, self.nq, t, h)
+        return lambda b: solve(s * b)
+
     def start(self, t: float, y: np.ndarray) -> None:
         """First guess of the first stage: F at the start; later the last stage of the step before."""
         self.stages[-1] = self.evaluation.rhs(t, y)
 
     def fixed(self, t: float, h: float, y: np.ndarray) -> None:
         hg = h * self.gamma
-        solve = self.factored(self.evaluation.jacobian(t, y)[0], t, h, hg)
+        solve = self.factored(self.evaluation.jacobian(t, y)[0], t, h)
         stages = self.stages
         for i, c in enumerate(self.c):
             base = y + h * (self.a[i, :i] @ stages[:i])
@@ -127,7 +128,7 @@ class SinglyDiagonallyImplicit(_FixedStep):
             t_i = t + c * h
             if not self._newton(solve, t_i, h, base, stages[i]):
                 jacobian = self.evaluation.jacobian(t_i, base + hg * stages[i])[0]
-                solve = self.factored(jacobian, t, h, hg)
+                solve = self.factored(jacobian, t, h)
                 if not self._newton(solve, t_i, h, base, stages[i]):
                     change = np.abs(h * self.last_change)
                     worst = int(np.argmax(change))

@@ -16,7 +16,7 @@ from spacar.errors import UsageError
 
 from .adams import Adams
 from .automatic import Automatic
-from .implicit import Rosenbrock1, Rosenbrock2, Rosenbrock3, SinglyDiagonallyImplicit
+from .implicit import Rosenbrock, SinglyDiagonallyImplicit
 from .nystrom import RungeKuttaNystrom
 from .radau import Radau
 from .runge_kutta import DormandPrince853, ExplicitRungeKutta
@@ -55,9 +55,9 @@ _ROWS = (
            partial(RungeKuttaNystrom, 220)),
     Method(225, "explicit Runge-Kutta for second order systems, order 2", 2, True, False, "Nystrom 1925",
            partial(RungeKuttaNystrom, 225)),
-    Method(310, "linearly implicit Euler", 1, False, True, "Rosenbrock 1963", Rosenbrock1),
-    Method(320, "Rosenbrock, order 2", 2, False, True, "Rosenbrock 1963", Rosenbrock2),
-    Method(330, "Rosenbrock, order 3", 3, False, True, "Sandu et al. 1997", Rosenbrock3),
+    Method(310, "linearly implicit Euler", 1, False, True, "Rosenbrock 1963", partial(Rosenbrock, 310)),
+    Method(320, "Rosenbrock, order 2", 2, False, True, "Rosenbrock 1963", partial(Rosenbrock, 320)),
+    Method(330, "Rosenbrock, order 3", 3, False, True, "Sandu et al. 1997", partial(Rosenbrock, 330)),
     Method(410, "implicit Euler", 1, False, True, "Euler 1768", partial(SinglyDiagonallyImplicit, 410)),
     Method(420, "singly diagonally implicit Runge-Kutta, order 2", 2, False, True, "Alexander 1977",
            partial(SinglyDiagonallyImplicit, 420)),

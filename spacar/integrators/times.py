@@ -44,11 +44,13 @@ class EvenTimes(Sequence[float]):
 
     def part(self, first: int, last: int) -> np.ndarray:
         """(last - first,) the times from number `first` to before `last`, 0 <= first <= last <= their number."""
-        times = np.arange(float(first), last)
-        times *= self.step
+        return self._at(np.arange(first, last))
+
+    def _at(self, numbers: np.ndarray) -> np.ndarray:
+        """Times with these numbers from 0."""
+        times = numbers * self.step
         times += self.start
-        if last > self.n:
-            times[self.n - first :] = self.end
+        times[numbers == self.n] = self.end
         return times
 
     @overload
@@ -57,14 +59,14 @@ class EvenTimes(Sequence[float]):
     def __getitem__(self, i: slice) -> list[float]: ...
     def __getitem__(self, i: int | slice) -> float | list[float]:
         if isinstance(i, slice):
-            numbers = np.arange(*i.indices(self.n + 1))
-            times = numbers * self.step + self.start
-            times[numbers == self.n] = self.end
-            found: list[float] = times.tolist()
+            found: list[float] = self._at(np.arange(*i.indices(len(self)))).tolist()
             return found
-        k = i + self.n + 1 if i < 0 else i
-        if not 0 <= k <= self.n:
+        k = i + len(self) if i < 0 else i
+        if not 0 <= k < len(self):
             raise IndexError(i)
+        return self._one(k)
+
+    def _one(self, k: int) -> float:
         return self.end if k == self.n else k * self.step + self.start
 
 
@@ -78,20 +80,10 @@ class RemainingTimes(EvenTimes):
     def __len__(self) -> int:
         return self.n - self.skip + 2
 
-    def part(self, first: int, last: int) -> np.ndarray:
-        return np.array(self[first:last], float)
+    def _at(self, numbers: np.ndarray) -> np.ndarray:
+        times = super()._at(numbers + (self.skip - 1))
+        times[numbers == 0] = self.first
+        return times
 
-    @overload
-    def __getitem__(self, i: int) -> float: ...
-    @overload
-    def __getitem__(self, i: slice) -> list[float]: ...
-    def __getitem__(self, i: int | slice) -> float | list[float]:
-        if isinstance(i, slice):
-            a, b, step = i.indices(len(self))
-            if a > 0 and step > 0:
-                return super().__getitem__(slice(a + self.skip - 1, b + self.skip - 1, step))
-            return [self[k] for k in range(a, b, step)]
-        k = i + len(self) if i < 0 else i
-        if not 0 <= k < len(self):
-            raise IndexError(i)
-        return self.first if k == 0 else float(super().__getitem__(k + self.skip - 1))
+    def _one(self, k: int) -> float:
+        return super()._one(k + self.skip - 1) if k else self.first
