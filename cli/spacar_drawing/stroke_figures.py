@@ -45,32 +45,50 @@ class StrokeTable:
 
 def stroke_tables(study: Flexure, body: bool = False) -> list[StrokeTable]:
     """Force and energy, motion, support stiffness, frequencies with buckling and stress."""
-    by_name = {c.name: c for c in study.columns(body)}
-    chosen = [study.directions[i] for i in study.support]
+    c = by_name(study, body)
     axes = "axes of the node" if body else "global axes"
     hidden = ("u_", "rotation_") if study.errors.turning else ()
-    motion = [c for c in study.motion_columns() if not c.name.startswith(hidden) and matters(study, c)]
-    first = [f"f_{i}" for i in range(1, 1 + min(MOST_FREQUENCIES, study.frequencies.shape[1]))]
-    extra = [name for name in ("margin_extra", "margin_extra_free") if name in by_name]
-    last = [*first, "f_drive", "margin", "margin_free", *extra, "mises", "mises_element", "mises_place"]
+    motion = [m for m in study.motion_columns() if not m.name.startswith(hidden) and matters(study, m)]
+    last = [*(name for name in frequencies(study) if name != "mises"), "mises", "mises_element", "mises_place"]
     ideal = "axis" if study.errors.turning else "line"
-    if np.isnan(by_name["mises"].values).all():
+    if np.isnan(c["mises"].values).all():
         last = [name for name in last if not name.startswith("mises")]
-    left = [by_name[f"remaining_{d}"] for d in chosen]
     tables = [
-        _table(study, "Force and energy", [by_name[n] for n in ("force", "drive_stiffness", "work", "energy")]),
+        _table(study, "Force and energy", [c[n] for n in ("force", "drive_stiffness", "work", "energy")]),
         _table(study, f"Motion of node {study.node.position}", motion,
                f"errors against the {ideal} of the undeflected state"),
         _table(study, f"Support stiffness of node {study.node.position}, drive locked ({axes})",
-               [by_name[f"k_{d}"] for d in chosen]),
-        _table(study, "Remaining support stiffness", [c for c in left if _known(c)],
+               supported(study, c, "k")),
+        _table(study, "Remaining support stiffness", [r for r in supported(study, c, "remaining") if _known(r)],
                "in % of the undeflected state"),
-        _table(study, "Frequencies, buckling, stress", [by_name[n] for n in last if _known(by_name[n])],
+        _table(study, "Frequencies, buckling, stress", [c[n] for n in last if _known(c[n])],
                "f 1, f 2 ... with the drive locked, f 1 is the first unwanted one; f drive: of the free drive; "
                "margin: lowest multiplier of all loads"
-               + (f", margin extra: of {' and '.join(study.extra)} alone" if extra else "")),
+               + (f", margin extra: of {' and '.join(study.extra)} alone" if study.extra else "")),
     ]  # fmt: skip
     return [table for table in tables if len(table.heads) > 1]
+
+
+def by_name(study: Flexure, body: bool = False) -> dict[str, Column]:
+    return {c.name: c for c in study.columns(body)}
+
+
+def supported(study: Flexure, columns: dict[str, Column], kind: str) -> list[Column]:
+    """Those of the support, kind "k" or "remaining"."""
+    return [columns[f"{kind}_{study.directions[i]}"] for i in study.support]
+
+
+def frequencies(study: Flexure) -> list[str]:
+    """Names of the first frequencies with the drive locked, that of the drive, load multipliers, stress."""
+    first = [f"f_{i}" for i in range(1, 1 + min(MOST_FREQUENCIES, study.frequencies.shape[1]))]
+    extra = ["margin_extra", "margin_extra_free"] if study.extra else []
+    return [*first, "f_drive", "margin", "margin_free", *extra, "mises"]
+
+
+def errors(study: Flexure, of_axis: tuple[str, ...], of_line: tuple[str, ...]) -> list[Column]:
+    """Errors of these kinds that are more than a trace."""
+    kinds = of_axis if study.errors.turning else of_line
+    return [c for c in study.motion_columns() if c.name.startswith(kinds) and matters(study, c)]
 
 
 def shown_column(study: Flexure, column: Column) -> tuple[str, Array]:
@@ -104,10 +122,8 @@ def matters(study: Flexure, column: Column) -> bool:
 
 
 def _table(study: Flexure, title: str, columns: list[Column], note: str = "") -> StrokeTable:
-    stroke = Column("stroke", "stroke", study.move.unit, study.stroke)
-    columns = [stroke, *columns]
     heads, texts = [], []
-    for c in columns:
+    for c in (by_name(study)["stroke"], *columns):
         unit, values = shown_column(study, c)
         name = c.name.removeprefix("remaining_").replace("mises_", "").replace("_", " ")
         heads.append(f"{name} ({unit})" if unit and unit != "%" else name)
@@ -128,87 +144,37 @@ KINK = 4.0
 HIDDEN = 0.02  # of its range: a curve this near to another one hides it
 
 
-
-@plain
-def force_figure(study: Flexure) -> Figure:
-    """Actuator force, drive stiffness, strain energy."""
-    return _figure(study, _named(study, ("force", "drive_stiffness", "energy")))
-
-
-@plain
-def error_figure(study: Flexure) -> Figure | None:
-    """Deviation from the line and rotations, or pivot shift and tilt; None when there is no error at all."""
-    kinds = ("pivot_", "tilt_") if study.errors.turning else ("line_", "rotation_")
-    chosen = [c for c in study.motion_columns() if c.name.startswith(kinds) and matters(study, c)]
-    return _figure(study, chosen) if chosen else None
-
-
-@plain
-def stiffness_figure(study: Flexure, body: bool = False) -> Figure | None:
-    """Support stiffness with logarithmic scales, and what remains of it in %; None when all is rigid."""
-    by_name = {c.name: c for c in study.columns(body)}
-    chosen = [study.directions[i] for i in study.support]
-    k = [c for c in (by_name[f"k_{d}"] for d in chosen) if np.isfinite(c.values).any()]
-    left = [c for c in (by_name[f"remaining_{d}"] for d in chosen) if np.isfinite(c.values).any()]
-    if not k:
-        return None
-    figure = _figure(study, [*k, *left])
-    for axes in figure.axes[: len({c.unit for c in k})]:
-        _logarithmic(axes)
-    return figure
-
-
-@plain
-def frequency_figure(study: Flexure) -> Figure | None:
-    """First frequencies with the drive locked, that of the drive, load multipliers, stress; None without any."""
-    names = [f"f_{i}" for i in range(1, 1 + min(MOST_FREQUENCIES, study.frequencies.shape[1]))]
-    extra = ("margin_extra", "margin_extra_free") if study.extra else ()
-    found = [c for c in _named(study, (*names, "f_drive", "margin", "margin_free", *extra, "mises"))]
-    found = [c for c in found if np.isfinite(c.values).sum() > 1]
-    if not found:
-        return None
-    figure = _figure(study, found)
-    for axes in figure.axes:
-        if axes.get_ylabel().startswith("load multiplier"):
-            _logarithmic(axes)
-    return figure
-
-
-@plain
 def overview_figure(study: Flexure, body: bool = False) -> Figure:
     """What is left of the support stiffness, the error motions, first frequencies, and the largest stress."""
-    by_name = {c.name: c for c in study.columns(body)}
-    kind = "pivot_" if study.errors.turning else "line_"
-    left = [by_name[f"remaining_{study.directions[i]}"] for i in study.support]
-    errors = [c for c in study.motion_columns() if c.name.startswith(kind) and matters(study, c)]
-    rest = [by_name[name] for name in ("f_1", "f_drive", "mises") if np.isfinite(by_name[name].values).sum() > 1]
-    left = [c for c in left if np.isfinite(c.values).any()]
-    return _figure(study, [*left, *errors, *rest] or [by_name["force"]])
+    c = by_name(study, body)
+    left = [r for r in supported(study, c, "remaining") if np.isfinite(r.values).any()]
+    rest = [c[name] for name in ("f_1", "f_drive", "mises") if np.isfinite(c[name].values).sum() > 1]
+    return _figure(study, [*left, *errors(study, ("pivot_",), ("line_",)), *rest] or [c["force"]])
 
 
-@plain
 def all_figures(study: Flexure, body: bool = False) -> list[tuple[Figure, str]]:
-    """Every figure with its caption."""
+    """Every figure that has something to show, with its caption; of a support that is rigid in all directions nothing
+    is shown."""
+    c = by_name(study, body)
+    k, left = ([s for s in supported(study, c, kind) if np.isfinite(s.values).any()] for kind in ("k", "remaining"))
     made = (
-        (force_figure(study), "Actuator force, its derivative by the stroke, and stored energy."),
-        (error_figure(study), "Pivot shift and tilt of the axis." if study.errors.turning
+        ([c[n] for n in ("force", "drive_stiffness", "energy")],
+         "Actuator force, its derivative by the stroke, and stored energy."),
+        (errors(study, ("pivot_", "tilt_"), ("line_", "rotation_")),
+         "Pivot shift and tilt of the axis." if study.errors.turning
          else "Deviation from the ideal line, and rotations."),
-        (stiffness_figure(study, body), "Support stiffness with the drive locked, and what remains of it."),
-        (frequency_figure(study), "Frequencies with the drive locked and of the free drive, lowest load multipliers, "
-         "largest stress."),
+        ([*k, *left] if k else [], "Support stiffness with the drive locked, and what remains of it."),
+        ([c[name] for name in frequencies(study) if np.isfinite(c[name].values).sum() > 1],
+         "Frequencies with the drive locked and of the free drive, lowest load multipliers, largest stress."),
     )  # fmt: skip
-    return [(figure, caption) for figure, caption in made if figure is not None]
-
-
-def _named(study: Flexure, names: Sequence[str]) -> list[Column]:
-    by_name = {c.name: c for c in study.columns()}
-    return [by_name[name] for name in names]
+    return [(_figure(study, columns), caption) for columns, caption in made if columns]
 
 
 @plain
 def _figure(study: Flexure, columns: Sequence[Column]) -> Figure:
-    """A panel for every unit; columns of one kind ("support stiffness, y") have the kind on the axis."""
-    across = _curve(study, _named(study, ("stroke",))[0])
+    """A panel for every unit; columns of one kind ("support stiffness, y") have the kind on the axis. Stiffnesses and
+    load multipliers have logarithmic scales."""
+    across = _curve(study, by_name(study)["stroke"])
     curves = [_curve(study, c) for c in columns]
     kinds: dict[object, str] = {}
     for unit in dict.fromkeys(c.unit for c in curves):
@@ -222,8 +188,11 @@ def _figure(study: Flexure, columns: Sequence[Column]) -> Figure:
         if group[0].unit in kinds:
             text, kind = unit_text(group[0].unit), kinds[group[0].unit]
             axes.set_ylabel(f"{kind} ({text})" if text else kind)
-    for axes in figure.axes:
+    logarithmic = {c.unit for c, of in zip(curves, columns, strict=True) if of.name.startswith(("k_", "margin"))}
+    for axes, group in zip(figure.axes, panels(shorter), strict=True):
         _smooth(axes)
+        if group[0].unit in logarithmic:
+            _logarithmic(axes)
     return figure
 
 

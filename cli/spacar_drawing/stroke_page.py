@@ -6,14 +6,23 @@ import numpy as np
 
 from spacar.expressions import unit_text
 from spacar.stroke import Flexure
-from spacar.stroke.flexure_results import Column
 from spacar_drawing.defaults import plain
 from spacar_drawing.files import evenly
 from spacar_drawing.mechanism_picture import Extras, picture
 from spacar_drawing.page_parts import folded, html_figure, html_table, page
 from spacar_drawing.picture_source import PictureSource, source_of_result
 from spacar_drawing.stress_picture import stress_still
-from spacar_drawing.stroke_figures import all_figures, cell_text, matters, shown_column, stroke_tables, symbols
+from spacar_drawing.stroke_figures import (
+    all_figures,
+    by_name,
+    cell_text,
+    errors,
+    frequencies,
+    shown_column,
+    stroke_tables,
+    supported,
+    symbols,
+)
 
 SHOWN = 5  # states in the picture over the stroke
 MOST_MODES = 6
@@ -31,10 +40,11 @@ def stroke_page(study: Flexure, view: str | None = None, body: bool = False) -> 
         tables.append(f"<h2>{escape(table.title)}</h2>" + html_table(table.rows, table.heads, "numbers"))
         if table.note:
             tables.append(f"<p>{escape(table.note[0].upper() + table.note[1:])}.</p>")
-    unit = shown_column(study, _stroke(study))[0]
+    unit = shown_column(study, by_name(study)["stroke"])[0]
     heads = ("", "undeflected", "first", "last", f"smallest at ({unit})", f"largest at ({unit})")
     parts = [
-        _warnings(study), html_table(five_numbers(study, body), None, "five"), _pictures(study, source, view),
+        "".join(f'<p class="warn">{escape(line)}</p>' for line in study.warnings),
+        html_table(five_numbers(study, body), None, "five"), _pictures(study, source, view),
         _modes(study), folded("Over the stroke", curves),
         folded("Key results", [html_table(extremes(study, body), heads, "numbers")]), folded("Tables", tables),
         folded("Model and run", [_facts(study)]),
@@ -42,19 +52,15 @@ def stroke_page(study: Flexure, view: str | None = None, body: bool = False) -> 
     return page(f"{source.scene.title}: flexure", parts)
 
 
-def _stroke(study: Flexure) -> Column:
-    return Column("stroke", "", study.move.unit, study.stroke)
-
-
 def five_numbers(study: Flexure, body: bool = False) -> list[tuple[str, str]]:
     """Range, largest force of the actuator, least of the support stiffness, first unwanted frequency, largest stress;
     what is not known is left out."""
-    by_name = {c.name: c for c in study.columns(body)}
-    unit, stroke = shown_column(study, _stroke(study))
+    columns = by_name(study, body)
+    unit, stroke = shown_column(study, columns["stroke"])
     rows = [("Range of motion", f"{cell_text(stroke[0])} to {cell_text(stroke[-1])} {unit}")]
 
     def add(title: str, names: list[str], lowest: bool) -> None:
-        known = [by_name[n] for n in names if np.isfinite(by_name[n].values).any()]
+        known = [columns[n] for n in names if np.isfinite(columns[n].values).any()]
         if not known:
             return
         shown = [shown_column(study, c) for c in known]
@@ -89,7 +95,7 @@ def _modes(study: Flexure) -> str:
 
 
 def _facts(study: Flexure) -> str:
-    unit, values = shown_column(study, _stroke(study))
+    unit, values = shown_column(study, by_name(study)["stroke"])
     node = study.node
     beside = f" with orientation node {node.orientation}" if node.orientation else ""
     how = "loaded by a force" if study.move.pushed else "prescribed"
@@ -98,39 +104,26 @@ def _facts(study: Flexure) -> str:
         ("Range", f"{cell_text(values[0])} to {cell_text(values[-1])} {unit}, {len(study)} states"),
         ("Node", f"{node.position}{beside}"),
         ("Ideal motion", "rotation about an axis" if study.errors.turning else "straight line"),
-        ("Energy balance", _balance(study)),
+        ("Energy balance", f"strain energy and work of all loads differ by {study.imbalance:.1g} of it"),
     ]  # fmt: skip
     return html_table(rows, None, "facts")
 
 
-def _balance(study: Flexure) -> str:
-    """Strain energy against the work of all loads."""
-    return f"strain energy and work of all loads differ by {study.imbalance:.1g} of it"
-
-
-def _warnings(study: Flexure) -> str:
-    return "".join(f'<p class="warn">{escape(line)}</p>' for line in study.warnings)
-
-
 def extremes(study: Flexure, body: bool = False) -> list[tuple[str, ...]]:
     """Rows name, undeflected, at both ends, smallest and largest with the stroke where they are."""
-    names = ["force", "drive_stiffness", "energy"]
-    names += [f"k_{study.directions[i]}" for i in study.support]
-    names += ["f_1", "f_drive", "margin", "margin_free"]
-    names += ["margin_extra", "margin_extra_free", "mises"] if study.extra else ["mises"]
-    kinds = ("pivot_", "tilt_") if study.errors.turning else ("line_",)
-    names += [c.name for c in study.motion_columns() if c.name.startswith(kinds) and matters(study, c)]
-    by_name = {c.name: c for c in study.columns(body)}
-    where = shown_column(study, by_name["stroke"])[1]
+    columns = by_name(study, body)
+    some = [name for name in frequencies(study) if not name.startswith("f_") or name in ("f_1", "f_drive")]
+    shown = [columns[name] for name in ("force", "drive_stiffness", "energy")] + supported(study, columns, "k")
+    shown += [columns[name] for name in some] + errors(study, ("pivot_", "tilt_"), ("line_",))
+    where = shown_column(study, columns["stroke"])[1]
     rows = []
-    for name in names:
-        c = by_name[name]
+    for c in shown:
         unit, values = shown_column(study, c)
         known = np.isfinite(values)
         if not known.any() or not np.any(values[known]):
             continue
         low, high = (int(np.flatnonzero(known)[f(values[known])]) for f in (np.argmin, np.argmax))
-        text = ["none" if np.isinf(v) and "margin" in name else cell_text(v) for v in values[[study.zero, 0, -1]]]
+        text = ["none" if np.isinf(v) and "margin" in c.name else cell_text(v) for v in values[[study.zero, 0, -1]]]
         ends = [f"{cell_text(values[k])} at {cell_text(where[k])}" for k in (low, high)]
         rows.append((f"{c.title} ({unit})" if unit else c.title, *text, *ends))
     return rows
@@ -155,7 +148,7 @@ def _pictures(study: Flexure, source: PictureSource, view: str | None) -> str:
             source.scene, source.x(k + 1), source.get("sig", k + 1), source.get("e", k + 1), source.settings,
             Extras(view=view or "iso", title=""), "mises",
         )  # fmt: skip
-        unit, where = shown_column(study, _stroke(study))
+        unit, where = shown_column(study, by_name(study)["stroke"])
         at = {0.0: "at its end p", 1.0: "at its end q"}.get(float(place[k]), f"at {place[k]:.3g} of its length")
         text = f"Von Mises stress at {cell_text(where[k])} {unit}, where it is largest: in element {element[k]} {at}."
         out += html_figure(still, text)
