@@ -8,6 +8,7 @@ give the same results to rounding (tests/compiled/test_compiled_elements.py).
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -133,36 +134,29 @@ class CompiledElements(Family):
         return self.general.branch(x, e)
 
     def convective_strain(self, c: Configuration, v: Array, out: Array) -> None:
-        if self._here(c, v):
-            self._call.convective(self._at, _at(c.x), _at(v), _at(out))
-        else:
-            self.general.convective_strain(self._general(c), v, out)
+        self._into("convective_strain", self._call.convective, c, v, out)
 
     def gradient_rate(self, c: Configuration, v: Array, out: Array) -> None:
-        if self._here(c, v):
-            self._call.rates(self._at, _at(c.x), _at(v), 0, _at(out))
-        else:
-            self.general.gradient_rate(self._general(c), v, out)
+        self._into("gradient_rate", self._call.rates, c, v, out, 0)
 
     def gradient_transport(self, c: Configuration, v: Array, out: Array) -> None:
-        if not self.slips:
-            self.gradient_rate(c, v, out)
-        elif self._here(c, v):
-            self._call.transport(self._at, _at(c.x), _at(v), _at(out))
+        if self.slips:
+            self._into("gradient_transport", self._call.transport, c, v, out)
         else:
-            self.general.gradient_transport(self._general(c), v, out)
+            self.gradient_rate(c, v, out)
 
     def rate_gradient(self, c: Configuration, v: Array, out: Array) -> None:
-        if self._here(c, v):
-            self._call.rates(self._at, _at(c.x), _at(v), 1, _at(out))
-        else:
-            self.general.rate_gradient(self._general(c), v, out)
+        self._into("rate_gradient", self._call.rates, c, v, out, 1)
 
     def geometric_stiffness(self, c: Configuration, sigma: Array, out: Array) -> None:
-        if self._here(c, sigma):
-            self._call.geometric(self._at, _at(c.x), _at(sigma), _at(out))
+        self._into("geometric_stiffness", self._call.geometric, c, sigma, out)
+
+    def _into(self, name: str, in_c: Callable[..., None], c: Configuration, v: Array, out: Array, *which: int) -> None:
+        """By C, where it can, else by the function of this name of the NumPy family."""
+        if self._here(c, v):
+            in_c(self._at, _at(c.x), _at(v), *which, _at(out))
         else:
-            self.general.geometric_stiffness(self._general(c), sigma, out)
+            getattr(self.general, name)(self._general(c), v, out)
 
     def internal(self, c: Configuration, sigma: Array) -> Internal | None:
         if type(self.general).internal is Family.internal:

@@ -213,10 +213,7 @@ class CompiledModel:
 
         Raises what a user function raised.
         """
-        status: int = self.engine.rhs(self.handle, state.address, t, y, out, converged, LARGEST_JUMP)
-        if status == NOT_ANSWERED:
-            self.slots.raise_error()
-        return status
+        return self._answered(self.engine.rhs(self.handle, state.address, t, y, out, converged, LARGEST_JUMP))
 
     def start(self, state: State, y: int, out: int, checked: bool) -> int:
         """Evaluate the start state at the address y from the configuration of `state`, its time derivative into out.
@@ -224,19 +221,19 @@ class CompiledModel:
         Negative when that is not possible, FAR_AWAY where the path there has to be followed, DOUBTFUL_MASS when the
         mass matrix is `checked` and has to be looked at closely. Raises what a user function raised.
         """
-        status: int = self.engine.start(
-            self.handle, state.address, y, out, EXACT, LARGEST_JUMP, FARTHEST_GUESS, checked
+        return self._answered(
+            self.engine.start(self.handle, state.address, y, out, EXACT, LARGEST_JUMP, FARTHEST_GUESS, checked)
         )
-        if status == NOT_ANSWERED:
-            self.slots.raise_error()
-        return status
 
     def evaluate(self, state: State, t: float, y: int, converged: float) -> int:
         """Everything that a frame has of the state at the address y, forces too.
 
         Negative when that is not possible.
         """
-        status: int = self.engine.evaluate(self.handle, state.address, t, y, converged, LARGEST_JUMP)
+        return self._answered(self.engine.evaluate(self.handle, state.address, t, y, converged, LARGEST_JUMP))
+
+    def _answered(self, status: int) -> int:
+        """The status of a call. Raises what a user function raised in it."""
         if status == NOT_ANSWERED:
             self.slots.raise_error()
         return status

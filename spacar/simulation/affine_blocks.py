@@ -148,23 +148,19 @@ def by_differences(b: Block, t: float, x: Array, u: Array, absolute: float) -> A
     n, m, p = b.n_states, b.n_in, b.n_out
     fixed = b.period is not None or b.lag > 0.0  # its outputs are held, or come from the past
     direct = not fixed and bool(b.direct.any())
-    A, B, C, D = np.zeros((n, n)), np.zeros((n, m)), np.zeros((p, n)), np.zeros((p, m))
-    if fixed:
-        return Affine(A, B, C, D, np.zeros(n), np.zeros(p))
+    size = np.maximum(np.abs(np.concatenate((x, u))), [max(absolute / DIFFERENCE, 1e-6)] * n + [1.0] * m)
+    slopes = np.zeros((p + n, n + m))
 
-    def at(state: Array, given: Array) -> tuple[Array, Array]:
+    def at(z: Array) -> Array:
+        state, given = z[:n], z[n:]
         y = b.outputs(t, state, given) if direct else b.state_outputs(t, state)
-        return np.array(y), np.array(b.derivative(t, state, given)) if n else np.zeros(0)
+        return np.concatenate((y, b.derivative(t, state, given))) if n else np.array(y)
 
-    y0, f0 = at(x, u) if n or direct else (np.zeros(p), np.zeros(0))
-    for k in range(n):
-        moved = x.copy()
-        moved[k] += DIFFERENCE * max(abs(float(x[k])), absolute / DIFFERENCE, 1e-6)
-        y, f = at(moved, u)
-        C[:, k], A[:, k] = (y - y0) / (moved[k] - x[k]), (f - f0) / (moved[k] - x[k])
-    for k in range(m) if n or direct else ():
-        moved = u.copy()
-        moved[k] += DIFFERENCE * max(abs(float(u[k])), 1.0)
-        y, f = at(x, moved)
-        D[:, k], B[:, k] = (y - y0) / (moved[k] - u[k]), (f - f0) / (moved[k] - u[k])
-    return Affine(A, B, C, D, np.zeros(n), np.zeros(p))
+    if not fixed and (n or direct):
+        z = np.concatenate((x, u))
+        start = at(z)
+        for k in range(n + m):
+            moved = z.copy()
+            moved[k] += DIFFERENCE * size[k]
+            slopes[:, k] = (at(moved) - start) / (moved[k] - z[k])
+    return Affine(slopes[p:, :n], slopes[p:, n:], slopes[:p, :n], slopes[:p, n:], np.zeros(n), np.zeros(p))

@@ -132,11 +132,16 @@ class PID(Piecewise):
         lower: Numbers = -np.inf, upper: Numbers = np.inf, anti_windup: str = "back-calculation",
         tracking_time: float | None = None, size: int = 1,
     ) -> None:  # fmt: skip
-        self.kp, self.ki, self.kd = gains(name, size, kp, ki, kd)
+        self.kp, self.ki, self.kd = found = spread(name, "gains", "simulation.gain", size, kp, ki, kd)
+        if not np.isfinite(found).all():
+            raise UsageError(f"{name}: the gains must be finite", "simulation.gain")
         self.lower, self.upper = limits(name, lower, upper, size)
         self.clamps = anti_windup == "clamping"
         super().__init__(name, size, (2 + self.clamps) * int(np.isfinite([self.lower, self.upper]).any()))
-        self.N = filter_of(name, self.kd, filter)
+        if self.kd.any() and (filter is None or not 0.0 < filter < np.inf):
+            text = f"{name}: a derivative (kd) needs `filter`, the bandwidth of its filter in rad/s, positive"
+            raise UsageError(text, "simulation.gain")
+        self.N = float(filter or 0.0)
         self.tracking = tracking_rate(name, anti_windup, tracking_time, self.kp, self.ki, self.kd)
         self.direct[:] = np.any(self.kp != 0.0) or np.any(self.kd != 0.0)
         self.x0 = np.zeros(2 * size if self.kd.any() else size)
@@ -189,22 +194,6 @@ class PID(Piecewise):
         if self.clamps:
             self.held = self.mode * self.ki * u > 0.0
         return changed or not np.array_equal(held, self.held)
-
-
-def gains(name: str, size: int, *values: Numbers) -> list[Array]:
-    """Each as (size,). Raises UsageError."""
-    found = spread(name, "gains", "simulation.gain", size, *values)
-    if not np.isfinite(found).all():
-        raise UsageError(f"{name}: the gains must be finite", "simulation.gain")
-    return found
-
-
-def filter_of(name: str, kd: Array, given: float | None) -> float:
-    """N [rad/s]. Raises UsageError when a derivative has none."""
-    if kd.any() and (given is None or not 0.0 < given < np.inf):
-        text = f"{name}: a derivative (kd) needs `filter`, the bandwidth of its filter in rad/s, positive"
-        raise UsageError(text, "simulation.gain")
-    return float(given or 0.0)
 
 
 def tracking_rate(name: str, method: str, given: float | None, kp: Array, ki: Array, kd: Array) -> Array:

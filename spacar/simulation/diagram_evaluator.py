@@ -40,18 +40,9 @@ class DiagramEvaluator:
         """All outputs at a time and state (in self.y), and all inputs as the result. Blocks in `hit` are sampled at
         this time; then blocks choose the mode that fits, each after those it needs.
         """
-        s, y = self.s, self.y
-        if not hit:
-            self._together(t, x, self.plan.signals)
-            return np.asarray(s.wiring @ y)
-        for b in s.first:
-            y[s.outputs[b.name]] = b.state_outputs(t, x[s.states[b.name]])
-        for group in s.later:
-            if group.torn:
-                self._loop(t, x, group, True)
-            else:
-                self._output(t, x, group.blocks[0], hit, True)
-        return np.asarray(s.wiring @ y)
+        order = Order([*self.s.first], [*self.s.later]) if hit else self.plan.signals
+        self._together(t, x, order, hit)
+        return np.asarray(self.s.wiring @ self.y)
 
     def watch(self, t: float, x: Array) -> Array:
         """The numbers in which events are seen: all inputs, of which those of blocks whose modes end are of this time;
@@ -60,8 +51,8 @@ class DiagramEvaluator:
         self._together(t, x, self.plan.signals if self.whole else self.plan.for_events)
         return np.asarray(self.s.wiring @ self.y)
 
-    def _together(self, t: float, x: Array, order: Order) -> None:
-        """The outputs of an order, while no block is sampled and none chooses a mode."""
+    def _together(self, t: float, x: Array, order: Order, hit: Sequence[Block] = ()) -> None:
+        """The outputs of an order; only where blocks are sampled, `hit`, do they choose their modes."""
         s, y = self.s, self.y
         self.x[:] = x
         for b in order.first:
@@ -70,15 +61,15 @@ class DiagramEvaluator:
             if isinstance(part, AffineRun):
                 part.into(self.z, y)
             elif part.torn:
-                self._loop(t, x, part, False)
+                self._loop(t, x, part, bool(hit))
             else:
-                self._output(t, x, part.blocks[0])
+                self._output(t, x, part.blocks[0], hit)
 
-    def _output(self, t: float, x: Array, b: Block, hit: Sequence[Block] = (), settling: bool = False) -> None:
+    def _output(self, t: float, x: Array, b: Block, hit: Sequence[Block] = ()) -> None:
         """Outputs of a block with direct feedthrough from what is in self.y."""
         s, own = self.s, x[self.s.states[b.name]]
         u = s.wiring[s.inputs[b.name]] @ self.y
-        if settling and b.n_events:
+        if hit and b.n_events:
             self._switch(b, t, own, u)
         self.y[s.outputs[b.name]] = b.step(t, u) if b in hit else b.outputs(t, own, u)
 

@@ -63,10 +63,7 @@ def sampled_transfer_function(
     name: str, period: float, numerator: Sequence[float], denominator: Sequence[float], offset: float = 0.0
 ) -> Sampled:
     """One input, one output, coefficients by falling powers of z, from rest. Raises UsageError."""
-    A, B, C, D = canonical(name, numerator, denominator)
-    if not len(A):
-        return Sampled(name, lambda t, x, u: (x, D[0] * u), period, 1, 1, offset=offset)
-    return sampled_linear(name, period, A, B, C, D, offset=offset)
+    return sampled_linear(name, period, *canonical(name, numerator, denominator), offset=offset)
 
 
 def sampled_rate_limiter(
