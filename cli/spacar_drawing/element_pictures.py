@@ -3,7 +3,7 @@
 Machine elements as shapes: springs, dashpots, hinges, belts and pulleys, wheels, screws.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.sections import outline
 
 X, Y, Z = np.eye(3)
+DrawOne = Callable[[Scene, Pose, Look, Element], list[Shape]]
 
 
 def spring(scene: Scene, ends: Array, look: Look, colour: Colour, l0: float) -> list[Shape]:
@@ -225,48 +226,39 @@ def screw(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     return shapes
 
 
-def element_shapes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
-    """All elements at one configuration, except those that the settings hide."""
-    shapes: list[Shape] = []
+def divided(scene: Scene, look: Look) -> tuple[list[Element], list[tuple[DrawOne, Element]]]:
+    """Elements that are drawn along their lines, those that look alike together; and the others, each with the function
+    that draws it. Beams that slide are among both. Those that the settings hide are left out."""
     seen = [e for e in scene.elements if e.number not in look.settings.hidden]
-    for shape, draw in TOGETHER.items():
-        alike = [e for e in seen if e.shape == shape]
-        if alike:
-            shapes += draw(scene, pose, look, alike)
-    for e in seen:
-        if e.shape not in TOGETHER:
-            shapes += PARTS.get(e.shape, plain)(scene, pose, look, e)
-    for e in seen:
-        if slides(scene, e):
-            shapes += slider(scene, pose, look, e)
-    if any(e.shape == "belt" for e in scene.elements):
-        shapes += wound_arcs(scene, pose, look)
-    return shapes
+    lines: list[Element] = []
+    single: list[tuple[DrawOne, Element]] = []
+    for e in (e for shape in ALONG_LINES for e in seen if e.shape == shape):
+        if e.shape != "truss" or is_bar(scene, look, e):
+            lines.append(e)
+        else:
+            single.append((free_truss, e))
+    single += [(PARTS.get(e.shape, plain), e) for e in seen if e.shape not in ALONG_LINES]
+    return lines, single + [(slider, e) for e in seen if slides(scene, e)]
 
 
-def trusses(scene: Scene, pose: Pose, look: Look, elements: Sequence[Element]) -> list[Shape]:
-    """Bars; with stiffness but free to change its length a spring, with damping only a dashpot, with nothing a dotted
-    measuring line."""
-    straight, others = straight_and_free(scene, look, elements)
-    shapes = bodies(scene, pose, look, straight)
-    for e in others:
-        shapes += free_truss(scene, pose, look, e)
-    return shapes
+def element_shapes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
+    """All elements at one configuration."""
+    lines, single = divided(scene, look)
+    shapes = bodies(scene, pose, look, lines)
+    for draw, e in single:
+        shapes += draw(scene, pose, look, e)
+    return shapes + wound_arcs(scene, pose, look)
 
 
-def straight_and_free(scene: Scene, look: Look, elements: Sequence[Element]) -> tuple[list[Element], list[Element]]:
-    """Trusses that are drawn as bars, because they have a cross-section or keep their length; and the others."""
-    straight: list[Element] = []
-    others: list[Element] = []
-    for e in elements:
-        section = look.settings.section(e.number, e.shape)
-        shown = section is not None and outline(section) is not None
-        bar = shown or scene.e_class(e.number, 1) in ("fixed", "input")
-        (straight if bar else others).append(e)
-    return straight, others
+def is_bar(scene: Scene, look: Look, e: Element) -> bool:
+    """A truss that is drawn as a bar, because it has a cross-section or keeps its length."""
+    section = look.settings.section(e.number, e.shape)
+    shown = section is not None and outline(section) is not None
+    return shown or scene.e_class(e.number, 1) in ("fixed", "input")
 
 
 def free_truss(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
+    """With stiffness a spring, with damping only a dashpot, with nothing a dotted measuring line."""
     ends = pose.place[[e.p - 1, e.q - 1]]
     i = e.number - 1
     if scene.stiffness[i, 0]:
@@ -285,11 +277,8 @@ def plain(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     return [Mark(middle(pose, ends or look.hinges.get(e.number, ())), 5.0, colour, colour)]
 
 
-# Shape of an element type -> how all elements of it are drawn at once.
-TOGETHER: dict[str, Callable[[Scene, Pose, Look, Sequence[Element]], list[Shape]]] = {
-    "beam": bodies, "body": bodies, "truss": trusses
-}
-# Shape of an element type -> how one is drawn; a shape that is in neither table is drawn as `plain`.
-PARTS: dict[str, Callable[[Scene, Pose, Look, Element], list[Shape]]] = {
+ALONG_LINES = ("beam", "body", "truss")  # shapes of element types
+# Shape of an element type -> how one is drawn; a shape that is not here either is drawn as `plain`.
+PARTS: dict[str, DrawOne] = {
     "hinge": hinge, "belt": belt, "planar wheel": planar_wheel, "wheel": wheel, "screw": screw,
 }  # fmt: skip

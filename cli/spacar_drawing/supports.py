@@ -63,8 +63,6 @@ def planar_support(scene: Scene, pose: Pose, look: Look, node: int) -> list[Shap
             [at + i * 1.1 * s * along + j * 0.75 * s * away for i, j in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
         )
         shapes += _wall(ground + 0.5 * (a + b) * along, along, away, 0.5 * (b - a), s)
-        if held == "fixed":
-            block = 1.0 * block
         shapes += [
             Faces(block[None], "#e4e9ed", None, 1.0, 0, False),
             Line(np.concatenate((block, block[:1])), paint.GROUND, 1.1, 1),

@@ -8,6 +8,7 @@ the frames are stored for every picture.
 """
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from spacar.arrays import Array
 from spacar_drawing.bodies import Alike, alike_bodies, beam_lines, open_ends
 from spacar_drawing.drawn_shapes import Faces, Line, Mark, Shape, convex_pieces, disc_outline
-from spacar_drawing.element_pictures import PARTS, free_truss, plain, slider, slides, straight_and_free, wound_arcs
+from spacar_drawing.element_pictures import DrawOne, divided, wound_arcs
 from spacar_drawing.look import SYMBOL, Look
 from spacar_drawing.paint import rgba
 from spacar_drawing.scene import Element, Pose, Scene
@@ -137,28 +138,23 @@ def mesh_of(scene: Scene, xs: Array, look: Look, more: Sequence[Draw] = ()) -> T
     """The mechanism at the configurations xs (pictures, nx), and what `more` draws."""
     mesh = TriangleMesh(look.size, len(xs))
     poses = [Pose.of(scene, x) for x in xs]
-    seen = [e for e in scene.elements if e.number not in look.settings.hidden]
-    trusses = [e for e in seen if e.shape == "truss"]
-    straight, springs = straight_and_free(scene, look, trusses)
-    groups = alike_bodies(scene, look, [*(e for e in seen if e.shape in ("beam", "body")), *straight])
+    lines, single = divided(scene, look)
+    groups = alike_bodies(scene, look, lines)
     few = sum(len(g.elements) for g in groups) < MANY
     for group in groups:
         _slender(mesh, scene, poses, look, group, SIDES if few else SIDES // 2)
-    others = [e for e in seen if e.shape not in ("beam", "body", "truss")]
-
-    def one(e: Element) -> Draw:
-        draw = {"truss": free_truss, "beam": slider}.get(e.shape) or PARTS.get(e.shape, plain)
-        return lambda pose: draw(scene, pose, look, e)
-
-    for e in [*springs, *others, *(e for e in seen if slides(scene, e))]:
-        _shapes(mesh, poses, one(e), e.number)
-    if any(e.shape == "belt" for e in seen):
-        _shapes(mesh, poses, lambda pose: wound_arcs(scene, pose, look), 0)
+    for draw, e in single:
+        _shapes(mesh, poses, partial(_one, draw, scene, look, e), e.number)
+    _shapes(mesh, poses, lambda pose: wound_arcs(scene, pose, look), 0)
     if look.supports:
         _shapes(mesh, poses, lambda pose: support_shapes(scene, pose, look), 0)
-    for draw in more:
-        _shapes(mesh, poses, draw, 0)
+    for extra in more:
+        _shapes(mesh, poses, extra, 0)
     return mesh
+
+
+def _one(draw: DrawOne, scene: Scene, look: Look, e: Element, pose: Pose) -> list[Shape]:
+    return draw(scene, pose, look, e)
 
 
 def _slender(mesh: TriangleMesh, scene: Scene, poses: Sequence[Pose], look: Look, group: Alike, sides: int) -> None:

@@ -19,7 +19,7 @@ def test_no_shape_is_known(name, monkeypatch, tmp_path):
     source = result_source(name, 0)
     scene, x = source.scene, source.x(1)
     monkeypatch.setattr(element_pictures, "PARTS", {})
-    monkeypatch.setattr(element_pictures, "TOGETHER", {})
+    monkeypatch.setattr(element_pictures, "ALONG_LINES", ())
     look, pose = look_of(scene, x[None], source.settings), Pose.of(scene, x)
     drawn = [e for e in scene.elements if e.number not in source.settings.hidden]
     shapes = element_shapes(scene, pose, look)
