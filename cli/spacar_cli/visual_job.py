@@ -7,17 +7,14 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
 from spacar_drawing.files import FILM, FILM_DPI, MovingFigure, check_name, check_stills, film, save
 from spacar_drawing.look import extent_of
 from spacar_drawing.mechanism_picture import camera_of, step_text
-from spacar_drawing.mode_picture import PHASES, constraint_still, mode_pictures, mode_still
+from spacar_drawing.mode_picture import PHASES, constraint_still, constraints, mode_pictures, mode_still
 from spacar_drawing.mode_shapes import (
     ModeShape,
     buckling_modes,
     open_matrices,
-    redundancy,
-    stored_gradient,
     suitable_factor,
     vibration_modes,
 )
@@ -125,17 +122,17 @@ def _mode(
     environment: Environment, source: PictureSource, choices: Choices, step: int, mode: ModeShape, factor: float | None,
     rest: bool, several: bool,
 ) -> list[Path]:  # fmt: skip
-    x, extras, settings = source.x(step), choices.extras(), source.settings
+    extras = choices.extras()
     if factor is None:
-        factor = settings.enlarge
+        factor = source.settings.enlarge
     if factor is None:
-        factor = suitable_factor(source.scene, mode.motion, extent_of(source.scene, x, settings))
+        factor = suitable_factor(source.scene, mode.motion, extent_of(source, step))
     outputs = _outputs(source, choices, f"{mode.kind}{mode.number}", several)
     for path in outputs:
         if path.suffix.lower() not in FILM:
-            save(mode_still(source.scene, x, settings, extras, mode, factor, rest), path, choices.dpi)
+            save(mode_still(source, step, extras, mode, factor, rest), path, choices.dpi)
     if choices.show or any(p.suffix.lower() in FILM for p in outputs):
-        pictures, bounds = mode_pictures(source.scene, x, settings, extras, mode, factor, rest)
+        pictures, bounds = mode_pictures(source, step, extras, mode, factor, rest)
         camera = camera_of(source.scene, choices.view)
         for path in (p for p in outputs if p.suffix.lower() in FILM):
             with frame_progress(environment, PHASES, path.name) as tick:
@@ -149,13 +146,10 @@ def _mode(
 
 
 def _constraints(source: PictureSource, choices: Choices, step: int) -> list[str]:
-    x = source.x(step)
-    extent = extent_of(source.scene, x, source.settings)
-    found = redundancy(source.scene, stored_gradient(source, step), extent)
+    found = constraints(source, step)
     outputs = _outputs(source, choices, "constraints")
     check_stills(outputs)
-    figure = constraint_still(source.scene, x, source.settings, choices.extras(), found, extent)
-    return _finish(figure, outputs, choices)
+    return _finish(constraint_still(source, step, choices.extras(), found), outputs, choices)
 
 
 def _stresses(source: PictureSource, choices: Choices, step: int, wish: StressWish) -> list[str]:
@@ -163,14 +157,12 @@ def _stresses(source: PictureSource, choices: Choices, step: int, wish: StressWi
     stress, diagram = wish.stress, wish.diagram
     if stress and diagram:
         raise UsageError("--stress and --diagram exclude each other")
-    x, sig, e = source.x(step), np.ravel(source.get("sig", step)), np.ravel(source.get("e", step))
     quantity = stress or diagram or ""
     note = step_text(source, step).removeprefix(source.scene.title).strip()
     outputs = _outputs(source, choices, quantity)
     check_stills(outputs)
     draw = partial(stress_still, surface=wish.over_section) if stress else diagram_still
-    figure = draw(source.scene, x, sig, e, source.settings, choices.extras(), quantity, note)
-    return _finish(figure, outputs, choices)
+    return _finish(draw(source, step, choices.extras(), quantity, note), outputs, choices)
 
 
 def _finish(figure: Figure, outputs: list[Path], choices: Choices) -> list[str]:

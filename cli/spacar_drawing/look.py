@@ -10,6 +10,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar_drawing.drawn_shapes import Colour, together
+from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.scene import ROUND, Element, Pose, Scene, positions
 from spacar_drawing.settings import PictureSettings
 
@@ -173,9 +174,9 @@ def look_of(scene: Scene, xs: Array, settings: PictureSettings) -> Look:
     )  # fmt: skip
 
 
-def extent_of(scene: Scene, x: Array, settings: PictureSettings) -> float:
-    """Size of the mechanism [m] in a configuration x (nx,)."""
-    return look_of(scene, x[None], settings).size / SYMBOL
+def extent_of(source: PictureSource, step: int) -> float:
+    """Size of the mechanism [m] at a step."""
+    return look_of(source.scene, source.x(step)[None], source.settings).size / SYMBOL
 
 
 def middle(pose: Pose, nodes: tuple[int, ...]) -> Array:

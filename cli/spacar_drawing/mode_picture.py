@@ -12,7 +12,7 @@ from spacar.arrays import Array
 from spacar_drawing.defaults import plain
 from spacar_drawing.drawn_shapes import Colour, Line, Shape
 from spacar_drawing.files import Pictures
-from spacar_drawing.look import DRIVE, GHOST, Look, look_of
+from spacar_drawing.look import DRIVE, GHOST, Look, extent_of, look_of
 from spacar_drawing.mechanism_picture import (
     Extras,
     camera_of,
@@ -22,8 +22,9 @@ from spacar_drawing.mechanism_picture import (
     series_bounds,
     title_of,
 )
-from spacar_drawing.mode_shapes import ModeShape, Redundancy, suitable_factor
+from spacar_drawing.mode_shapes import ModeShape, Redundancy, redundancy, stored_gradient, suitable_factor
 from spacar_drawing.paint import paint
+from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.scene import Scene, positions
 from spacar_drawing.settings import PictureSettings
 from spacar_drawing.stage import new_figure
@@ -55,9 +56,10 @@ def mode_look(scene: Scene, x: Array, settings: PictureSettings, whole_period: A
 
 @plain
 def mode_still(
-    scene: Scene, x: Array, settings: PictureSettings, extras: Extras, mode: ModeShape, factor: float, rest: bool
+    source: PictureSource, step: int, extras: Extras, mode: ModeShape, factor: float, rest: bool
 ) -> Figure:
     """The mode at its extreme, the opposite extreme pale, and the position at rest dashed (when `rest`)."""
+    scene, settings, x = source.scene, source.settings, source.x(step)
     whole = period(mode, x, factor, QUARTERS)
     look = mode_look(scene, x, settings, whole)
     camera = camera_of(scene, extras.view)
@@ -73,9 +75,10 @@ def mode_still(
 
 
 def mode_pictures(
-    scene: Scene, x: Array, settings: PictureSettings, extras: Extras, mode: ModeShape, factor: float, rest: bool
+    source: PictureSource, step: int, extras: Extras, mode: ModeShape, factor: float, rest: bool
 ) -> tuple[Pictures, tuple[Array, Array]]:
     """The pictures of one period (PHASES of them) and the box around them."""
+    scene, settings, x = source.scene, source.settings, source.x(step)
     whole = period(mode, x, factor, PHASES)
     look = mode_look(scene, x, settings, whole)
     bounds = series_bounds(scene, np.concatenate((x[None], whole)), look, extras, QUARTERS)
@@ -88,11 +91,15 @@ def mode_pictures(
     return picture, bounds
 
 
+def constraints(source: PictureSource, step: int) -> Redundancy:
+    """The over- and under-constraints at a step."""
+    return redundancy(source.scene, stored_gradient(source, step), extent_of(source, step))
+
+
 @plain
-def constraint_still(
-    scene: Scene, x: Array, settings: PictureSettings, extras: Extras, found: Redundancy, extent: float
-) -> Figure:
+def constraint_still(source: PictureSource, step: int, extras: Extras, found: Redundancy) -> Figure:
     """Elements that take part in over-constraints in red, by their share; motions of under-constraints dashed."""
+    scene, x, extent = source.scene, source.x(step), extent_of(source, step)
     share = found.over.sum(0)
     largest = float(share.max(initial=0.0))
     tints: dict[int, Colour] = {}
@@ -101,7 +108,7 @@ def constraint_still(
             mix = float(np.sqrt(share[e.number - 1] / largest))
             r, g, b = (1 - mix) * PALE + mix * RED
             tints[e.number] = (float(r), float(g), float(b))
-    look = replace(look_of(scene, x[None], settings), tints=tints)
+    look = replace(look_of(scene, x[None], source.settings), tints=tints)
     camera = camera_of(scene, extras.view)
     moved = [x + suitable_factor(scene, motion, extent) * motion for motion in found.under]
     bounds = series_bounds(scene, np.stack([x, *moved]), look, extras)

@@ -16,15 +16,8 @@ from spacar_drawing.files import evenly
 from spacar_drawing.history import axis_text, history_figure
 from spacar_drawing.look import extent_of
 from spacar_drawing.mechanism_picture import Extras, draw_steps, picture
-from spacar_drawing.mode_picture import constraint_still, mode_still
-from spacar_drawing.mode_shapes import (
-    buckling_modes,
-    open_matrices,
-    redundancy,
-    stored_gradient,
-    suitable_factor,
-    vibration_modes,
-)
+from spacar_drawing.mode_picture import constraint_still, constraints, mode_still
+from spacar_drawing.mode_shapes import buckling_modes, open_matrices, suitable_factor, vibration_modes
 from spacar_drawing.page_parts import html_figure, html_table, number_text, page
 from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.scene import Scene
@@ -212,9 +205,7 @@ def _modes(source: PictureSource, extras: Extras) -> str:
     out = ""
     analysis = source.scene.analysis
     kinds = [k for k, given in (("vibration", analysis.linearized), ("buckling", analysis.buckling)) if given]
-    step = source.steps
-    x = source.x(step)
-    extent = extent_of(source.scene, x, source.settings)
+    step, extent = source.steps, extent_of(source, source.steps)
     for kind in kinds:
         try:
             with open_matrices(source) as matrices:
@@ -231,19 +222,15 @@ def _modes(source: PictureSource, extras: Extras) -> str:
                 row += [number_text(omega), number_text(omega / (2 * np.pi)), ratio]
         out += f"<h2>{kind.capitalize()} modes</h2>" + html_table(rows, head, "numbers")
         for m in found[:MOST_MODES]:
-            still = mode_still(
-                source.scene, x, source.settings, replace(extras, title=m.label), m,
-                suitable_factor(source.scene, m.motion, extent), True,
-            )  # fmt: skip
+            factor = suitable_factor(source.scene, m.motion, extent)
+            still = mode_still(source, step, replace(extras, title=m.label), m, factor, True)
             out += html_figure(still, m.label.replace("   ", ": ", 1), "half")
     return out
 
 
 def _constraints(source: PictureSource, extras: Extras) -> str:
-    x = source.x(1)
-    extent = extent_of(source.scene, x, source.settings)
-    found = redundancy(source.scene, stored_gradient(source, 1), extent)
-    figure = constraint_still(source.scene, x, source.settings, extras, found, extent)
+    found = constraints(source, 1)
+    figure = constraint_still(source, 1, extras, found)
     text = f"{len(found.over)} over-constraints, {len(found.under)} under-constraints."
     return f"<h2>Constraints</h2><p>{text}</p>" + html_figure(
         figure, "Red elements take part in over-constraints; dashed red: free motion."

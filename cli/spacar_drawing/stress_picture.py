@@ -23,9 +23,9 @@ from spacar_drawing.look import SYMBOL, look_of
 from spacar_drawing.mechanism_picture import Extras, camera_of, mechanism_shapes, series_bounds, title_of
 from spacar_drawing.paint import paint
 from spacar_drawing.picture_source import PictureSource
-from spacar_drawing.scene import Element, Pose, Scene
+from spacar_drawing.scene import Element, Pose
 from spacar_drawing.sections import inside, moments, outline
-from spacar_drawing.settings import PictureSettings, SectionShape
+from spacar_drawing.settings import SectionShape
 from spacar_drawing.stage import INK, blank, dress, new_figure, widened
 from spacar_drawing.stresses import QUANTITIES, STRESSES, Resultants, along, of_quantity, resultants, stress_field
 
@@ -74,7 +74,7 @@ def section_stress(source: PictureSource, step: int, element: int, xi: float) ->
         raise UsageError(
             f"element {element} has no cross-section: give BEAMSEC, BEAMVIS or CROSSTYPE", "stress.section"
         )
-    every = resultants(source.scene, e, np.ravel(source.get("sig", step)), np.ravel(source.get("e", step)), PLACES)
+    every = resultants(source.scene, e, *_state(source, step), PLACES)
     i = round(xi * (PLACES - 1))
     return SectionStress(section, every.part(slice(i, i + 1)), step, element, i / (PLACES - 1))
 
@@ -132,8 +132,11 @@ class Course:
     values: Array
 
 
-def courses(scene: Scene, sig: Array, e: Array, settings: PictureSettings, quantity: str, n: int) -> list[Course]:
-    """The quantity along every element that has it, in the unit of the scene. Raises UsageError when no element has."""
+def courses(source: PictureSource, step: int, quantity: str, n: int) -> list[Course]:
+    """The quantity at a step along every element that has it, in the unit of the scene. Raises UsageError when no
+    element has."""
+    scene, settings = source.scene, source.settings
+    sig, e = _state(source, step)
     found = []
     factor = shown_in(QUANTITIES[quantity][1], scene.metre)[0]
     for element in scene.bars.values():
@@ -148,23 +151,24 @@ def courses(scene: Scene, sig: Array, e: Array, settings: PictureSettings, quant
 
 @plain
 def stress_still(
-    scene: Scene, x: Array, sig: Array, e: Array, settings: PictureSettings, extras: Extras, quantity: str,
-    note: str = "", surface: bool = False,
-) -> Figure:  # fmt: skip
-    """The mechanism with the quantity as colours along its beams, and a scale with the unit. `surface`: a stress at
-    every point of the surface, instead of the largest in the section. Raises UsageError when no element has it."""
+    source: PictureSource, step: int, extras: Extras, quantity: str, note: str = "", surface: bool = False
+) -> Figure:
+    """The mechanism at a step with the quantity as colours along its beams, and a scale with the unit. `surface`: a
+    stress at every point of the surface, instead of the largest in the section. Raises UsageError when no element has
+    it."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
+    scene, settings, x = source.scene, source.settings, source.x(step)
     look, pose = look_of(scene, x[None], settings), Pose.of(scene, x)
     n = max(look.points, 17)
     name = QUANTITIES[quantity][0].removeprefix("largest " if surface else "")
     if surface:
-        parts = _surfaces(scene, pose, sig, e, settings, quantity, n)
+        parts = _surfaces(source, step, pose, quantity, n)
     else:
         parts = [
             (c.element, c.values, 0.5 * (c.values[:-1] + c.values[1:]), None)
-            for c in courses(scene, sig, e, settings, quantity, n)
+            for c in courses(source, step, quantity, n)
         ]
     low, high, colours = colour_range(np.concatenate([values for _, values, _, _ in parts]), quantity)
     norm = Normalize(low, high)
@@ -184,12 +188,19 @@ def stress_still(
     return figure
 
 
+def _state(source: PictureSource, step: int) -> tuple[Array, Array]:
+    """(ne,) stresses and deformations."""
+    return np.ravel(source.get("sig", step)), np.ravel(source.get("e", step))
+
+
 def _surfaces(
-    scene: Scene, pose: Pose, sig: Array, e: Array, settings: PictureSettings, quantity: str, n: int
+    source: PictureSource, step: int, pose: Pose, quantity: str, n: int
 ) -> list[tuple[Element, Array, Array, Array | None]]:
     """Of every element with a section the stress in quadrilaterals (m, 4, 3), twice, and these: over the height of
     planar beams, around the outline of spatial ones."""
     found: list[tuple[Element, Array, Array, Array | None]] = []
+    scene, settings = source.scene, source.settings
+    sig, e = _state(source, step)
     factor = shown_in(QUANTITIES[quantity][1], scene.metre)[0]
     for element in scene.bars.values():
         section = settings.section(element.number, element.shape)
@@ -233,13 +244,11 @@ def _across(contour: Array) -> Array:
 
 
 @plain
-def diagram_still(
-    scene: Scene, x: Array, sig: Array, e: Array, settings: PictureSettings, extras: Extras, quantity: str,
-    note: str = "",
-) -> Figure:  # fmt: skip
+def diagram_still(source: PictureSource, step: int, extras: Extras, quantity: str, note: str = "") -> Figure:
     """The quantity as ordinates beside the beams, red where positive and blue where negative, extremes with numbers."""
-    look = look_of(scene, x[None], settings)
-    found = courses(scene, sig, e, settings, quantity, max(look.points, 17))
+    scene, x = source.scene, source.x(step)
+    look = look_of(scene, x[None], source.settings)
+    found = courses(source, step, quantity, max(look.points, 17))
     camera = camera_of(scene, extras.view)
     largest = max(float(np.max(np.abs(c.values))) for c in found)
     factor = HEIGHT * look.size / SYMBOL / largest if largest else 0.0

@@ -144,10 +144,7 @@ def _pictures(study: Flexure, source: PictureSource, view: str | None) -> str:
     stress, element, place = study.largest_stress
     if np.isfinite(stress).any() and np.nanmax(stress) > 0.0:
         k = int(np.nanargmax(stress))
-        still = stress_still(
-            source.scene, source.x(k + 1), source.get("sig", k + 1), source.get("e", k + 1), source.settings,
-            Extras(view=view or "iso", title=""), "mises",
-        )  # fmt: skip
+        still = stress_still(source, k + 1, Extras(view=view or "iso", title=""), "mises")
         unit, where = shown_column(study, by_name(study)["stroke"])
         at = {0.0: "at its end p", 1.0: "at its end q"}.get(float(place[k]), f"at {place[k]:.3g} of its length")
         text = f"Von Mises stress at {cell_text(where[k])} {unit}, where it is largest: in element {element[k]} {at}."

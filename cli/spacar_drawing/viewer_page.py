@@ -64,11 +64,8 @@ def field_colours(source: PictureSource, mesh: TriangleMesh, chosen: Sequence[in
     trusses = {e.number: np.flatnonzero(owner == e.number) for e in source.scene.elements if e.shape == "truss"}
     counts = sorted({n for _, _, n in mesh.lines}) or [2]
     for k, step in enumerate(chosen):
-        sig, e = (np.ravel(source.get(name, step)) for name in ("sig", "e"))
         for n in counts:
-            found = {
-                c.element.number: c.values for c in courses(source.scene, sig, e, source.settings, quantity, n)
-            }
+            found = {c.element.number: c.values for c in courses(source, step, quantity, n)}
             for first, elements, points in mesh.lines:
                 for i, number in enumerate(elements if points == n else ()):
                     if number in found:

@@ -48,8 +48,7 @@ def test_surface_colours_hold_the_largest_stress(name, mode):
     """The colour scale ends where the largest stress of the outline is: within the step of the points along it."""
     source = result_source(name, mode)
     k = source.steps
-    state = (source.x(k), np.ravel(source.get("sig", k)), np.ravel(source.get("e", k)))
-    figure = stress_still(source.scene, *state, source.settings, Extras(), "normal", surface=True)
+    figure = stress_still(source, k, Extras(), "normal", surface=True)
     largest = abs(stress_results(source, [k]).largest("normal").value) * (1e-6 if name == "leafguide" else 1.0)
     top = figure.axes[1].get_ylim()[1]
     assert 0.85 * largest < top <= largest * (1 + 1e-9)

@@ -193,9 +193,7 @@ TRUSSVIS 0.06 0.04
 BEAMVIS 0.02 0.02
 """)
     source = source_of_result(spacar.run(7, deck))
-    figure = stress_still(
-        source.scene, source.x(1), source.get("sig", 1), source.get("e", 1), source.settings, Extras(), "N"
-    )
+    figure = stress_still(source, 1, Extras(), "N")
     heights = [
         np.ptp(path.vertices[:, 1])
         for faces in figure.axes[0].collections
