@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.simulation.blocks import Affine, Linear
-from spacar.simulation.switching_blocks import Numbers, Piecewise, limits, region, region_margins, spread
+from spacar.simulation.switching_blocks import Limited, Numbers, Piecewise, limits, spread
 
 ANTI_WINDUP = ("back-calculation", "clamping", "none")
 
@@ -84,7 +84,7 @@ class Integrator(Piecewise):
         return at_upper.astype(np.int64) - at_lower
 
 
-class RateLimiter(Piecewise):
+class RateLimiter(Limited):
     """y' = bandwidth (u - y) limited to [-falling, rising]: it follows u with the time constant 1/bandwidth, but never
     faster than the limits [unit of u per s].
     """
@@ -93,10 +93,8 @@ class RateLimiter(Piecewise):
         self, name: str, rising: Numbers, falling: Numbers | None = None, bandwidth: float = 1000.0,
         initial: Numbers = 0.0, size: int = 1,
     ) -> None:  # fmt: skip
-        super().__init__(name, size, 2)
+        super().__init__(name, -np.asarray(rising if falling is None else falling, float), rising, size)
         self.direct[:] = False
-        rates = limits(name, -np.asarray(rising if falling is None else falling, float), rising, size)
-        self.lower, self.upper = rates
         if not (bandwidth > 0.0 and np.all(self.lower < 0.0) and np.all(self.upper > 0.0)):
             raise UsageError(f"{name}: the rates and the bandwidth must be positive", "simulation.limits")
         self.bandwidth = float(bandwidth)
@@ -105,21 +103,18 @@ class RateLimiter(Piecewise):
     def state_outputs(self, t: float, x: Array) -> Array:
         return x.copy()
 
+    def limited(self, x: Array, u: Array) -> Array:
+        return self.bandwidth * (u - x)
+
     def derivative(self, t: float, x: Array, u: Array) -> Array:
-        return self.between(self.lower, self.bandwidth * (u - x), self.upper)
+        return self.between(self.lower, self.limited(x, u), self.upper)
 
     def affine(self) -> Affine:
         one, zero, slope = np.eye(self.n_out), np.zeros((self.n_out, self.n_out)), self.bandwidth * self.free
         return Affine(-slope, slope, one, zero, self.between(self.lower, 0.0, self.upper), np.zeros(self.n_out))
 
-    def events(self, t: float, x: Array, u: Array) -> Array:
-        return region_margins(self.mode, self.bandwidth * (u - x), self.lower, self.upper)
 
-    def piece(self, t: float, x: Array, u: Array) -> NDArray[np.int64]:
-        return region(self.bandwidth * (u - x), self.lower, self.upper)
-
-
-class PID(Piecewise):
+class PID(Limited):
     """PID controller of errors e (size,) with a filtered derivative, limits and anti-windup; the formulas are above.
 
     kp, ki, kd      gains, one number or one for each signal [output/e, output/(e s), output s/e]
@@ -135,9 +130,9 @@ class PID(Piecewise):
         self.kp, self.ki, self.kd = found = spread(name, "gains", "simulation.gain", size, kp, ki, kd)
         if not np.isfinite(found).all():
             raise UsageError(f"{name}: the gains must be finite", "simulation.gain")
-        self.lower, self.upper = limits(name, lower, upper, size)
+        super().__init__(name, lower, upper, size)
         self.clamps = anti_windup == "clamping"
-        super().__init__(name, size, (2 + self.clamps) * int(np.isfinite([self.lower, self.upper]).any()))
+        self.n_events = (2 + self.clamps) * size * int(np.isfinite([self.lower, self.upper]).any())
         if self.kd.any() and (filter is None or not 0.0 < filter < np.inf):
             text = f"{name}: a derivative (kd) needs `filter`, the bandwidth of its filter in rad/s, positive"
             raise UsageError(text, "simulation.gain")
@@ -151,17 +146,17 @@ class PID(Piecewise):
         self.held: NDArray[np.bool_] = np.zeros(self.n_out, bool)
         return super().start()
 
-    def unlimited(self, x: Array, u: Array) -> Array:
+    def limited(self, x: Array, u: Array) -> Array:
         """v, the output without limits."""
         n = self.n_out
         v = self.kp * u + x[:n]
         return v + self.kd * self.N * (u - x[n:]) if self.kd.any() else v
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
-        return self.between(self.lower, self.unlimited(x, u), self.upper)
+        return self.between(self.lower, self.limited(x, u), self.upper)
 
     def derivative(self, t: float, x: Array, u: Array) -> Array:
-        v = self.unlimited(x, u)
+        v = self.limited(x, u)
         back = self.between(self.lower, v, self.upper) - v
         rate = np.where(self.held, 0.0, self.ki * u) + self.tracking * back
         return np.concatenate((rate, self.N * (u - x[self.n_out :]))) if self.kd.any() else rate
@@ -180,14 +175,11 @@ class PID(Piecewise):
         return Affine(A, B, C, np.diag(free * (self.kp + sharp)), a, limit)
 
     def events(self, t: float, x: Array, u: Array) -> Array:
-        margins = region_margins(self.mode, self.unlimited(x, u), self.lower, self.upper)
+        margins = super().events(t, x, u)
         if not self.clamps:
             return margins
         push = self.mode * self.ki * u
         return np.concatenate((margins, np.where(self.held, push, -push)))
-
-    def piece(self, t: float, x: Array, u: Array) -> NDArray[np.int64]:
-        return region(self.unlimited(x, u), self.lower, self.upper)
 
     def switch(self, t: float, x: Array, u: Array) -> bool:
         changed, held = super().switch(t, x, u), self.held

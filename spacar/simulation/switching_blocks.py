@@ -54,17 +54,26 @@ class Piecewise(Block):
 
 
 class Limited(Piecewise):
-    """Below, between and above two limits of every signal."""
+    """Base: below, between and above two limits of every signal, or of a `limited` number made of it."""
 
     def __init__(self, name: str, lower: Numbers, upper: Numbers, size: int = 1) -> None:
         super().__init__(name, size, 2)
         self.lower, self.upper = limits(name, lower, upper, size)
 
+    def limited(self, x: Array, u: Array) -> Array:
+        """(size,) what has the limits."""
+        return u
+
     def piece(self, t: float, x: Array, u: Array) -> NDArray[np.int64]:
-        return region(u, self.lower, self.upper)
+        v = self.limited(x, u)
+        return (v > self.upper).astype(np.int64) - (v < self.lower)
 
     def events(self, t: float, x: Array, u: Array) -> Array:
-        return region_margins(self.mode, u, self.lower, self.upper)
+        """(2 size,) distances to the ends of the region, not negative inside it; two for every signal."""
+        v, mode = self.limited(x, u), self.mode
+        below, above = self.lower - v, v - self.upper
+        first = np.where(mode < 0, below, np.where(mode > 0, above, -below))
+        return np.concatenate((first, np.where(mode == 0, -above, first)))
 
 
 class Saturation(Limited):
@@ -225,13 +234,3 @@ def limits(name: str, lower: Numbers, upper: Numbers, size: int) -> tuple[Array,
         raise UsageError(f"{name}: every lower limit must be below the upper one", "simulation.limits")
     return low, high
 
-
-def region(u: Array, lower: Array, upper: Array) -> NDArray[np.int64]:
-    """-1 below the lower limit, +1 above the upper one, otherwise 0."""
-    return (u > upper).astype(np.int64) - (u < lower)
-
-
-def region_margins(mode: NDArray[np.int64], u: Array, lower: Array, upper: Array) -> Array:
-    """(2 size,) distances to the ends of the region in the unit of u, not negative inside it; two for every signal."""
-    first = np.where(mode < 0, lower - u, np.where(mode > 0, u - upper, u - lower))
-    return np.concatenate((first, np.where(mode == 0, upper - u, first)))
