@@ -110,10 +110,10 @@ def slider(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     return [Faces(box[None], "#ffffff", None, 1.0, 4, False), Line(edge, colour, 1.6, 4)]
 
 
-def span(scene: Scene, pose: Pose, e: Element) -> tuple[Array, Array, Array, Array]:
-    """Tangent points of the straight span of a belt at p and q (2, 3), its direction, its left normal, the radii.
+def span(scene: Scene, pose: Pose, e: Element) -> tuple[Array, Array]:
+    """Tangent points of the straight span of a belt at p and q (2, 3), and the radii.
 
-    theory-planar.md section 7: sin delta = -(r_p - r_q)/d, u_b = cos delta u + sin delta nu, n_b its left normal.
+    theory-planar.md section 7: sin delta = -(r_p - r_q)/d, n_b = cos delta nu - sin delta u its left normal.
     """
     radii = scene.data[e.number - 1, :2] if scene.data.shape[1] > 1 else np.zeros(2)
     ends = pose.place[[e.p - 1, e.q - 1]]
@@ -122,14 +122,13 @@ def span(scene: Scene, pose: Pose, e: Element) -> tuple[Array, Array, Array, Arr
     sine = float(np.clip(-(radii[0] - radii[1]) / d, -1.0, 1.0))
     cosine = np.sqrt(1.0 - sine**2)
     u = delta / d
-    nu = np.cross(Z, u)
-    u_b, n_b = cosine * u + sine * nu, cosine * nu - sine * u
-    return ends + radii[:, None] * n_b, u_b, n_b, radii
+    n_b = cosine * np.cross(Z, u) - sine * u
+    return ends + radii[:, None] * n_b, radii
 
 
 def belt(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     """The straight span and the two pulleys with a spoke that shows their rotation."""
-    tangent, _, _, radii = span(scene, pose, e)
+    tangent, radii = span(scene, pose, e)
     colour = look.colour(e.number, paint.BELT)
     shapes: list[Shape] = [Line(tangent, colour, 1.5, 3)]
     for place, turn, r in ((e.p, e.p_turn, radii[0]), (e.q, e.q_turn, radii[1])):
@@ -154,8 +153,8 @@ def wound_arcs(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
         for second in belts:
             if (first.q, first.q_turn) != (second.p, second.p_turn) or first is second:
                 continue
-            (_, enter), _, _, r_1 = span(scene, pose, first)
-            (leave, _), _, _, r_2 = span(scene, pose, second)
+            (_, enter), r_1 = span(scene, pose, first)
+            (leave, _), r_2 = span(scene, pose, second)
             if r_1[1] * r_2[0] <= 0:
                 continue
             centre = pose.place[first.q - 1]

@@ -184,15 +184,14 @@ def picture(
                 span = f"load steps {numbers[0]} to {numbers[-1]}"
             title = f"{source.scene.title}   {len(numbers)} steps, {span}"
     place = _Placed(source, extras.scale)
-    symbols = Symbols.of(source, extras.symbols, numbers[-1:]) if extras.symbols else None
+    symbols = Symbols.of(source, extras.symbols, numbers[-1:])
     xs = np.stack([place(x) for x in configurations(source, numbers)])
     every = np.stack([place(x) for x in source.x()]) if nodes else None
     look = look_of(source.scene, xs if every is None else every, source.settings)
     return draw_steps(
         source.scene, xs, source.settings, replace(extras, title=place.title(title)), every_step=every, traces=nodes,
         behind=place(source.x(1)) if initial else None, look=look,
-        more=[*place.undeformed(look), *(symbols.shapes(numbers[-1], xs[-1], look) if symbols else [])],
-        note=symbols.legend if symbols else "",
+        more=[*place.undeformed(look), *symbols.shapes(numbers[-1], xs[-1], look)], note=symbols.legend,
     )  # fmt: skip
 
 
@@ -257,10 +256,9 @@ def series(
     sample = np.stack([place(x) for x in configurations(source, some)])
     look = look_of(scene, sample, source.settings)
     bounds = series_bounds(scene, sample, look, extras, SAMPLES)
-    symbols = Symbols.of(source, extras.symbols, numbers) if extras.symbols else None
-    if symbols:
-        for k, x in zip(some, sample, strict=True):
-            bounds = wider(bounds, symbols.shapes(k, x, look))
+    symbols = Symbols.of(source, extras.symbols, numbers)
+    for k, x in zip(some, sample, strict=True):
+        bounds = wider(bounds, symbols.shapes(k, x, look))
     still: list[Shape] = trace_lines(scene, np.stack([place(x) for x in source.x()]), nodes) if nodes else []
     still += place.undeformed(look)
     if initial:
@@ -271,8 +269,6 @@ def series(
         k = numbers[i]
         title = extras.title if extras.title is not None else place.title(step_text(source, k))
         x = place(source.x(k))
-        more = symbols.shapes(k, x, look) if symbols else []
-        return [*mechanism_shapes(scene, x, look, extras), *more], title
+        return [*mechanism_shapes(scene, x, look, extras), *symbols.shapes(k, x, look)], title
 
-    note = symbols.legend if symbols else ""
-    return Series(source, extras, numbers, camera_of(scene, extras.view), bounds, still, show, note)
+    return Series(source, extras, numbers, camera_of(scene, extras.view), bounds, still, show, symbols.legend)

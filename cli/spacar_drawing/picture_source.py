@@ -147,14 +147,13 @@ def source_of_result(result: Result, settings: PictureSettings | None = None) ->
     """The same of a Result in memory (tests, scripts, live window)."""
     header = sbd_header(Run(find_mode(result.mode), result.mechanism))
     frames: Sequence[Any] = result.frames
-    names = {"t": "t", "fxt": "fxtot"}
     if settings is None:
         deck = result.mechanism.deck
         settings = replace(parse_settings(deck.visualization), metre=deck.metre)
 
     def read(variable: str, k: int | None) -> Array | None:
-        ident = ALIASES.get(variable.lower(), variable.lower())
-        attribute = names.get(ident, ident)
+        ident = variable.lower()
+        attribute = "fxtot" if ident in ALIASES.values() else ident
         values = [getattr(f, attribute, None) for f in (frames if k is None else frames[k - 1 : k])]
         if not values or any(v is None for v in values):
             return None

@@ -68,6 +68,7 @@ def product(a: Array, b: Array) -> Array:
 KINDS = ("loads", "reactions", "masses", "gravity", "axes")
 LOAD, REACTION, MASS, GRAVITY = "#7b3fa0", "#1f7a5c", "#1d262e", "#6b5b2a"
 AXES = ("#b3372f", "#2f8f4e", "#2f6fb5")
+STORED = {"masses": ("XM", "lumped masses"), "gravity": ("GRAV", "gravity")}  # of a kind: variable, and what it holds
 ARROW = 7.0  # length of the largest force, of the symbol size; a moment has an arc of a third of it as radius
 LEAST = 1e-6  # of the largest: smaller forces are rounding
 MOST_AXES = 150  # elements whose axes can be told apart
@@ -97,10 +98,8 @@ class Symbols:
         for kind in kinds:
             if kind not in KINDS:
                 raise UsageError(f"there are no symbols '{kind}'; expected {', '.join(KINDS)}", "draw.symbols")
-        if "masses" in kinds:
-            stored(source, "XM", "lumped masses")
-        if "gravity" in kinds:
-            stored(source, "GRAV", "gravity")
+            if kind in STORED:
+                stored(source, *STORED[kind])
         largest = {}
         for kind in ("loads", "reactions"):
             if kind in kinds:
@@ -114,14 +113,16 @@ class Symbols:
     def shapes(self, k: int, x: Array, look: Look) -> list[Shape]:
         """Those of step k, on the configuration x (nx,) that is drawn."""
         scene, shapes = self.source.scene, list[Shape]()
+        if not self.kinds:
+            return shapes
         pose = Pose.of(scene, x)
         for kind, colour in (("loads", LOAD), ("reactions", REACTION)):
             if kind in self.kinds:
                 shapes += self._forces(scene, pose, look, forces(self.source, kind, k), kind, colour)
         if "masses" in self.kinds:
-            shapes += _masses(scene, pose, look, stored(self.source, "XM", "lumped masses"))
+            shapes += _masses(scene, pose, look, stored(self.source, *STORED["masses"]))
         if "gravity" in self.kinds:
-            shapes += _gravity(scene, pose, look, np.ravel(stored(self.source, "GRAV", "gravity")))
+            shapes += _gravity(scene, pose, look, np.ravel(stored(self.source, *STORED["gravity"])))
         if "axes" in self.kinds:
             shapes += _axes(scene, pose, look)
         return shapes
@@ -155,10 +156,10 @@ class Symbols:
             sizes = [f"{v:.4g} {unit}" for v, unit in ((force, "N"), (moment, "N m")) if v > 0]
             parts.append(f"{kind}: largest {', '.join(sizes)}" if sizes else f"no {kind}")
         if "masses" in self.kinds:
-            masses = node_masses(self.source.scene, stored(self.source, "XM", "lumped masses"))
+            masses = node_masses(self.source.scene, stored(self.source, *STORED["masses"]))
             parts.append(f"masses: largest {max(masses.values()):.4g} kg" if masses else "no lumped masses")
         if "gravity" in self.kinds:
-            size = float(np.linalg.norm(stored(self.source, "GRAV", "gravity")))
+            size = float(np.linalg.norm(stored(self.source, *STORED["gravity"])))
             parts.append(f"gravity {size:.4g} m/s\N{SUPERSCRIPT TWO}" if size else "no gravity")
         if "axes" in self.kinds:
             few = "" if len(_framed(self.source.scene)) <= MOST_AXES else " of some elements"

@@ -118,7 +118,9 @@ def test_belt_touches_both_pulleys():
     belts = [e for e in scene.elements if e.keyword == "PLBELT"]
     assert [scene.data[e.number - 1, :2].tolist() for e in belts] == [[-0.015, -0.015], [-0.015, -0.009]]
     for e in belts:
-        tangent, u, n, radii = span(scene, pose, e)
+        tangent, radii = span(scene, pose, e)
+        u = (tangent[1] - tangent[0]) / np.linalg.norm(tangent[1] - tangent[0])
+        n = np.cross([0.0, 0.0, 1.0], u)
         centres = pose.place[[e.p - 1, e.q - 1]]
         for point, centre, r in zip(tangent, centres, radii, strict=True):
             assert abs((point - centre) @ u) < ROUNDING
