@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 # A pull above this part of the largest normal force seen: a chosen bound, above the rounding of a difference of forces
 # (eps times their ratio, up to 1e6), far below what matters to a contact.
 LIFTED = 1e-9
-NO_ROWS = np.zeros(0, np.int64)
 
 
 class Limits:
@@ -83,9 +82,6 @@ class Wheels:
         n = model.mechanism.numbering
         self.gravity = model.loads.gravity
         rolling = [rows for rows in n.types if rows.kind.normal_mode]
-        if not rolling:
-            self.found, self.rows, self.compression = [], NO_ROWS, np.zeros((0, cases))
-            return
         self.found = sorted([(number, rows.kind.keyword) for rows in rolling for number in rows.numbers.tolist()])
         normal = {rows.kind.keyword: rows.kind.normal_mode for rows in rolling}
         self.rows = np.array([n.e_index(w, normal[keyword]) for w, keyword in self.found], np.int64)

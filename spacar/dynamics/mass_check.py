@@ -101,9 +101,7 @@ def require_regular_mass(mechanism: Mechanism, saddle: SaddlePoint, condition: f
     massless, doubtful = _motions_of_rounding(mechanism, saddle, condition)
     if massless:
         raise _without_inertia(mechanism, massless)
-    if not doubtful:
-        return None
-    return _of_rounding(doubtful, condition)
+    return _of_rounding(doubtful, condition) if doubtful else None
 
 
 def require_inertia_of_many(mechanism: Mechanism, saddle: SaddlePoint, condition: Callable[[], float]) -> str | None:
