@@ -21,10 +21,7 @@ FOLDERS = ("spacar", "formats/spacar_formats", "cli/spacar_cli", "cli/spacar_dra
 # text of the guide -> file, line behind which a row is put
 ROWS = {
     "table-row": ("spacar/deck/planar_types.py", "PLANAR = (\n"),
-    "parts-row": (
-        "cli/spacar_drawing/element_pictures.py",
-        "PARTS: dict[str, Callable[[Scene, Pose, Look, Element], list[Shape]]] = {\n",
-    ),
+    "parts-row": ("cli/spacar_drawing/element_pictures.py", "PARTS: dict[str, DrawOne] = {\n"),
 }
 FUNCTIONS = {  # and before which a function is put
     "drawing": ("cli/spacar_drawing/element_pictures.py", "# Shape of an element type"),
