@@ -162,7 +162,8 @@ def _rigid(trade: Trade) -> list[Setup]:
 
 
 def _models(found: TradeSearch, meshes: Sequence[Computed]) -> list[Setup]:
-    """The coarsest mesh of each measure that is good enough; in the stationary modes all meshes up to there."""
+    """The coarsest mesh of each measure that is good enough, else the finest; in the stationary modes all meshes up to
+    there."""
     trade, ref = found.trade, found.reference
     assert ref is not None
     errors = {}
@@ -171,13 +172,10 @@ def _models(found: TradeSearch, meshes: Sequence[Computed]) -> list[Setup]:
         n = max(mesh.pieces.values())
         errors[n] = distance(mesh.found.values[at], ref.values, ref.amplitude) + ref.error
     enough = next((n for n, e in errors.items() if e <= ROOM * found.goal), None)
-    enough = enough or next((n for n, e in errors.items() if e <= found.goal), None)
+    enough = enough or next((n for n, e in errors.items() if e <= found.goal), max(errors))
     doubled = [2**k for k in range(FINEST[trade.stationary].bit_length())]
     if trade.stationary:
-        last = enough or max(errors)
-        return [Setup(n, measure="angle") for n in errors if n <= last] + [Setup(n) for n in doubled]
-    if enough is None:
-        return []
+        return [Setup(n, measure="angle") for n in errors if n <= enough] + [Setup(n) for n in doubled]
     models = [Setup(enough, measure="angle")]
     if set(flexible_beams(trade.deck)) <= by_angles(trade.deck):
         return models
