@@ -17,6 +17,9 @@ from .case import GENERAL, NOTHING, Case, Found, alike, worst
 from .compare import quantities
 from .model import Element, Model, Node, Place, Tensor
 
+SAMPLES = 16  # that Simpson's rule and its error need of a vibration
+SHORTEST, LONGEST = 40, 400  # outputs of a balance
+
 
 def started(model: Model, result, step: int) -> Model:
     """The model with start values of a step of its own result."""
@@ -75,11 +78,19 @@ def quiet(case: Case) -> bool:
 
 
 def fine(case: Case):
-    """The motion once more with 40 short steps, linearized; parts of beams vibrate faster."""
+    """The motion once more, linearized, with SAMPLES outputs in a period of the fastest vibration; parts of divided
+    beams vibrate faster. None: that would be too many."""
     time = 0.05 if case.divides else 0.2
-    model = case.model.without("TIMESTEP", "INTEGRAT", "ERROR")
-    model = model.more(2, ("TIMESTEP", time, 40), ("INTEGRAT", 853, time / 40), ("ERROR", 1e-12, 1e-12))
-    return case.run(model, mode=4)
+    model = case.model.without("TIMESTEP", "INTEGRAT", "ERROR").more(2, ("ERROR", 1e-12, 1e-12))
+
+    def moved(n):
+        return case.run(model.more(2, ("TIMESTEP", time, n), ("INTEGRAT", 853, time / n)), mode=4)
+
+    r = moved(SHORTEST)
+    stiffness, mass = r["k0"][0], r["m0"][0]
+    squares = np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))) if len(mass) else np.zeros(1)
+    n = 4 * int(np.ceil(SAMPLES * time * np.sqrt(squares.max()) / (8.0 * np.pi)))
+    return r if n <= SHORTEST else moved(n) if n <= LONGEST else None
 
 
 def energy(case: Case) -> Found:
@@ -87,8 +98,8 @@ def energy(case: Case) -> Found:
     if not quiet(case):
         return NOTHING
     r = fine(case)
-    rates = rates_of(r)
-    if not rates.shape[1]:
+    rates = None if r is None else rates_of(r)
+    if rates is None or not rates.shape[1]:
         return NOTHING
     kinetic = np.einsum("ti,tij,tj->t", rates, r["m0"], rates) / 2
     power = (r["fxtot"] * r["xd"]).sum(1) - (r["sig"] * r["ed"]).sum(1)
@@ -115,6 +126,8 @@ def momentum(case: Case) -> Found:
     if not quiet(case) or not case.model.has("GRAVITY") or "position" not in case.model.roles.values():
         return NOTHING
     r = fine(case)
+    if r is None:
+        return NOTHING
     g = np.array(case.model.rows("GRAVITY")[0][1])
     p = (r["fxgrav"] * r["xd"]).sum(1)
     nodes = (n for n, role in r.mechanism.numbering.kind.items() if role == "position")  # of divided beams too
