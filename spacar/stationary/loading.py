@@ -76,10 +76,10 @@ def loads_at(mechanism: Mechanism, level: LoadLevel) -> Loads:
 
 
 def loads_grow(mechanism: Mechanism, level: LoadLevel) -> bool:
-    """Do loads grow on the way to a level, or only prescribed displacements?"""
+    """Do loads grow on the way to a level, those of a user function too, or only prescribed displacements?"""
     if level.additional:
         return mechanism.additional is not None and mechanism.additional.present
-    return mechanism.loads.present
+    return mechanism.loads.present or mechanism.user_signal is not None
 
 
 def is_tube(b: Batch) -> bool:

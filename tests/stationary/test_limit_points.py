@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from math import hypot
+from pathlib import Path
 
 import numpy as np
 import planar_models as models
@@ -29,9 +30,9 @@ def toggle(n: int, apex: str, settings: str) -> str:
     return "\n".join([*lines, apex, f"ITERSTEP {settings}", "END END\n"])
 
 
-def limit_of(text: str) -> float:
+def limit_of(model: str | Path) -> float:
     with pytest.raises(AnalysisError) as caught:
-        spacar.run(7, parse_deck(text, mode=7))
+        spacar.run(7, parse_deck(model, mode=7) if isinstance(model, str) else model)
     assert caught.value.code == "statics.limit-point", str(caught.value)
     return float(caught.value.data["level"].initial)
 
@@ -64,7 +65,7 @@ def test_the_toggle_for_many_numbers_of_steps(limit_load, monkeypatch, general):
 
 @pytest.mark.parametrize("height", [0.02, 0.1, 0.4])
 @pytest.mark.parametrize("steps", [1, 60, 150])
-def test_a_truss_of_von_mises(height, steps):
+def test_a_truss_of_von_mises(height, steps, tmp_path):
     """P(y) = 2 k (l0 - l) y/l, k = EA/l0: the limit is its maximum over 0 < y < h."""
     l0 = hypot(1.0, height)
     at = minimize_scalar(lambda y: -(l0 - hypot(1.0, y)) * y / hypot(1.0, y), bounds=(0, height), method="bounded",
@@ -73,8 +74,11 @@ def test_a_truss_of_von_mises(height, steps):
     limit = 2e5 / l0 * (l0 - hypot(1.0, at)) * at / hypot(1.0, at)
     text = f"PLTRUSS 1 1 2\nPLTRUSS 2 2 3\nX 1 -1 0\nX 2 0 {height}\nX 3 1 0\nFIX 1\nFIX 3\nFIX 2 1\nDYNX 2 2\n"
     text += f"RLSE 1\nRLSE 2\nEND HALT\nESTIFF 1 1e5\nESTIFF 2 1e5\nXM 2 1\nITERSTEP 20 {steps} 1e-8\n"
-    text += f"XF 2 0 {-1.07 * limit!r}\nEND END\n"
-    assert 1.07 * limit_of(text) == pytest.approx(1.0, abs=1e-7)
+    push = f"def push(t, ne, le, e, ep, nx, lnp, x, xp):\n    return t, [], [[2, 2, {-1.07 * limit!r}]]\n"
+    (tmp_path / "push.py").write_text(push)
+    for load in (f"XF 2 0 {-1.07 * limit!r}", "USERSIG push"):  # the second one followed the path beyond the limit
+        (tmp_path / "truss.dat").write_text(f"{text}{load}\nEND END\n")
+        assert 1.07 * limit_of(tmp_path / "truss.dat") == pytest.approx(1.0, abs=1e-7)
 
 
 @pytest.mark.parametrize("general", ["", "1"])
