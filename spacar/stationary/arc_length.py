@@ -63,11 +63,12 @@ class Arrived:
 
 
 class LimitPoint(Exception):
-    """The loading has its extreme value on the path at this place; `point` is a state near it."""
+    """The loading has its extreme value on the path at this place; `point` is a state near it. `followed`: the path
+    beyond it does not come to the load either."""
 
-    def __init__(self, place: float, point: Iterate) -> None:
+    def __init__(self, place: float, point: Iterate, followed: bool = False) -> None:
         super().__init__(place)
-        self.place, self.point = place, point
+        self.place, self.point, self.followed = place, point, followed
 
 
 def follow(
@@ -77,14 +78,15 @@ def follow(
     """From the state x (nx,), sigma (ne,) at a place to the place `end`; `before` (nx,): the motion that led there.
 
     beyond    go on beyond limit points of the loading
-    backward  begin towards smaller places. Raises Astray, SingularMatrixError, LimitPoint.
+    backward  begin towards smaller places. Raises Astray, SingularMatrixError, LimitPoint: the first one where `end` is
+              not reached
     """
     q, _, _ = at(place)
     s = min(max(largest(before / q.scale), FIRST_ARC[0]), FIRST_ARC[1])
     here = _arc(at, x, sigma, place, before, None, limit)
     if backward:
         here = replace(here, u=-here.u, stress=-here.stress, rise=-here.rise)
-    turns, total = list[float](), 0
+    turns, first, total = list[float](), here.point, 0
     for _ in range(MOST_ARCS):
         branch = q.d.sweep.branch.copy()
         try:
@@ -105,6 +107,7 @@ def follow(
             if turn < end:
                 if not beyond:
                     raise LimitPoint(turn, last.point)
+                first = first if turns else last.point
                 turns.append(turn)
                 last = ahead
         if last.place >= end > here.place:
@@ -114,6 +117,8 @@ def follow(
         here = ahead
         if ahead.iterations <= EASY:
             s = min(1.5 * s, LARGEST_ARC)
+    if turns:
+        raise LimitPoint(turns[0], first, followed=True)
     raise Astray("the equilibrium path could not be followed by arc length either")
 
 
@@ -199,10 +204,16 @@ def at_limit(e: LevelEvaluator, reached: LoadLevel, target: LoadLevel, limit: Li
     text = (
         f"the equilibrium path has a limit point at {reached.initial:.8g} x initial + {reached.additional:.8g} x"
         f" additional loading, before {target} is reached: no static solution is near beyond it, the mechanism"
-        " jumps" + (f" (the motion is largest at {motion})" if motion else "") + "; prescribe the displacement"
-        " instead of the load, or give ITERSTEP position 7 the value 1 to follow the path beyond limit points;"
-        " where beams bend by tens of degrees in one element, the model with more elements may have none"
+        " jumps" + (f" (the motion is largest at {motion})" if motion else "")
     )
+    if limit.followed:
+        text += "; the path beyond it was followed by arc length and was not seen to come to this loading"
+    else:
+        text += (
+            "; prescribe the displacement instead of the load, or give ITERSTEP position 7 the value 1 to follow the"
+            " path beyond limit points"
+        )
+    text += "; where beams bend by tens of degrees in one element, the model with more elements may have none"
     if e.fading_force is not None:
         text += (
             "; the start values (STARTDX, STARTDE) are held by forces that fade on this way, so that this is no limit"

@@ -87,8 +87,9 @@ def fine(case: Case):
         return case.run(model.more(2, ("TIMESTEP", time, n), ("INTEGRAT", 853, time / n)), mode=4)
 
     r = moved(SHORTEST)
-    stiffness, mass = r["k0"][0], r["m0"][0]
-    squares = np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))) if len(mass) else np.zeros(1)
+    if not r.mechanism.numbering.nddof:
+        return r
+    squares = np.abs(np.linalg.eigvals(np.linalg.solve(r["m0"][0], r["k0"][0])))
     n = 4 * int(np.ceil(SAMPLES * time * np.sqrt(squares.max()) / (8.0 * np.pi)))
     return r if n <= SHORTEST else moved(n) if n <= LONGEST else None
 

@@ -14,6 +14,7 @@ from scipy.optimize import brentq, minimize_scalar
 import spacar
 from spacar.deck import parse_deck
 from spacar.errors import AnalysisError
+from spacar.stationary import arc_length
 
 # Williams' toggle, left half, beams rigid against shear: F. W. Williams, Q. J. Mech. Appl. Math. 17 (1964) 451-469.
 L, H, EA, EI = 12.943, 0.386, 1.885e6, 9.27e3
@@ -166,3 +167,12 @@ def test_a_pyramid_of_trusses_does_not_snap_through(general, monkeypatch):
     monkeypatch.setenv("SPACAR_GENERAL", general)
     for steps in (1, 2, 3, 10):
         assert limit_of(PYRAMID.format(steps=steps)) == pytest.approx(0.0065196133, rel=1e-6)
+
+
+def test_a_path_beyond_the_limit_that_does_not_come_to_the_load(limit_load, monkeypatch):
+    """Such as a closed curve, of which arcs have no end; here so few that the toggle is still falling."""
+    monkeypatch.setattr(arc_length, "MOST_ARCS", 5)
+    text = toggle(4, "XF 9 0 -20", "30 7 1e-6 1 0 0 1")
+    assert 20.0 * limit_of(text) == pytest.approx(limit_load, rel=1e-8)
+    with pytest.raises(AnalysisError, match="followed by arc length and was not seen to come to this loading"):
+        spacar.run(7, parse_deck(text, mode=7))
