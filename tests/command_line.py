@@ -1,7 +1,5 @@
 """The command line in the process of a test: streams that remember, terminals or not."""
 
-from __future__ import annotations
-
 import io
 from typing import NamedTuple
 

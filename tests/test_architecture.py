@@ -1,8 +1,6 @@
 """The arrows of the house (docs/developer.md): spacar_cli -> spacar_drawing -> spacar_formats ->
 spacar, and the stations inside."""
 
-from __future__ import annotations
-
 import ast
 import re
 import sys

@@ -1,7 +1,5 @@
 """Small things that users of Python and of the command line try first."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 Measured by tests/acceptance/test_cost.py: `spacar --help` loads no NumPy, `spacar 1 crank` no linear algebra of SciPy.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """A name of a class or a file means one thing in the whole program, so that a reader knows the room from the name."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections import defaultdict

@@ -1,8 +1,6 @@
 """What users of Python try first: a model in memory goes wherever a file goes, answers print short, draw themselves and
 become tables, and what is wrong is said by an error of ours."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import subprocess

@@ -1,7 +1,5 @@
 """Results on their way out of Python: files as the command writes them, tables of pandas and xarray, notebooks."""
 
-from __future__ import annotations
-
 import builtins
 import re
 

@@ -1,7 +1,5 @@
 """mypy on a script as users write it, against the installed package: what is right passes, slips are found."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

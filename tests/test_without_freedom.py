@@ -1,7 +1,5 @@
 """Models without degrees of freedom: every mode and what is asked of its result."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

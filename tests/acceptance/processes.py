@@ -1,7 +1,5 @@
 """Real processes of the installed command, and one process that runs many command lines."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """What a process may cost: `--version` next to nothing, `spacar 1 crank` no heavy imports."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Runs as real processes: what is left when they end well, fail, are interrupted or killed, cannot write."""
 
-from __future__ import annotations
-
 import json
 import os
 import resource

@@ -5,8 +5,6 @@ The decks are those of tests/deck/rows.py. All rows share one process for speed;
 family also runs in a process of its own.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Evaluators that leave to Python what C does as well, for the factory of `spacar.forward.motion`."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

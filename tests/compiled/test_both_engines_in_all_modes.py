@@ -1,7 +1,5 @@
 """Modes 2, 3, 4 and 7 to 10 with elements in C and in NumPy give the same for every example."""
 
-from __future__ import annotations
-
 from dataclasses import fields
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Families whose functions are in C against the NumPy families, relative to the largest entry."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

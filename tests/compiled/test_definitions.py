@@ -6,8 +6,6 @@ relative to the largest entry: both sides are straight evaluations in double pre
 a few digits.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -5,8 +5,6 @@ rounding), and stiffness turns that into forces: 1e-8 of the largest value of ea
 mechanism is at rest), forces compared with stresses and deformations with coordinates, as in test_compiled.py.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

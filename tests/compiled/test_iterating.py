@@ -1,7 +1,5 @@
 """The Newton iteration of codes 553 and 595 in C makes the steps of the one in Python, with the same counts."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

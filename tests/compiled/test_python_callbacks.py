@@ -1,8 +1,6 @@
 """C asks the user function of a single case itself: what it takes is what Python reads, what is raised is kept, and
 nothing stays behind."""
 
-from __future__ import annotations
-
 import gc
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """The start of a motion in C: the first look at the mass matrix, and the bound of the condition before it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -4,8 +4,6 @@ Both know a position to 1e-11 of the sizes in it and accelerations to the roundi
 of the largest value of each kind.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -5,8 +5,6 @@ Both know forces to the rounding of sums of some hundred terms, in accelerations
 1e-9 of the largest value of each kind.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -5,8 +5,6 @@ The fragments must all occur in one message line of that severity; `<deck>` stan
 Rows whose situation needs a file system, a user function or a numerical analysis are not here.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 

@@ -1,7 +1,5 @@
 """One mistake gives one message: what follows from an element that could not be read is not reported."""
 
-from __future__ import annotations
-
 import pytest
 
 from spacar.deck import parse_deck

@@ -1,7 +1,5 @@
 """The deck: access, echo, round trip, building, changing a value, the shipped examples."""
 
-from __future__ import annotations
-
 import hashlib
 import subprocess
 import sys

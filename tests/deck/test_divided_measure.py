@@ -1,7 +1,5 @@
 """Beams that are divided keep their measure."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Every table that depends on the element types, asked for every element; and no list of elements anywhere else."""
 
-from __future__ import annotations
-
 import ast
 import re
 from pathlib import Path

@@ -1,8 +1,6 @@
 """No text whatever gives anything but a deck or an InputError. 10,000 generated decks in all (slow tests), the first
 fifth of them in the fast ones."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Lexical rules of reference/input-language.md section 1."""
 
-from __future__ import annotations
-
 import pytest
 
 from spacar.deck import parse_deck, read_deck

@@ -1,7 +1,5 @@
 """`spacar.Model`: decks written by calls are the decks of the files, and what is wrong is said with the Python line."""
 
-from __future__ import annotations
-
 import ast
 import inspect
 from pathlib import Path

@@ -1,7 +1,5 @@
 """docs/keywords.md is the page that the table makes, and the table is complete."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

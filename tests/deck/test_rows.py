@@ -1,8 +1,6 @@
 """Every situation of reference/input-language.md section 10 is reported, with its line, and nothing else goes
 wrong."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 

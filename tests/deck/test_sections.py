@@ -1,7 +1,5 @@
 """SECTION, MATERIAL, BEAMSEC, UNITS: constants against handbooks, expansion against plain decks, wrong input."""
 
-from __future__ import annotations
-
 from math import pi
 
 import numpy as np

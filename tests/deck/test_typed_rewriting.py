@@ -2,8 +2,6 @@
 nodes on purpose. The same model with shifted numbers, where they equal none, is the truth: what names an element or
 node is shifted, nothing else, and the results are the same."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """`spacar keywords` tells what a user of USERSIG and DRPINBOD must know."""
 
-from __future__ import annotations
-
 from spacar.deck.keyword_table import KEYWORDS
 from spacar.deck.table_types import BlockKind
 

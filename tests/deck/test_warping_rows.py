@@ -1,7 +1,5 @@
 """Input of BEAMW: what is accepted, and one sentence for every way to get it wrong (theory-warping.md section 1)."""
 
-from __future__ import annotations
-
 import pytest
 
 from spacar.deck import parse_deck

@@ -1,7 +1,5 @@
 """Finds what comments, docstrings and pages cite: "files.md section 3", "theory-system.md 2.3 (9)"."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ sections and notes of the reference. With a list of an earlier revision only wha
 The page of keywords is made from the table and not counted.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from pathlib import Path

@@ -10,8 +10,6 @@ their size, or 1e-9 near zero: what integrators with their default tolerance rep
 every digit that the text speaks about. A command that fails is an error unless the next one is `echo $?`.
 """
 
-from __future__ import annotations
-
 import contextlib
 import doctest
 import io

@@ -3,8 +3,6 @@
 `python -m tests.docs.notebooks docs/notebooks/*.ipynb` executes them and stores what they print and show.
 """
 
-from __future__ import annotations
-
 import ast
 import base64
 import contextlib

@@ -3,8 +3,6 @@
 The other rows (closed forms to rounding, rods, solids) are tests of their rooms.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from typing import Any

@@ -1,7 +1,5 @@
 """Every citation in code, tests and pages leads somewhere: sections, formulas, links, the manual and the paper."""
 
-from __future__ import annotations
-
 import re
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The page on failures: its headings are words of the program, its codes exist, its examples fail as it says."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from functools import cache

@@ -4,8 +4,6 @@ Not executed: that comments say why, that tolerances have a reason, that formula
 a step that only moves code equals its parent (benchmarks/compare_revisions.py), and what speed asks for.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import inspect
 import shutil

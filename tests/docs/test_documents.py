@@ -1,7 +1,5 @@
 """The documents for people: every command and number is run, every link leads somewhere."""
 
-from __future__ import annotations
-
 import ast
 import re
 import shlex

@@ -1,7 +1,5 @@
 """The chapter on flexures: every command and number in it is run."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

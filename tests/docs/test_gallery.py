@@ -1,7 +1,5 @@
 """The gallery shows every example of `data/`, with a picture that exists and commands that name the example."""
 
-from __future__ import annotations
-
 import importlib.util
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A notebook in a real kernel, with nothing but `import spacar`: figures, tables and an animation show themselves."""
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """docs/limits.md is made by docs/limits.py: every limit of the program with its present number."""
 
-from __future__ import annotations
-
 import importlib.util
 import re
 from pathlib import Path

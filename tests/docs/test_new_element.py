@@ -1,7 +1,5 @@
 """The worked example of the developer guide: its texts, put into a copy of the program, give an element that works."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

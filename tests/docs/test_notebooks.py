@@ -1,7 +1,5 @@
 """The notebooks of the tutorial: every cell runs and prints what is stored; pictures are there and small."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

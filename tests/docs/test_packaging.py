@@ -1,7 +1,5 @@
 """What a user and an archive see of the package: one version, types, classifiers, a citation that is well formed."""
 
-from __future__ import annotations
-
 import re
 from importlib import metadata
 from importlib.resources import files

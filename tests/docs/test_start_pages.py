@@ -1,7 +1,5 @@
 """The four start pages: each from an empty folder to a picture, as it says."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -3,8 +3,6 @@
 Shares the element evaluations with the program and nothing else: dense matrices, explicit transfer functions.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

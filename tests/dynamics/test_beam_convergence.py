@@ -1,7 +1,5 @@
 """Spatial beams: large bending and frequencies converge to independent solutions with the order of the theory."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

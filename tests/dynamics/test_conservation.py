@@ -1,7 +1,5 @@
 """Energy of conservative mechanisms, work of drives, and the virtual power of reactions."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

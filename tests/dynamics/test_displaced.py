@@ -1,7 +1,5 @@
 """The absolute error of deformations is that of the displacement they cause: it keeps its meaning on fine meshes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

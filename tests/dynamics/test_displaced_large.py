@@ -1,7 +1,5 @@
 """The unit of many deformations, which comes from few rows of the transfer function, against all of its columns."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

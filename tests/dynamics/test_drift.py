@@ -3,8 +3,6 @@
 Truth: Galilei. Seen from a frame that goes along, the motion is that of the same mechanism without the drift.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -5,8 +5,6 @@ reference is code 853 with ERROR 1e-12; the error is relative to the largest coo
 Runs are compiled where there is a compiler, which gives the same to rounding.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

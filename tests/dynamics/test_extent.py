@@ -1,7 +1,5 @@
 """An absolute ERROR that is large beside the motion is told, lengths and rotations apart."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

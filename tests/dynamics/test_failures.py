@@ -1,7 +1,5 @@
 """States outside the theory of an element, missing mass, broken user functions: what the user gets to read."""
 
-from __future__ import annotations
-
 import warnings
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """All integration codes on mechanisms: the same motion, the order of the method, exact Jacobians."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Jumps of user functions that nobody declares: outputs inside them show them, wherever the steps lie."""
 
-from __future__ import annotations
-
 from math import cos
 from pathlib import Path
 

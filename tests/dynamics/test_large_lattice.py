@@ -1,7 +1,5 @@
 """Right-hand sides of lattices: the engine's where its factors are cheap, else NumPy's with condensed factors."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -4,8 +4,6 @@ The truth is the same model with everything evaluated: another set of equations 
 rounding, of the equations at the start, and of the integration afterwards.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -4,8 +4,6 @@ Two bars in line, the degrees of freedom their elongations: M = [[m1 + m2, m2], 
 m1/(2 m2) when scaled. A force F on the light mass m1 gives it F/m1, the heavy one nothing.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -3,8 +3,6 @@
 Truths: a free mass m obeys F = m a in whatever coordinates; a motion whose nodes carry no mass has no energy.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

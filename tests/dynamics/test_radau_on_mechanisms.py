@@ -1,7 +1,5 @@
 """Codes 553 and 595 on mechanisms: same answers as explicit codes, with steps that high frequencies do not limit."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

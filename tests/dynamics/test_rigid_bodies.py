@@ -1,7 +1,5 @@
 """Free rigid body and heavy top over 10 s against body-frame Euler equations integrated by another program."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Accelerations, stresses and nodal forces from the saddle-point form against the reduced dense form and 40 digits."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import mpmath

@@ -1,7 +1,5 @@
 """Implicit codes with the sparse form of the Jacobian (above 300 degrees of freedom) and with the dense one."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

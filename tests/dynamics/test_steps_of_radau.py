@@ -5,8 +5,6 @@ it. F and the exact state matrix at the start give q(t) = V (1 - cos(omega t))/o
 V omega^2 V^-1.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

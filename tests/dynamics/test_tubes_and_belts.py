@@ -1,7 +1,5 @@
 """Flow in tubes (divergence, flutter, the four end conditions) and belts over many turns, against closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq

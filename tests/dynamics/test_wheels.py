@@ -1,7 +1,5 @@
 """Rolling wheels against Newton-Euler, and wheels that do what the theory does not cover."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -4,8 +4,6 @@ Truth: (15) of theory-planar.md with the angle theta of an arm, e1 = -rho theta 
 hinges and screws follow what they are driven by.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

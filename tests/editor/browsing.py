@@ -1,7 +1,5 @@
 """`spacar edit` and a headless Chromium for tests and for the pictures of the documentation."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """What the tutorial tells of `spacar edit`: a four-bar written by a new user; a test acts it, figures.py draws it."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The component of the editor is the file that was made, with licences of everything in it."""
 
-from __future__ import annotations
-
 import json
 import re
 from hashlib import sha256

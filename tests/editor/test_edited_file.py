@@ -1,7 +1,5 @@
 """The file of the editor keeps its bytes: line ends, byte order mark, what is no UTF-8; a change is never lost."""
 
-from __future__ import annotations
-
 import pytest
 from spacar_cli.editor.edited_file import EditedFile
 

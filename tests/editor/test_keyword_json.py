@@ -1,7 +1,5 @@
 """The table for editors, and the grammar made of it: every keyword has its colour, in every example model."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The server of the page: what it refuses, what its policy admits, the calls; over real connections."""
 
-from __future__ import annotations
-
 import http.client
 import json
 import re

@@ -1,7 +1,5 @@
 """The process behind the page: replaced when it hangs or dies; and it imports nothing of the user."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -15,8 +15,6 @@ What this cannot see is a wrong e or a wrong M: the tests of each family compare
 their own.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -8,8 +8,6 @@ angle theta and its normal n:
 `line`: an inextensible line (Engesser), r' = (cos, sin)(theta + gamma) with gamma = F.n(theta + gamma)/GAk.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp

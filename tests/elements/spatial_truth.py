@@ -1,7 +1,5 @@
 """Independent definitions for the tests of the spatial elements: element by element, rotation matrices."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

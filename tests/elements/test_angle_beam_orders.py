@@ -1,8 +1,6 @@
 """Where beams in the angle measure keep order 4, where they do not, and what restores it (theory-beam-order4.md
 section 2.2, tables 3.10 and 3.11)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp

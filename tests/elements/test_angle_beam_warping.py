@@ -1,7 +1,5 @@
 """BEAMW in the angle measure (theory-beam-order4.md section 2.8): derivatives, limits, order 4."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from derivatives import check_gravity, check_inertia, check_strain, close, evaluate, group

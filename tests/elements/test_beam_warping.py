@@ -3,8 +3,6 @@
 Tolerances: 1e-12 relative (see `derivatives`); printed digits have half a unit of their last place, 5e-11.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

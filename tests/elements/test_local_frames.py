@@ -1,7 +1,5 @@
 """Unit vectors of any length that a number can have, and which element a message is about."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

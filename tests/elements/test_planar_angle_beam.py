@@ -1,7 +1,5 @@
 """PLBEAM and PLTUBE in the angle measure (theory-beam-order4.md section 1): derivatives, digits, order 4."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """PLBEAM against its definition by integrals, complex steps, and printed digits of the manual (bibliography.md)."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """PLBELT: derivatives, belt length from tangent points, gears over several turns, energy of the span."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq

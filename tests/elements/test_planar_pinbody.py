@@ -1,7 +1,5 @@
 """PLPINBOD and PLRBEAM: derivatives; e from rotations as complex numbers; energy of the rigid rod."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

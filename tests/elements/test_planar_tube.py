@@ -1,7 +1,5 @@
 """PLTUBE: derivatives, the beam as a special case, flow forces from an energy (unstable pipes: tests/dynamics)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy

@@ -1,7 +1,5 @@
 """PLWHEEL: derivatives of the slips (H not symmetric), and a wheel that rolls along a circle."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """RBEAM without a direction has the default axes of a BEAM; start values with DRPINBOD count from its projections."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Rotary inertia of planar beams: consistent in the angle measure (theory-beam-order4.md section 1.3, table 3.13)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from derivatives import group

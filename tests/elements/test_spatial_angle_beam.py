@@ -1,7 +1,5 @@
 """BEAM and TUBE in the angle measure (theory-beam-order4.md sections 2 to 4): digits, derivatives, order 4."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -3,8 +3,6 @@
 Tolerances: 1e-12 relative (see `derivatives`) unless a test says otherwise.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rigid bodies and gyrostats at orientation nodes: energy, Euler's equations, derivatives, explicit rotor."""
 
-from __future__ import annotations
-
 import numpy as np
 from derivatives import check_inertia, close, evaluate, gradient, mass_of
 from spatial_truth import rates, reference, rotation, turn

@@ -1,7 +1,5 @@
 """HINGE, PINBODY, RBEAM and the normalization: definitions, derivatives, branches, start geometry."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

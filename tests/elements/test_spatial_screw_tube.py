@@ -1,7 +1,5 @@
 """SCREW and TUBE: definitions, derivatives, turns; forces of the fluid (unstable pipes: tests/dynamics)."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """WHEEL and TWHEEL: deformations and slips against definitions, derivatives, rolling, start geometry."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """PLTRUSS and TRUSS, and PLTOR: derivatives, and definitions coded once more."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Cost follows the scene, shown by counters: what a model does not contain is not computed."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections import Counter

@@ -1,8 +1,6 @@
 """Mechanisms a thousand kilometres from the origin, change points with a flexible and a rigid link, and mm-t-s against
 SI in every mode."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

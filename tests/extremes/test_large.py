@@ -1,7 +1,5 @@
 """Chains of a thousand elements and many output steps."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Extreme numbers in small mechanisms whose motion is known in closed form."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

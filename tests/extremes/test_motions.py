@@ -1,7 +1,5 @@
 """Motions at the extremes, each against the physical truth: many turns, mass ratios, short pulses, units, Radau."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp

@@ -1,8 +1,6 @@
 """Singular positions, redundant constraints, far starts, critical loads, impossible numbers: the right answer, or a
 message that says what and where."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

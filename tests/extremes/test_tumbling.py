@@ -1,7 +1,5 @@
 """Free bodies that tumble with Euler parameters as dynamic coordinates, through any attitude: Euler's equations."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp

@@ -5,8 +5,6 @@ The tolerance 1e-9 is that of the issue. Fixed steps are used for motions, since
 dimension of its own. Stationary solutions are iterated to rounding: the tolerance of ITERSTEP has a unit.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -4,8 +4,6 @@ A `System` gives the size of the new units: kg, m, s are how many new units one 
 mechanism does not change by this, so every result must be the old one times its dimension.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, replace
 

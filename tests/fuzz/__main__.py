@@ -1,7 +1,5 @@
 """The long run: `python -m tests.fuzz` (make fuzz). A report in Markdown; status 1 when there are findings."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import subprocess

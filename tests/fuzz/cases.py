@@ -6,8 +6,6 @@ Four kinds: `deck` (a changed example model, run in a mode), `file` (a damaged o
 
 # ruff: noqa: E501  (tables of odd words)
 
-from __future__ import annotations
-
 import random
 import struct
 import tempfile

@@ -1,7 +1,5 @@
 """Time and memory of large work, each in a process of its own: how the program grows."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

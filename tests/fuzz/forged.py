@@ -1,7 +1,5 @@
 """Files that somebody else wrote or changed: rows of studies, text in headers of results, deep TOML, odd names."""
 
-from __future__ import annotations
-
 import json
 import random
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Run a case in this process and judge how it ended."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import signal

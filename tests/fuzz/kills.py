@@ -1,7 +1,5 @@
 """Processes killed at random moments: what was there before is whole, what comes next cleans up."""
 
-from __future__ import annotations
-
 import contextlib
 import random
 import shutil

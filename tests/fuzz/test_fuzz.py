@@ -1,7 +1,5 @@
 """300 hostile cases in every run of the fast tests; `make fuzz` runs the long version of the same."""
 
-from __future__ import annotations
-
 import pytest
 
 from .cases import COMMANDS, case

@@ -4,8 +4,6 @@ Prints a line of JSON for every finding. FOLDER/at holds the number of the case 
 parent knows which one it was.
 """
 
-from __future__ import annotations
-
 import json
 import resource
 import sys

@@ -1,7 +1,5 @@
 """Problems with a known answer, shared by the integrator tests."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """INTEGRAT -1: code 0 step by step where nothing is stiff, Radau of order 9 where a vibration limits the steps."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

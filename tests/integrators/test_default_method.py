@@ -1,7 +1,5 @@
 """Without INTEGRAT the method chooses itself: what is not stiff is that of code 0, stiff models keep ERROR."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -6,8 +6,6 @@ Angles: q1 of the first link, q2 of the elbow (relative). Textbook equations of 
     h1 = -m2 l1 l2 sin q2 (2 q1' q2' + q2'^2), h2 = m2 l1 l2 sin q2 q1'^2
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from spacar import Deck

@@ -1,7 +1,5 @@
 """Mode 3 on NAME_3 after a mode 10 run on NAME: matrices about the stored load steps."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

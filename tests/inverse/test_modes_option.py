@@ -1,7 +1,5 @@
 """`spacar 3 --modes` and what reads its files, as a user meets them above the size from which equations are sparse."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from spacar_formats.ltvfile import read_ltv

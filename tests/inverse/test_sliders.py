@@ -1,8 +1,6 @@
 """A slider in a guide: one coordinate is moved along a path, the other one fixed. Velocities of nodes and elements with
 one number are told apart."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 """Mode 3 of a large model: the sparse equations of all degrees of freedom, prescribed ones too, are those of the full
 matrices; and the warning about inertia that is rounding."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

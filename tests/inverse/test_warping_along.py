@@ -4,8 +4,6 @@ With rigid torsion and fixed warping nodes a BEAMW is a BEAM. With flexible tors
 the torsional stiffness 6/5 GIt + 12 ECw/l^2 (theory-warping.md section 4), with the twist rates eliminated GIt.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

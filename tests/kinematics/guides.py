@@ -4,8 +4,6 @@ n leaf springs (clamped at y = 0, height L, at x = 0, d, 2 d, ...) carry one rig
 guide is over-constrained 6 (n - 1) times, and its six degrees of freedom are those of the coupler as a rigid body.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.linalg import eigh
 

@@ -1,7 +1,5 @@
 """The condition number of larger models against a singular value decomposition."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

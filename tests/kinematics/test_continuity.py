@@ -5,8 +5,6 @@ by Grashof's condition) and nothing may be said. With the follower as degree of 
 passes one: the run says so or stops.
 """
 
-from __future__ import annotations
-
 import shutil
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Mode 0: counts, names and suggestions for mechanisms with several redundancies and free motions at once."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

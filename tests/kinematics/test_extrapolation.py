@@ -1,7 +1,5 @@
 """The start value of the next position: a polynomial through two states."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The position of the start values is that of the branch of the reference configuration."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The two roots of a position near a dead point, and the badly conditioned positions that have one."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

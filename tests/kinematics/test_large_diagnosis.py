@@ -1,7 +1,5 @@
 """The constraint analysis of large models with sparse matrices: the same as that with singular values."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A long chain is badly conditioned, but no singular position."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Warnings at RLSE on a beam without ESTIFF: where stiffness is lost, and only there."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

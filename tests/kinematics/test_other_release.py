@@ -1,7 +1,5 @@
 """A release that becomes singular during a motion: the message names it and another one, which runs."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

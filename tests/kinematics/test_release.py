@@ -1,7 +1,5 @@
 """Over-constraints solved by releasing flexible deformations: the physics is that of the structure for any choice."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.linalg import eigh

@@ -1,8 +1,6 @@
 """Over-constraints of beams that are divided, in any way: the lines hold for the file, and the physics is that of the
 textbook. Statically a massless leaf is exact in any number of beams."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.linalg import eigh

@@ -1,7 +1,5 @@
 """A warning where a result depends on which part of a divided beam keeps its release."""
 
-from __future__ import annotations
-
 import pytest
 
 import spacar

@@ -1,7 +1,5 @@
 """Dead centres, parallelograms, collapsed elements: pass through, or stop with a message that says where and why."""
 
-from __future__ import annotations
-
 import re
 import warnings
 

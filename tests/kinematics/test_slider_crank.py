@@ -1,7 +1,5 @@
 """Rigid mechanisms over a long time against closed forms: no drift, whatever drives them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Motions that come to a dead point of their degree of freedom and do not get past it: they end, in few evaluations."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

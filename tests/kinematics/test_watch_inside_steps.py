@@ -3,8 +3,6 @@
 The truth is the motion with the crank as degree of freedom, which has no dead points, or a uniform rotation.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Beam and flexure models as people write them: SI units, steel, any direction, any mesh; random ones from a seed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

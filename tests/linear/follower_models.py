@@ -1,7 +1,5 @@
 """Columns under forces that have no potential, as functions of the user (USERSIG), with results of the literature."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import spacar

@@ -1,7 +1,5 @@
 """Small mechanisms in which everything acts at once."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from spacar.deck import parse_deck, read_deck

@@ -5,8 +5,6 @@ linearized equations. Differences are central, of order 8, with a step of 4e-3: 
 1e-11.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

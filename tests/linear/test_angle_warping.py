@@ -1,7 +1,5 @@
 """BEAMW in the angle measure in whole analyses: order 4 (theory-beam-order4.md section 2.8, table 3.12)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp

@@ -1,7 +1,5 @@
 """Buckling loads and compliances against closed forms; loads beyond the critical one; singular cases."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

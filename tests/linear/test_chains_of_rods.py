@@ -1,7 +1,5 @@
 """Chains without any elasticity on the path of large systems: pendulums under gravity, and free of it."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -4,8 +4,6 @@ Both are assembled from the same element blocks but reduced by different algorit
 there, one sparse factorization here. The dense one is compared with differences in test_state_space.py.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from nonlinear import Nonlinear, random_state

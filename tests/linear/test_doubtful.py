@@ -1,7 +1,5 @@
 """A result that is not exact to rounding is kept, with a warning; order and warnings of load multipliers."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Singular and double cases are not refused: dead points, double critical loads, motions without stiffness."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

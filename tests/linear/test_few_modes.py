@@ -1,7 +1,5 @@
 """Few modes of a dense pencil are computed alone: they agree with all of them, and with what is known."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

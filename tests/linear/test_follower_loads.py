@@ -4,8 +4,6 @@ V. V. Bolotin, Nonconservative Problems of the Theory of Elastic Stability, Perg
 Elastic Systems, Sijthoff 1980. Critical loads in EI/l^2 (of the whole load for Leipholz).
 """
 
-from __future__ import annotations
-
 from math import sqrt
 
 import numpy as np

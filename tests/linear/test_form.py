@@ -1,7 +1,5 @@
 """Which form modes are computed in: the same numbers on both sides of every decision."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

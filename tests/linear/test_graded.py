@@ -3,8 +3,6 @@
 Truth: mpmath with 60 digits. Every eigenvalue, from the smallest on, to 1e-10.
 """
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Inputs whose column of B is zero are named, with what to write instead; inputs that act need no word."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

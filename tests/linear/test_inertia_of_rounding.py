@@ -1,7 +1,5 @@
 """Linearized equations of a motion whose inertia is rounding: modes 7, 9 and 10 say so, as mode 1 does."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -4,8 +4,6 @@ Sparse and dense results are two algorithms on the same equations; the tolerance
 matrices have entries up to the condition of the degrees of freedom squared (1e5 here) times their lowest eigenvalues.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

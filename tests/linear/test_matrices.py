@@ -3,8 +3,6 @@
 1e-7 relative is the accuracy that the project demands; differences of order 8 reach about 1e-10.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

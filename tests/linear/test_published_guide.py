@@ -1,7 +1,5 @@
 """The leaf-spring guide that SPACAR Light writes (two springs of three beams, prescribed displacement): mode 10."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -7,8 +7,6 @@ lies within |r|_{B^-1} / |v|_B of w (Parlett, The Symmetric Eigenvalue Problem, 
 n eps |A||v| in the same norm, is added. Two solvers may differ by the sum of their bounds.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from flexure_models import LEAF, Model, Strip, cantilever_leaf, guide, line, random_model

@@ -1,7 +1,5 @@
 """What is told from a bound, without the full computation, is the same as with it."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

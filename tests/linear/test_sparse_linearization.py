@@ -4,8 +4,6 @@ The dense matrices lose digits to the condition of the degrees of freedom square
 hence 1e-6 for low frequencies.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -3,8 +3,6 @@
 The truth is the saddle-point form of the equations of motion, evaluated with varied state and inputs.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rotors in coordinates of fixed directions: their equations are periodic in time unless they are symmetric."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Third order transfer functions against differences of the second order ones, and what the log gets."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from linear_models import PLANAR, SPATIAL, mechanism

@@ -1,7 +1,5 @@
 """Low modes of an unsymmetric stiffness, against 40 digits."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Frequencies against closed forms: beams, rotating beams, rotors, rigid motions, repeated values; large systems."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

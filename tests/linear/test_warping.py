@@ -4,8 +4,6 @@ Printed digits of a prototype with the same formulas are compared to half a unit
 where nothing else is said, as eigenvalues and load multipliers have 9 digits); physics to the stated errors.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

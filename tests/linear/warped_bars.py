@@ -1,7 +1,5 @@
 """A straight bar along x of BEAMW elements: nodes 3k+1, 3k+2, 3k+3 (position, orientation, warping) at station k."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from spacar.deck import Deck

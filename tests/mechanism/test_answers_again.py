@@ -1,8 +1,6 @@
 """Answers of a user function that have the form of earlier ones are written without being read anew: whatever comes
 after whatever, each is written, or refused with the same words, as by a law that has answered nothing before."""
 
-from __future__ import annotations
-
 import warnings
 from itertools import product
 from typing import Any

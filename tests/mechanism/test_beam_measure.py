@@ -1,7 +1,5 @@
 """ADEFORM, --beams and the option beams: which beams are measured by angles, and where it is said."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from spacar_cli.main import main

@@ -1,7 +1,5 @@
 """What the statements of the dynamics block become: loads, inertia, preloads, start values, settings."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

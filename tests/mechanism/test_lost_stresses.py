@@ -1,7 +1,5 @@
 """User functions: a stress that cannot act is said, and a place that does not exist is never read."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

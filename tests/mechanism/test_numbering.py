@@ -1,7 +1,5 @@
 """Numbering and classification against tables that were written by hand from files.md section 3."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """USERSIG and USERINP: what they are given, what they may return, and every way in which they can be wrong."""
 
-from __future__ import annotations
-
 import os
 import warnings
 from collections.abc import Callable

@@ -3,8 +3,6 @@
 The copies hold the same numbers and the evaluation is deterministic, so that results are equal to the last bit.
 """
 
-from __future__ import annotations
-
 import copy
 import multiprocessing
 import pickle

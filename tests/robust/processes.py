@@ -1,7 +1,5 @@
 """Processes of the installed command, with a hand on when they are stopped."""
 
-from __future__ import annotations
-
 import atexit
 import os
 import shutil

@@ -1,7 +1,5 @@
 """Messages that name the cause: a singular choice of degrees of freedom, a word of another block, another mode."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

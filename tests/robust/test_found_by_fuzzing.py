@@ -1,7 +1,5 @@
 """Cases that `make fuzz` found: each ended in an internal error once."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Little memory, clocks that jump, workers that die."""
 
-from __future__ import annotations
-
 import ast
 import re
 import sys

@@ -1,7 +1,5 @@
 """A TOML model runs no code: no text of it enters what is executed or compiled, except checked names and numbers."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Ctrl-C that falls into a destructor is not lost."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

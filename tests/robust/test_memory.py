@@ -1,7 +1,5 @@
 """Nothing is allocated before the first step that grows with the number of steps or cases; Ctrl-C always works."""
 
-from __future__ import annotations
-
 import itertools
 import resource
 import signal

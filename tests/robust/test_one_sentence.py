@@ -1,7 +1,5 @@
 """Whatever is typed or read: one sentence that says what is wrong, never an internal error, never silence."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import struct

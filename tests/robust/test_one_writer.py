@@ -1,7 +1,5 @@
 """One writer at a time: a second run on the same results is refused before it computes, or waits."""
 
-from __future__ import annotations
-
 import io
 import os
 import signal

@@ -1,7 +1,5 @@
 """What source distributions and wheels contain: the files of git and generated text; the folders of the packages."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import shutil

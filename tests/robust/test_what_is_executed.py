@@ -1,7 +1,5 @@
 """What is executed and when: `check` runs nothing, modes run the functions of the deck, libraries are our own."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Everything that writes goes through one door: a file is the old one or the new one, never a piece."""
 
-from __future__ import annotations
-
 import ast
 import os
 import re

@@ -1,7 +1,5 @@
 """Finite differences of whole analyses with Richardson extrapolation: the truth for derivatives along a direction."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any

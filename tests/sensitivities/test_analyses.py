@@ -1,7 +1,5 @@
 """Sensitivities as a user meets them: the values are those of the modes, the command, the page, the optimization."""
 
-from __future__ import annotations
-
 import csv
 import importlib.util
 import json

@@ -1,7 +1,5 @@
 """Derivatives that are known in closed form: cantilever, oscillator, columns, section formulas, repeated values."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from difference_truth import agree

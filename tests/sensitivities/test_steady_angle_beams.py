@@ -1,7 +1,5 @@
 """Eigenvalues, multipliers and compliances of spatial beams in the angle measure in steady motion; the factor G."""
 
-from __future__ import annotations
-
 import linear_models
 import numpy as np
 import pytest

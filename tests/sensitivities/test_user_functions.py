@@ -1,7 +1,5 @@
 """Models with functions of the user, and stresses of rows without stiffness in steady motion."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

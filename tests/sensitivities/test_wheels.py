@@ -1,7 +1,5 @@
 """Wheels in stationary rolling: the tricycles with a spring on the steering, against differences of whole analyses."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

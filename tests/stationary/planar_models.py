@@ -1,7 +1,5 @@
 """Input texts of planar flexures: chains of PLBEAM between position nodes, for the tests of the equilibrium path."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

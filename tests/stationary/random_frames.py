@@ -1,7 +1,5 @@
 """Frames that nobody has drawn: random places, stiffness over many powers of ten, rigid members, releases."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from spacar.deck import Deck, parse_deck

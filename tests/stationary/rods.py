@@ -4,8 +4,6 @@ A rod with axial strain and bending (no shear), force (Fx, Fy) on the cut, const
 x' = (1 + N/EA) cos, y' = (1 + N/EA) sin, theta' = M/EI, M' = -(x' Fy - y' Fx), N = Fx cos + Fy sin.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Advice in messages of statics helps when it is tried: what stands there is done to the smallest model."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

@@ -1,7 +1,5 @@
 """Steady motion with deformation inertia (MEE) and flow in tubes against closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 """Condensed and band matrices of random frames against the dense mixed matrix: solutions, signs, compliances; repeated
 modes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from random_frames import frame, tangent_of

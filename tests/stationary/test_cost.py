@@ -1,7 +1,5 @@
 """What small stationary solutions cost, in evaluations, which do not depend on the machine."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

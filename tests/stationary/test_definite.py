@@ -1,7 +1,5 @@
 """The proof that a stationary state is stable, against eigenvalues of the tangent stiffness on admissible motions."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

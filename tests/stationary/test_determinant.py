@@ -1,7 +1,5 @@
 """The sign of the determinant, which tells of unsymmetric tangents whether the negative eigenvalues are even or odd."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

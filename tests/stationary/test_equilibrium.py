@@ -1,7 +1,5 @@
 """States at rest in C (`spacar.stationary.equilibrium`) against the general path and against dense linear algebra."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

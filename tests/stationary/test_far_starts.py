@@ -1,7 +1,5 @@
 """Statics and steady motion from starts far from the solution, and solutions that only a preload makes possible."""
 
-from __future__ import annotations
-
 from math import acos, cos, inf, pi, remainder, sin, sqrt, tau
 
 import numpy as np

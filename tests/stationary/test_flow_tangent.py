@@ -1,7 +1,5 @@
 """The tangent of tubes with flow contains the momentum of the fluid, with and without gravity."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

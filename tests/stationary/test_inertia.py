@@ -1,7 +1,5 @@
 """Count of negative eigenvalues: exact, and with linear cost."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Steady motion, user functions, dead points, gravity that comes late, the count of negative eigenvalues."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """More unknowns than are counted at every level: the determinant of the factorization tells where to count."""
 
-from __future__ import annotations
-
 import pytest
 
 from spacar import Deck

@@ -1,7 +1,5 @@
 """Limit points do not depend on the number of load steps, nor on the engine."""
 
-from __future__ import annotations
-
 import re
 from math import hypot
 from pathlib import Path

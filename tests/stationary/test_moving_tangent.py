@@ -1,7 +1,5 @@
 """The tangent of steady motion: both forms are the derivative of the residual and agree, also in their sign."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

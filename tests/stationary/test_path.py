@@ -1,7 +1,5 @@
 """The equilibrium path: against exact rods, independent of load steps and releases, limit points, critical states."""
 
-from __future__ import annotations
-
 import numpy as np
 import planar_models as models
 import pytest

@@ -1,7 +1,5 @@
 """The largest stress of the published leaf-spring guide (SPACAR Light, 20 mm to both sides) against exact rods."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

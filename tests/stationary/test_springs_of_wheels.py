@@ -1,7 +1,5 @@
 """Wheels: released beams with stiffness bear load in the stationary solution (they had no stress)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Stationary solutions: elastica, load steps of all types, cutting, failures, sparse against dense."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

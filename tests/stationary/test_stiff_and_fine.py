@@ -1,8 +1,6 @@
 """Displacements under forces of the size of the stiffness are large where a model is soft in one way, stiff in another
 and finely divided; that is no singularity as long as rounding of the entries leaves digits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Where nothing acts, all levels have the state of the start, which is found once."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Planar flexures of two leaf springs with a rigid body between their ends, as texts."""
 
-from __future__ import annotations
-
 import numpy as np
 
 LENGTH, WIDTH, THICKNESS, E, RHO = 0.1, 0.05, 5e-4, 210e9, 7800.0

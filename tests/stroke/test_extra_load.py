@@ -1,7 +1,5 @@
 """The multiplier of one extra load alone against closed forms, and against the multiplier of all loads."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

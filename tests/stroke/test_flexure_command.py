@@ -1,7 +1,5 @@
 """`spacar flexure` on the command line, and its files."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

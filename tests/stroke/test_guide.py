@@ -1,7 +1,5 @@
 """A parallel guide over its stroke against closed forms, and against finite differences and integrals of itself."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

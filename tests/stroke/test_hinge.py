@@ -1,7 +1,5 @@
 """A cross hinge over its rotation: stiffness, pivot shift, pole, work of moments; a rigid body about a pin."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Large models: the sparse path gives the numbers of the dense one, whatever the drive; and it is fast."""
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
 

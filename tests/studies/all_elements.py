@@ -1,7 +1,5 @@
 """A small model with every element type, or with what else a lane has to do; X.3 can be moved in all of them."""
 
-from __future__ import annotations
-
 from spacar import Deck
 
 FIXED = [("FIX", 1), ("FIX", 2)]

@@ -1,7 +1,5 @@
 """The command line in this process, in an empty folder that has the example models."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

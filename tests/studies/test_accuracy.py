@@ -1,7 +1,5 @@
 """`accuracy`: the error asked for is kept against closed forms, its estimate is honest, what is not met is said."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

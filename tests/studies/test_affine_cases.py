@@ -1,8 +1,6 @@
 """Cases whose numbers are combinations of those of a few: they are those of decks of their own; an integer or a setting
 of the run has decks of its own."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,8 +1,6 @@
 """Every element type, moments, MEE and prescribed motions in lanes: cases with other lengths and masses are their
 single runs, and their numbers, made for all cases at once, are those of decks of their own."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

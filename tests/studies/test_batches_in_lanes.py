@@ -1,8 +1,6 @@
 """Sweeps in lanes: one that cannot be followed takes its block along
 to single runs and no other one, threads change nothing, and what is done is kept when the rest is interrupted."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`spacar trade` without lists of settings: within a budget, stopped where dominated, with a command to run."""
 
-from __future__ import annotations
-
 import json
 import shlex
 import sys

@@ -1,7 +1,5 @@
 """`--elements N`: the run of the divided model, in which nodes and elements of the file keep their numbers."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Batches: results against single runs, what is refused, and that a failing case does not harm the others."""
 
-from __future__ import annotations
-
 import csv
 import re
 from pathlib import Path

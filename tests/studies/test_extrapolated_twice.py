@@ -1,7 +1,5 @@
 """Four meshes of one model: the estimate from two extrapolations; spectra of refined models keep the user's places."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

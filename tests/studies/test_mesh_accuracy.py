@@ -1,7 +1,5 @@
 """`accuracy` where beams are flexible: the error of the mesh against closed forms, on the nodes of the user."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Refined, rigid and linear variants of a model against closed forms, energies and each other."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Targets with a name (SECTION, MATERIAL) and natural frequencies in the languages of studies."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """plot and sweep read one language: the same numbers and messages in both; the documentation has every function."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

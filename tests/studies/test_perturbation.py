@@ -1,7 +1,5 @@
 """The perturbation method against full integration, and where it does not apply."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What a model could do without, with its price; pairs of alike beams as one."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Quantities: values against the arrays of the result, and everything that is refused."""
 
-from __future__ import annotations
-
 import contextlib
 
 import numpy as np

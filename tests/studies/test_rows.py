@@ -1,7 +1,5 @@
 """Append-only rows: whole lines, cut lines, other studies, two writers."""
 
-from __future__ import annotations
-
 import math
 import os
 

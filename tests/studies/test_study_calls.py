@@ -1,7 +1,5 @@
 """`spacar.sweep` and `spacar.trade`: a study in one line."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A variant whose numbers are put into the statements of the deck is the deck that its text reads to."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

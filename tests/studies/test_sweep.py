@@ -1,7 +1,5 @@
 """`spacar sweep`: results against single runs, restart, failures, killed processes, clusters."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os

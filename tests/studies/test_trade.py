@@ -1,7 +1,5 @@
 """`spacar trade`: errors, reference and recommendation against closed forms; restart; what is refused."""
 
-from __future__ import annotations
-
 import csv
 import json
 from pathlib import Path

@@ -6,8 +6,6 @@ robotflexsim: both arms stand and hang straight, so it is an eigenvalue problem 
 polynomials of degree 8, with bending, weight and damping; in the plane and out of it.
 """
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
 

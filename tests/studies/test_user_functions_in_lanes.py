@@ -1,8 +1,6 @@
 """Sweeps over models with user functions run in lanes: every case has functions of its own, which Python calls once a
 lane for each evaluation; a function that fails takes nothing along but its case."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """Wheels in lanes: cases are their single runs with every explicit code, and one whose wheel lifts off says so."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

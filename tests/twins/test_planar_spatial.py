@@ -3,8 +3,6 @@
 The models share no element code. Integrated with 1e-11, compared at 1e-9 of the size of the quantity.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
