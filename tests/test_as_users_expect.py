@@ -9,8 +9,7 @@ import pytest
 import spacar
 from spacar.errors import UsageError
 from tests.command_line import call
-
-DATA = Path(__file__).parents[1] / "data"
+from tests.examples import DATA
 
 
 @pytest.fixture(scope="module")

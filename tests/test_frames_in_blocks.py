@@ -3,13 +3,13 @@
 import copy
 import pickle
 from dataclasses import fields
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import spacar
 from spacar.frame import E_FIELDS, X_FIELDS, Frame, FramesInRows, JoinedFrames, StoredFrames, column, joined
+from tests.examples import DATA
 
 
 def block(first: int, n: int) -> StoredFrames:
@@ -86,7 +86,7 @@ def test_a_column_of_a_result_is_its_own(crank):
 
 @pytest.fixture
 def crank():
-    return Path(__file__).parents[1] / "data" / "crank.dat"
+    return DATA / "crank.dat"
 
 
 @pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda result: pickle.loads(pickle.dumps(result))])

@@ -5,7 +5,6 @@ import importlib.util
 import json
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,8 +15,7 @@ import spacar
 from spacar.calls import deck_of
 from spacar.errors import SpacarError
 from spacar.simulation import Diagram, Spasim, closed_loop, simulate
-
-DATA = Path(__file__).parents[1] / "data"
+from tests.examples import DATA
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import pytest
 import spacar
 from spacar.errors import AnalysisError, UsageError
 from tests.command_line import call
-from tests.test_as_users_expect import DATA
+from tests.examples import DATA
 
 CASES = {1: "crank", 4: "massspring", 7: "plbeam5", 9: "lever", 2: "robotinv"}
 

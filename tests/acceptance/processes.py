@@ -8,7 +8,6 @@ from pathlib import Path
 
 from tests.command_line import Outcome, call
 
-DATA = Path(__file__).resolve().parents[2] / "data"
 SPACAR = Path(sys.executable).with_name("spacar")
 ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1"}
 

@@ -8,8 +8,9 @@ import time
 import pytest
 
 from spacar.compiled.library import why_off
+from tests.examples import DATA
 
-from .processes import DATA, ENVIRONMENT, SPACAR
+from .processes import ENVIRONMENT, SPACAR
 
 LOADED = """
 import sys

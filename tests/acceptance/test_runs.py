@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 from spacar_formats.sbf import SbfFile
 
-from .processes import DATA, ENVIRONMENT, SPACAR, many, prepare, spacar
+from tests.examples import DATA
+
+from .processes import ENVIRONMENT, SPACAR, many, prepare, spacar
 
 LONG = ["--time", "1000", "--steps", "1000000"]  # far longer than any test waits
 

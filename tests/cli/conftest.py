@@ -1,13 +1,11 @@
 """The command line inside the test process: streams that remember, terminals or not."""
 
 import shutil
-from pathlib import Path
 
 import pytest
 
 from tests import command_line
-
-DATA = Path(__file__).resolve().parents[2] / "data"
+from tests.examples import DATA
 
 
 @pytest.fixture

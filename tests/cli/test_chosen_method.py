@@ -5,8 +5,7 @@ import json
 import pytest
 
 from spacar.compiled.library import why_off
-
-from .conftest import DATA
+from tests.examples import DATA
 
 ENGINE = pytest.mark.skipif(why_off() is not None, reason="no engine")
 

@@ -7,8 +7,7 @@ from spacar_drawing.settings import RULES
 from spacar_formats.sim_blocks import BLOCKS
 
 from spacar.deck.keyword_table import KEYWORDS
-
-from .conftest import DATA
+from tests.examples import DATA
 
 
 def test_keywords_lists_every_keyword(call):

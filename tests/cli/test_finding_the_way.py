@@ -17,7 +17,7 @@ from spacar_cli.man_page import command_section, page
 
 from spacar.modes import MODES
 from tests.command_line import call
-from tests.test_as_users_expect import DATA
+from tests.examples import DATA
 
 HOUSE = Path(__file__).parents[2]
 SPACAR = Path(sys.executable).parent / "spacar"

@@ -8,8 +8,7 @@ import pytest
 
 import spacar
 from spacar.deck import parse_deck
-
-from .conftest import DATA
+from tests.examples import DATA
 
 FREE_BEAM = """PLBEAM 1 1 2 3 4
 X 3 1 0

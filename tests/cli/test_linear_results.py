@@ -8,7 +8,7 @@ import shutil
 import numpy as np
 import pytest
 
-from .conftest import DATA
+from tests.examples import DATA
 
 
 @pytest.fixture

@@ -7,8 +7,7 @@ import pytest
 from spacar_formats.sbf import SbfFile
 
 import spacar
-
-from .conftest import DATA
+from tests.examples import DATA
 
 
 @pytest.fixture

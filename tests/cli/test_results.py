@@ -12,8 +12,7 @@ from spacar_formats.sinks.results import sbd_header
 import spacar
 from spacar.errors import UsageError
 from spacar.frame import Frame
-
-from .conftest import DATA
+from tests.examples import DATA
 
 SBD_HEADER = {
     "VERSION", "SOURCE", "SHA256", "ETYPE", "MODE", "NDOF", "NDDOF", "NKDOF", "NKDDOF", "NX", "NE",

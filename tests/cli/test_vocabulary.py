@@ -11,7 +11,7 @@ from spacar_cli.vocabulary import FORMER, VOCABULARY
 
 from spacar.modes import MODES
 from tests.command_line import call
-from tests.test_as_users_expect import DATA
+from tests.examples import DATA
 
 SPELLINGS = re.compile(r"^  (-\S.*?)(?:  +|$)(.*)$")
 

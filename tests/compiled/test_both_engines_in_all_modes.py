@@ -13,8 +13,8 @@ from spacar.dynamics import Dynamics
 from spacar.errors import SpacarError
 from spacar.linear_systems.linear_system import dense
 from spacar.linearization.coefficients import coefficients
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 LIKE = {"c0": "cd", "d0": "cd", "k0": "kng", "n0": "kng", "g0": "kng", "m0": "m"}
 

@@ -11,6 +11,7 @@ import pytest
 import spacar
 from spacar.compiled.library import engine, why_off
 from spacar.forward.motion import chosen
+from tests.examples import DATA
 
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 
@@ -79,7 +80,7 @@ for k in range(10_000):
 @pytest.mark.parametrize(("mode", "name"), [("1", "crank"), ("7", "lateral4")])
 def test_ten_thousand_runs_leak_nothing(mode, name):
     """Memory of C too. A run allocates more than 10 kB; one byte in forty of that would be found."""
-    path = Path(__file__).parents[2] / "data" / f"{name}.dat"
+    path = DATA / f"{name}.dat"
     words = [sys.executable, "-c", PAGES, mode, str(path)]
     first, last = map(int, subprocess.run(words, capture_output=True, text=True, check=True).stdout.split())
     assert (last - first) * 4096 < 9_000 * 256

@@ -1,7 +1,5 @@
 """The compiled right-hand side gives the numbers of the general path, and says so when it cannot be used."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -14,8 +12,7 @@ from spacar.elements.spatial.angle_measure import rotation_factor
 from spacar.errors import AnalysisError
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.mechanism import build
-
-DATA = Path(__file__).parents[2] / "data"
+from tests.examples import DATA
 
 pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
 

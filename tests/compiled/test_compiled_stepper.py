@@ -1,10 +1,7 @@
 """Steps in C, from output to output: they are those of the integrators in Python, with all that these look at."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from other_ways import OneByOne, take
 
 import spacar
 from spacar.compiled.compiled_evaluator import CompiledDynamics
@@ -13,8 +10,10 @@ from spacar.deck import parse_deck
 from spacar.errors import AnalysisError
 from spacar.forward import accepted_steps, driver
 from spacar.integrators import drive
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
+from .other_ways import OneByOne, take
+
 pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
 
 PENDULUM = """PLBEAM 1 1 2 4 3   PLBEAM 2 4 5 7 6   X 1 0. 0.   X 4 0.7 -0.7   X 7 1.4 -1.4

@@ -18,9 +18,9 @@ from spacar.compiled.numbers import without_form
 from spacar.dynamics import Dynamics
 from spacar.errors import AnalysisError, SpacarError
 from spacar.mechanism import build
+from tests.examples import DATA
 from tests.studies.all_elements import MODELS, deck_of
 
-DATA = Path(__file__).parents[2] / "data"
 LIKE = {"e": "x", "ed": "xd", "edd": "xdd", "fx": "sig", "fxgrav": "sig", "fxtot": "sig"}
 pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
 

@@ -1,18 +1,18 @@
 """The Newton iteration of codes 553 and 595 in C makes the steps of the one in Python, with the same counts."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from other_ways import IterationInPython, take
 
 import spacar
 from spacar.compiled import CompiledDynamics
 from spacar.compiled.library import why_off
 from spacar.integrators import radau
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
+from .other_ways import IterationInPython, take
+
 COUNTS = ("steps", "rhs", "jacobians", "rejected", "iterations")
 
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))

@@ -3,7 +3,6 @@
 import gc
 import time
 from dataclasses import fields
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,8 +14,8 @@ from spacar.compiled.library import why_off
 from spacar.deck import Deck, parse_deck
 from spacar.forward.motion import chosen, motion
 from spacar.frame import Frame, StoredFrames
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 CODES = (0, 135, 155, 853)
 

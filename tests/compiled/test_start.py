@@ -1,7 +1,5 @@
 """The start of a motion in C: the first look at the mass matrix, and the bound of the condition before it."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -14,8 +12,7 @@ from spacar.dynamics.mass_check import dynamic_mass, is_doubtful, largest_mass
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
-
-DATA = Path(__file__).parents[2] / "data"
+from tests.examples import DATA
 
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 

@@ -4,7 +4,6 @@ import re
 
 import numpy as np
 import pytest
-from other_ways import OneByOne, take
 
 import spacar
 from spacar.compiled.library import why_off
@@ -12,6 +11,8 @@ from spacar.deck import Deck
 from spacar.errors import AnalysisError
 from spacar.forward import motion as forward
 from spacar.frame import StoredFrames
+
+from .other_ways import OneByOne, take
 
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 

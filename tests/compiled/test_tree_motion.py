@@ -4,8 +4,6 @@ Both know a position to 1e-11 of the sizes in it and accelerations to the roundi
 of the largest value of each kind.
 """
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -15,8 +13,8 @@ from spacar.compiled.library import unavailable, why_off
 from spacar.deck import parse_deck
 from spacar.studies.assignments import change, setting
 from spacar.studies.ensemble import ensemble
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
 
 

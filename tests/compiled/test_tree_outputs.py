@@ -5,8 +5,6 @@ Both know forces to the rounding of sums of some hundred terms, in accelerations
 1e-9 of the largest value of each kind.
 """
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -20,8 +18,8 @@ from spacar.forward.accepted_steps import singularity_monitor
 from spacar.frame import E_FIELDS, X_FIELDS
 from spacar.mechanism import build
 from tests.compiled.test_tree_motion import CASES
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
 
 

@@ -4,14 +4,13 @@ import hashlib
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
 
 from spacar.deck import ELEMENT_TYPES, BlockKind, Deck, echo, parse_deck, read_deck
 from spacar.errors import InputError, UsageError
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 FILES = sorted(p.stem for p in DATA.glob("*.dat"))
 MODES = {"robotinv": (None, 0, 2), "robotinvlin": (None, 0, 3), "robotsim": (None, 0, 1, "simulation")}
 

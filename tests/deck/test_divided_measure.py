@@ -1,15 +1,12 @@
 """Beams that are divided keep their measure."""
 
-from pathlib import Path
-
 import pytest
 
 import spacar
 from spacar.deck import parse_deck
 from spacar.deck.rewrite.refine import refine
 from spacar.mechanism.element_batches import by_angles
-
-DATA = Path(__file__).parents[2] / "data"
+from tests.examples import DATA
 
 
 @pytest.mark.parametrize(("statement", "measured"), [("ADEFORM", range(1, 11)), ("ADEFORM 2", (2, 7))])

@@ -3,7 +3,6 @@ fifth of them in the fast ones."""
 
 import random
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,8 +12,8 @@ from hypothesis import strategies as st
 from spacar.deck import Deck, echo, parse_deck, read_deck
 from spacar.deck.keyword_table import KEYWORDS
 from spacar.errors import InputError
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 VALID = [p.read_text() for p in sorted(DATA.glob("*.dat"))]
 MODES = (None, 0, 1, 2, 3, 4, 7, 8, 9, 10, "simulation")
 NAMES = sorted({name for name, _ in KEYWORDS})

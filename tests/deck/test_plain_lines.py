@@ -6,7 +6,6 @@ import random
 import re
 import sys
 from contextlib import contextmanager, suppress
-from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -14,8 +13,8 @@ from hypothesis import strategies as st
 
 from spacar.deck import checks_dynamics, checks_geometry, deck_reader, lexer, outline, parse_deck, splitter
 from spacar.errors import InputError
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 FILES = sorted(DATA.glob("*.dat"))
 MISTAKES = [
     "PLBEAM 1 1 2 3 4\nX 3 1. 0. 0.\nFIX 1\nDYNE 1 7\nDYNE 2 1\nX 9 1. 0.\nX 3 1e80 1e-90\nEND HALT\n"

@@ -2,16 +2,16 @@
 
 import os
 import sys
-from pathlib import Path
 
 import pytest
+
+from tests.examples import DATA
 
 nbformat = pytest.importorskip("nbformat")
 execute = pytest.importorskip("nbconvert.preprocessors")
 pytest.importorskip("ipykernel")
 pytestmark = pytest.mark.slow
 
-DATA = Path(__file__).resolve().parents[2] / "data"
 CRANK, FLEXIBLE = str(DATA / "crank.dat"), str(DATA / "crankfl.dat")
 CELLS = (
     "import spacar",

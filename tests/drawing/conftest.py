@@ -5,8 +5,7 @@ import shutil
 import pytest
 
 from tests.command_line import call
-
-from .models import DATA
+from tests.examples import DATA
 
 RUNS = {
     "crank": 1, "trike3v": 0, "plbeam5free": 7, "lateral4": 8, "trike2": 0, "plbeam5": 7, "fourbar": 4, "robotinv": 2

@@ -11,8 +11,8 @@ from spacar_drawing.mechanism_picture import Extras, draw_steps
 from spacar_drawing.picture_source import PictureSource, source_of_result
 
 import spacar
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 REFERENCE = Path(__file__).parent / "reference"
 DPI = 45  # small files; the lines are still visible
 

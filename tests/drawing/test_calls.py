@@ -7,9 +7,9 @@ from spacar_drawing import animate, draw, report
 
 import spacar
 from spacar.errors import UsageError
+from tests.examples import DATA
 
 from .conftest import call
-from .models import DATA
 
 
 @pytest.fixture(scope="module")

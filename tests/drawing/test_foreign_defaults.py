@@ -3,11 +3,11 @@
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
-DATA = Path(__file__).resolve().parents[2] / "data"
+from tests.examples import DATA
+
 HOSTILE = """text.usetex: True
 font.family: fantasy
 font.size: 40

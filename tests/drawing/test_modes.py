@@ -14,8 +14,9 @@ from spacar_drawing.mode_shapes import (
 from spacar_drawing.picture_source import source_of_result
 
 import spacar
+from tests.examples import DATA
 
-from .models import DATA, result_source
+from .models import result_source
 
 
 class Matrices:

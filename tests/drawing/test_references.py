@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from .models import DATA, DPI, PICTURES, REFERENCE, pixels, result_source, words
+from tests.examples import DATA
+
+from .models import DPI, PICTURES, REFERENCE, pixels, result_source, words
 
 # Root mean square of the difference in grey levels. Matplotlib 3.8 and 3.11 differ by 0.2 (antialiasing); a joint that
 # moves by 3 % of the width of the picture gives more than this, see the test below.

@@ -2,7 +2,7 @@
 
 from spacar_drawing.settings import SectionShape, parse_settings, read_settings
 
-from .models import DATA
+from tests.examples import DATA
 
 
 def lines(text):

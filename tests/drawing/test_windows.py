@@ -13,9 +13,10 @@ from spacar_drawing.stage import Camera
 from spacar_formats.getfrsbf import getfrsbf
 
 import spacar
+from tests.examples import DATA
 
 from .conftest import call
-from .models import DATA, result_source
+from .models import result_source
 
 
 @pytest.fixture

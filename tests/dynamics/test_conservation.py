@@ -1,10 +1,7 @@
 """Energy of conservative mechanisms, work of drives, and the virtual power of reactions."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from reduced_form import chain, evaluator, random_state
 
 import spacar
 from spacar import Deck
@@ -12,8 +9,10 @@ from spacar.deck import read_deck
 from spacar.dynamics import Dynamics
 from spacar.kinematics.transfer import velocity_transfer
 from spacar.mechanism import Mechanism, build
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
+from .reduced_form import chain, evaluator, random_state
+
 G = 9.81
 
 

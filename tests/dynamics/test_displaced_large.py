@@ -1,18 +1,13 @@
 """The unit of many deformations, which comes from few rows of the transfer function, against all of its columns."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+import sizes
 
 from spacar.deck import parse_deck
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.forward import displaced
 from spacar.mechanism import build
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-import sizes
 
 LATER = ["TIMESTEP 1e-9 1", "END", "END", ""]
 

@@ -6,7 +6,6 @@ Runs are compiled where there is a compiler, which gives the same to rounding.
 """
 
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,8 +19,8 @@ from spacar.integrators import METHODS, Problem, integrate
 from spacar.integrators.drive import steps
 from spacar.integrators.problem import Tolerance
 from spacar.mechanism.mechanism import SolverSettings
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 CRANK = """PLBEAM 1 1 2 3 4   PLBEAM 2 3 5 6 7   X 3 0.15 0.   X 6 0.45 0.   FIX 1   FIX 6 2
 """
 FALLING = """DYNX 2 1   END HALT

@@ -4,8 +4,6 @@ A position is known to 1e-11 of the model size (CONVERGED); stiffness turns that
 the largest value of each kind, as in `tests/compiled`.
 """
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -18,8 +16,8 @@ from spacar.dynamics.motion_equations import EquationsOfMotion
 from spacar.errors import AnalysisError
 from spacar.linearization.matrices import linearize
 from spacar.linearization.state_jacobian import state_jacobian
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 MODELS = ["robotsim", "crankfl", "plbeam5"]
 
 pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))

@@ -1,10 +1,7 @@
 """All integration codes on mechanisms: the same motion, the order of the method, exact Jacobians."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from reduced_form import random_state
 
 import spacar
 from spacar import Deck
@@ -15,8 +12,10 @@ from spacar.integrators import METHODS
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.linearization.state_jacobian import state_jacobian
 from spacar.mechanism import build
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
+from .reduced_form import random_state
+
 FIXED = {c: m.order for c, m in METHODS.items() if not m.variable_step}
 
 

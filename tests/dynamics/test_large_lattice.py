@@ -1,8 +1,6 @@
 """Right-hand sides of lattices: the engine's where its factors are cheap, else NumPy's with condensed factors."""
 
-import sys
-from pathlib import Path
-
+import frames
 import numpy as np
 import pytest
 
@@ -10,9 +8,6 @@ from spacar.compiled import CompiledDynamics
 from spacar.deck import parse_deck
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.mechanism import build
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-import frames
 
 CELLS = [((4, 2, 2), False), ((12, 12), False), ((8, 4, 4), False), ((10, 5, 5), True)]
 

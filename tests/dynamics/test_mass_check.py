@@ -3,8 +3,6 @@
 Truths: a free mass m obeys F = m a in whatever coordinates; a motion whose nodes carry no mass has no energy.
 """
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -16,6 +14,7 @@ from spacar.dynamics import array_evaluator
 from spacar.errors import AnalysisError
 from spacar.simulation import Diagram, Spasim, simulate
 from spacar.studies.ensemble import ensemble
+from tests.examples import DATA
 
 STEP = ("TIMESTEP", 1e-3, 1)
 ENGINES = pytest.mark.parametrize("compiled", [False, True])
@@ -175,7 +174,7 @@ def test_a_dead_point_in_a_large_model_is_not_passed_over(tilt: float, compiled:
 
 def test_a_released_beam_in_parts_is_not_advised_to_be_released() -> None:
     """The printed spatial model without inertia of torsion: what the message asks for is enough."""
-    text = (Path(__file__).parents[2] / "data" / "screw.dat").read_text()
+    text = (DATA / "screw.dat").read_text()
     with pytest.raises(AnalysisError, match=r"torsion; add mass .*J of EM") as found:
         spacar.run(1, spacar.parse_deck(text, "screw", 1), elements=2)
     assert "(RLSE)" not in str(found.value)

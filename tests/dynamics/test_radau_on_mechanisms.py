@@ -1,7 +1,6 @@
 """Codes 553 and 595 on mechanisms: same answers as explicit codes, with steps that high frequencies do not limit."""
 
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,8 +9,8 @@ import spacar
 from spacar.deck import parse_deck
 from spacar.deck.deck import Deck
 from spacar.dynamics import Dynamics
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 CODES = (553, 595)
 
 

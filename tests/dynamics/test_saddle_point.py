@@ -1,17 +1,15 @@
 """Accelerations, stresses and nodal forces from the saddle-point form against the reduced dense form and 40 digits."""
 
-from pathlib import Path
-
 import mpmath
 import numpy as np
 import pytest
-from reduced_form import Solution, chain, difference, evaluator, parts, random_state, reduced
 
 from spacar.deck import read_deck
 from spacar.dynamics import Dynamics
 from spacar.mechanism import DriveState, build
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
+from .reduced_form import Solution, chain, difference, evaluator, parts, random_state, reduced
 
 
 def saddle_point(d: Dynamics, t: float, y: np.ndarray) -> tuple[Solution, DriveState]:

@@ -1,6 +1,5 @@
 """Implicit codes with the sparse form of the Jacobian (above 300 degrees of freedom) and with the dense one."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +16,6 @@ from spacar.linearization.descriptor import DescriptorSystem
 from spacar.mechanism import build
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "benchmarks"))
 import frames  # noqa: E402
 
 # wheels, a slider-crank with a flexible rod and prescribed motion, a robot, flexures, a screw

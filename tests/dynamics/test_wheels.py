@@ -1,7 +1,5 @@
 """Rolling wheels against Newton-Euler, and wheels that do what the theory does not cover."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -11,8 +9,8 @@ from spacar.deck import read_deck
 from spacar.dynamics import Dynamics
 from spacar.errors import AnalysisError
 from spacar.mechanism import build
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 G = 9.81
 UP = np.array([0.0, 0.0, 1.0])
 

@@ -2,7 +2,6 @@
 
 import json
 import re
-from pathlib import Path
 
 import pytest
 from spacar_cli.commands.keywords import command
@@ -11,9 +10,7 @@ from spacar_cli.keyword_help import keywords_json, textmate_grammar
 from spacar.deck import parse_deck
 from spacar.deck.keyword_table import ALIASES, ELEMENT_TYPES, KEYWORDS
 from tests.command_line import call
-
-DATA = Path(__file__).parents[2] / "data"
-
+from tests.examples import DATA
 
 PATTERNS = [(re.compile(p["match"]), p["name"]) for p in textmate_grammar()["patterns"]]
 

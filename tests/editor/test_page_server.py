@@ -7,14 +7,15 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from hashlib import sha256
-from pathlib import Path
 from threading import Thread
 
 import pytest
 from spacar_cli.editor.page_calls import PageCalls
 from spacar_cli.editor.page_server import SCRIPTS, PageServer
 
-CRANK = Path(__file__).parents[2] / "data" / "crank.dat"
+from tests.examples import DATA
+
+CRANK = DATA / "crank.dat"
 
 
 @pytest.fixture

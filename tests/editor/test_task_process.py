@@ -10,8 +10,7 @@ import pytest
 from spacar_cli.editor.task_process import TaskProcess
 
 from spacar.errors import UsageError
-
-DATA = Path(__file__).parents[2] / "data"
+from tests.examples import DATA
 
 
 @pytest.fixture

@@ -5,10 +5,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
-from test_spatial_angle_beam import cantilever, tip
 
 import spacar
 from spacar.deck import Deck
+
+from .test_spatial_angle_beam import cantilever, tip
 
 FORCE, MOMENT, GIT = np.array((0.0, 0.8, 0.6)), np.array((0.1, 0.0, 0.0)), 0.5  # EIz = L = 1
 

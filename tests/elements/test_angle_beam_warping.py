@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
-from derivatives import check_gravity, check_inertia, check_strain, close, evaluate, group
-from spatial_truth import G, moved, reference
-from test_beam_warping import BEAM, with_rates
 
 from spacar.elements.spatial.beam_angle import SpatialAngleBeam
 from spacar.elements.spatial.beam_warping import BeamWithWarping
 from spacar.elements.spatial.beam_warping_angle import AngleBeamWithWarping
+
+from .derivatives import check_gravity, check_inertia, check_strain, close, evaluate, group
+from .spatial_truth import G, moved, reference
+from .test_beam_warping import BEAM, with_rates
 
 N = 4
 ESTIFF = [(1.0, 0.4, 0.7, 1.3, 0.1, 0.2, 0.05)] * N

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from derivatives import check_gravity, check_inertia, check_stiffness, check_strain, close, evaluate, group, mass_of
-from spatial_truth import G, moved, reference, rotation, turn
 
 from spacar.elements.spatial.beam import SpatialBeam
 from spacar.elements.spatial.beam_warping import BeamWithWarping
+
+from .derivatives import check_gravity, check_inertia, check_stiffness, check_strain, close, evaluate, group, mass_of
+from .spatial_truth import G, moved, reference, rotation, turn
 
 N = 5
 BEAM = [*range(7), *range(8, 15)]  # coordinates that a BEAM has too

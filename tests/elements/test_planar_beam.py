@@ -1,7 +1,6 @@
 """PLBEAM against its definition by integrals, complex steps, and printed digits of the manual (bibliography.md)."""
 
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,8 +19,8 @@ from tests.elements.derivatives import (
     group,
     mass_of,
 )
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 N = 6
 GAUSS, WEIGHTS = (np.polynomial.legendre.leggauss(5)[0] + 1) / 2, np.polynomial.legendre.leggauss(5)[1] / 2
 

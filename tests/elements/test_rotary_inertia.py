@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from derivatives import group
 from scipy.linalg import eigvalsh
 from scipy.optimize import brentq
 
@@ -10,6 +9,8 @@ import spacar
 from spacar.deck import Deck
 from spacar.elements.planar.plbeam import PlanarBeam
 from spacar.elements.planar.plbeam_angle import PlanarAngleBeam
+
+from .derivatives import group
 
 J = 1e-2  # rotary inertia per length; EI = L = m = 1
 

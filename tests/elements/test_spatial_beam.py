@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from derivatives import check_gravity, check_inertia, check_strain, close, evaluate, group, mass_of
-from spatial_truth import G, chord_frame, moved, rates, reference, rotation, turn
 
 import spacar
 from spacar.deck import parse_deck
 from spacar.elements.family import GeometryError
 from spacar.elements.spatial.beam import SpatialBeam
+
+from .derivatives import check_gravity, check_inertia, check_strain, close, evaluate, group, mass_of
+from .spatial_truth import G, chord_frame, moved, rates, reference, rotation, turn
 
 LAYOUT = "xlxl"
 N = 7

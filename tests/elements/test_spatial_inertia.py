@@ -1,11 +1,12 @@
 """Rigid bodies and gyrostats at orientation nodes: energy, Euler's equations, derivatives, explicit rotor."""
 
 import numpy as np
-from derivatives import check_inertia, close, evaluate, gradient, mass_of
-from spatial_truth import rates, reference, rotation, turn
 
 from spacar.elements.rotations.rotation import body_matrix, global_dual, global_matrix
 from spacar.elements.spatial.node_inertia import GyrostatNode, RigidBodyNode, prescribed_rotor_tensor
+
+from .derivatives import check_inertia, close, evaluate, gradient, mass_of
+from .spatial_truth import rates, reference, rotation, turn
 
 N = 5
 

@@ -4,13 +4,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from derivatives import check_gravity, check_inertia, check_strain, close, evaluate, group, mass_of
-from spatial_truth import G, chord_frame, moved, rates, reference, rotation, turn
 
 from spacar.elements.family import GeometryError
 from spacar.elements.spatial.hinge import SpatialHinge
 from spacar.elements.spatial.node_inertia import Normalization
 from spacar.elements.spatial.pinbody import SpatialPinbody
+
+from .derivatives import check_gravity, check_inertia, check_strain, close, evaluate, group, mass_of
+from .spatial_truth import G, chord_frame, moved, rates, reference, rotation, turn
 
 N = 6
 

@@ -4,14 +4,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from derivatives import check_gravity, check_inertia, check_strain, close, evaluate, group
-from spatial_truth import G, chord_frame, moved, rates, reference, rotation, turn
-from test_spatial_joints import hinge_frame
 
 from spacar.elements.family import GeometryError
 from spacar.elements.spatial.beam import SpatialBeam
 from spacar.elements.spatial.screw import Screw
 from spacar.elements.spatial.tube import SpatialTube
+
+from .derivatives import check_gravity, check_inertia, check_strain, close, evaluate, group
+from .spatial_truth import G, chord_frame, moved, rates, reference, rotation, turn
+from .test_spatial_joints import hinge_frame
 
 N = 5
 LAYOUT = "xlxl"

@@ -4,11 +4,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from derivatives import check_strain, close, evaluate, gradient, group, written
-from spatial_truth import moved, rotation, turn
 
 from spacar.elements.family import Family, GeometryError
 from spacar.elements.spatial.wheel import DiskWheel, TorusWheel
+
+from .derivatives import check_strain, close, evaluate, gradient, group, written
+from .spatial_truth import moved, rotation, turn
 
 N = 5
 UP = np.array([0.0, 0.0, 1.0])

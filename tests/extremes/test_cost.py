@@ -3,7 +3,6 @@
 import subprocess
 import sys
 from collections import Counter
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,8 +11,8 @@ import spacar
 from spacar.deck import parse_deck
 from spacar.dynamics import Dynamics
 from spacar.mechanism import build
+from tests.examples import DATA
 
-DATA = Path(__file__).resolve().parents[2] / "data"
 METHODS = (
     "strain",
     "convective_strain",
@@ -133,7 +132,7 @@ def test_outputs_that_nobody_asked_for_are_not_computed():
 @pytest.mark.parametrize("spatial", [False, True], ids=["planar", "spatial"])
 def test_entries_of_the_matrices_grow_linearly_with_a_chain(spatial):
     """Stored numbers, a counter of the work: per beam the same for 100 and 1000 beams, and the band does not widen."""
-    from test_large import cantilever
+    from .test_large import cantilever
 
     sizes = {}
     for n in (100, 1000):

@@ -1,18 +1,17 @@
 """Mechanisms a thousand kilometres from the origin, change points with a flexible and a rigid link, and mm-t-s against
 SI in every mode."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from units import Dimensions, System, back, convert
 
 import spacar
 from spacar.deck import parse_deck
 from spacar.errors import AnalysisError
+from tests.examples import DATA
 
-DATA = Path(__file__).resolve().parents[2] / "data"
+from .units import Dimensions, System, back, convert
+
 FAR = 1e6  # m; positions are known to 1e-10 m there
 ROUNDING = 2.0 * FAR * float(np.finfo(float).eps)
 

@@ -15,8 +15,9 @@ from spacar.dynamics import Dynamics
 from spacar.errors import Report
 from spacar.mechanism import build
 from spacar.stationary import LoadProgram, StationarySolver
+from tests.examples import DATA
 
-CRANK = (Path(__file__).resolve().parents[2] / "data" / "crank.dat").read_text()
+CRANK = (DATA / "crank.dat").read_text()
 
 
 def cantilever(n: int, spatial: bool, rows: tuple[str, ...] = (), load: str = "", EI: float = 1.0) -> str:

@@ -5,6 +5,7 @@ import pytest
 
 import spacar
 from spacar.deck import parse_deck
+from tests.examples import DATA
 
 
 def run(mode: int, text: str, **options):
@@ -113,9 +114,8 @@ def test_revolutions_of_a_crank(turns):
 
     1e-9: rounding of the angle, 630,000 rad eps = 1.4e-10. Angles of the rod are followed, not found again.
     """
-    from pathlib import Path
 
-    text = (Path(__file__).resolve().parents[2] / "data" / "crank.dat").read_text()
+    text = (DATA / "crank.dat").read_text()
     omega = 150.0
     duration = turns * 2.0 * np.pi / omega
     text = text.replace("TIMESTEP 0.1 100", f"TIMESTEP {duration!r} 3")

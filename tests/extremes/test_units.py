@@ -5,17 +5,16 @@ The tolerance 1e-9 is that of the issue. Fixed steps are used for motions, since
 dimension of its own. Stationary solutions are iterated to rounding: the tolerance of ITERSTEP has a unit.
 """
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from units import Dimensions, System, back, convert, dimension, per
 
 import spacar
 from spacar.deck import Deck, parse_deck
 from spacar.frame import Frame
+from tests.examples import DATA
 
-DATA = Path(__file__).resolve().parents[2] / "data"
+from .units import Dimensions, System, back, convert, dimension, per
+
 SYSTEMS = (
     System(kg=1e9), System(kg=1e-9), System(m=1e6), System(m=1e-6), System(s=1e6), System(s=1e-6),
     System(kg=1e9, m=1e-6, s=1e3), System(kg=1e-9, m=1e6), System(kg=1e-9, m=1e-6), System(kg=1e9, m=1e6),

@@ -11,8 +11,7 @@ from spacar_formats.sbf import SbfFile
 
 import spacar
 from tests import command_line
-
-DATA = Path(__file__).parents[2] / "data"
+from tests.examples import DATA
 
 
 @pytest.fixture

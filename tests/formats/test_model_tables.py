@@ -11,8 +11,8 @@ from spacar_formats.sinks.results import result_sinks
 import spacar
 from spacar.errors import InputError, UsageError
 from spacar.result import Result
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 PROVENANCE = {"VERSION", "SOURCE", "SHA256", "MODE", "ETYPE"}
 
 

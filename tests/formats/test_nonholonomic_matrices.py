@@ -1,11 +1,9 @@
 """Result files of non-holonomic systems: K0, N0, G0 have more columns than M0, C0."""
 
 import shutil
-from pathlib import Path
 
 from tests.command_line import call
-
-DATA = Path(__file__).resolve().parents[2] / "data"
+from tests.examples import DATA
 
 
 def test_eigenvalues_of_a_tricycle_can_be_read(tmp_path):

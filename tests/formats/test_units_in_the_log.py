@@ -5,7 +5,6 @@ compliances must show the same numbers.
 """
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,8 +13,8 @@ from spacar_formats.log.text_layout import ShownUnits
 
 import spacar
 from tests.command_line import call
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?\Z")
 
 

@@ -13,9 +13,10 @@ import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
+from tests.examples import DATA
+
 from .forged import forged
 
-DATA = Path(__file__).resolve().parents[2] / "data"
 MODES = ("0", "1", "2", "4", "7", "8", "9", "10", "check")
 NUMBERS = [
     "0", "1", "-1", "2", "3", "4", "7", "99", "1000000", "-5", "0.", "1.", ".5", "-2.5", "1e-3", "1e3", "1e8",

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .cases import DATA
+from tests.examples import DATA
 
 SPACAR = Path(sys.executable).with_name("spacar")
 

@@ -14,8 +14,9 @@ from spacar_formats.checksbf import checksbf
 
 from spacar.errors import LONGEST_LINE
 from tests.command_line import call
+from tests.examples import DATA
 
-from .cases import DATA, Case
+from .cases import Case
 
 PATIENCE = 1.0  # seconds of processor time until Ctrl-C; a changed model may well run for hours
 GRACE = 5.0  # seconds of processor time after it

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from spacar_formats.sbf import SbfError, SbfFile
 
-from .cases import DATA
+from tests.examples import DATA
 
 SPACAR = Path(sys.executable).with_name("spacar")
 # words, and the file that is the old one or the new one whatever happens

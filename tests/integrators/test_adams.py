@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from integrator_models import Kepler
 from numpy.polynomial import Polynomial
 
 from spacar.integrators import Problem, integrate
@@ -14,6 +13,8 @@ from spacar.integrators.adams import (
     predictor_weights,
     step_coefficients,
 )
+
+from .integrator_models import Kepler
 
 
 def run(problem, times, tolerance, code=0):

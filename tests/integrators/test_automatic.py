@@ -1,7 +1,5 @@
 """INTEGRAT -1: code 0 step by step where nothing is stiff, Radau of order 9 where a vibration limits the steps."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -10,8 +8,8 @@ from spacar import Deck, parse_deck
 from spacar.compiled.library import why_off
 from spacar.forward.driver import Integrand
 from spacar.integrators.automatic import Automatic
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 ENGINE = pytest.mark.skipif(why_off() is not None, reason="no engine")
 
 

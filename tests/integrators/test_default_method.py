@@ -1,7 +1,5 @@
 """Without INTEGRAT the method chooses itself: what is not stiff is that of code 0, stiff models keep ERROR."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -10,8 +8,8 @@ from spacar import Deck, parse_deck
 from spacar.compiled.library import why_off
 from spacar.integrators import Problem, automatic, integrate
 from spacar.integrators.automatic import Automatic
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 ENGINE = pytest.mark.skipif(why_off() is not None, reason="no engine")
 STORED = ("x", "xd", "xdd", "e", "sig", "fxtot")
 

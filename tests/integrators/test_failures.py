@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from integrator_models import Pendulum
 
 from spacar.errors import AnalysisError
 from spacar.integrators import METHODS, Problem, integrate
 from spacar.integrators.methods import AUTOMATIC
+
+from .integrator_models import Pendulum
 
 VARIABLE = [c for c, m in METHODS.items() if m.variable_step]
 EXPLICIT_FIXED = [130, 140, 220]

@@ -5,13 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from integrator_models import Kepler, Linear, Pendulum, pendulum_reference
 
 from spacar.integrators import AUTOMATIC, Problem, integrate
 from spacar.integrators import METHODS as ALL
 from spacar.integrators import dop853 as table
 from spacar.integrators.implicit import sdirk_tableau
 from spacar.integrators.problem import Evaluation, Tolerance
+
+from .integrator_models import Kepler, Linear, Pendulum, pendulum_reference
 
 # The orders are claims of the table; these tests measure them, so a new row is measured without being named here.
 METHODS = {code: row for code, row in ALL.items() if code != AUTOMATIC}  # which is made of two of them

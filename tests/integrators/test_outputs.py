@@ -5,10 +5,11 @@ import sys
 
 import numpy as np
 import pytest
-from integrator_models import Linear, Pendulum
 
 from spacar.errors import UsageError
 from spacar.integrators import METHODS, Problem, integrate
+
+from .integrator_models import Linear, Pendulum
 
 CODES = list(METHODS)
 VARIABLE = [c for c, m in METHODS.items() if m.variable_step]

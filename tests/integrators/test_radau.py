@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
-from integrator_models import Linear, Pendulum
 from scipy.linalg import expm
 
 from spacar.errors import AnalysisError
 from spacar.integrators import METHODS, Problem, integrate
 from spacar.integrators.collocation import radau
 from spacar.integrators.problem import Evaluation, Tolerance
+
+from .integrator_models import Linear, Pendulum
 
 CODES = (553, 595)
 STAGES = {553: 3, 595: 5}

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from integrator_models import Kepler, Pendulum, pendulum_reference
 
 from spacar.integrators import METHODS, Problem, integrate
 from spacar.integrators.problem import Evaluation, Tolerance
+
+from .integrator_models import Kepler, Pendulum, pendulum_reference
 
 
 def estimate_and_error(h, before):

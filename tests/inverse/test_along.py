@@ -2,13 +2,14 @@
 
 from dataclasses import replace
 
-import arm
 import numpy as np
 import pytest
 
 import spacar
 from spacar.errors import UsageError
 from spacar.inverse import Nominal
+
+from . import arm
 
 MOTION = [
     ("TRAJECT", 1), ("TRE", 1, 0.5), ("TREPMAX", 1, 0.3, 0.8), ("TRE", 2, -0.8), ("TRFRONT", 2, 1), ("TRTIME", 1.0, 10),

@@ -1,6 +1,5 @@
 """Mode 2: nominal inputs against closed forms."""
 
-import arm
 import numpy as np
 import pytest
 
@@ -8,6 +7,8 @@ import spacar
 from spacar import Deck
 from spacar.errors import AnalysisError, InputError, UsageError
 from spacar.inverse.profile import make_profile
+
+from . import arm
 
 END = np.array([-0.1, 0.75])
 LENGTH = float(np.linalg.norm(END - arm.START))

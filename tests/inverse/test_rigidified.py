@@ -4,16 +4,14 @@ Independent truths: the rigid mechanism (deformations fixed), and the equations 
 free: their accelerations at one instant, and differences of them.
 """
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from spacar_formats.setpoint_files import find_setpoints
 
 import spacar
 from spacar.deck import parse_deck, read_deck
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 FIXED = (DATA / "robotflexinv.dat").read_text()
 LINEAR = (DATA / "robotflexinvlin.dat").read_text()
 BENDING = "INPUTE 4 3 4 5 6\nINPUTE 5 3 4 5 6\n"

@@ -1,8 +1,6 @@
 """Mode 3 of a large model: the sparse equations of all degrees of freedom, prescribed ones too, are those of the full
 matrices; and the warning about inertia that is rounding."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -12,8 +10,8 @@ from spacar.errors import AnalysisError, UsageError
 from spacar.linear import form
 from spacar.simulation.time_varying import TimeVarying
 from tests.dynamics.test_mass_check import in_line
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 PAIRS = [("robotinv", "robotinvlin"), ("robotflexinv", "robotflexinvlin")]
 
 

@@ -1,14 +1,12 @@
 """Spatial paths and extra loads in modes 2 and 3, on the manipulator of the manual (bibliography.md)."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import spacar
 from spacar.deck import parse_deck
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 LEGS = """TRAJECT 1
 TRCIRL 8 0 0 0  0 0.3 0.45
 TRFRONT 8 1

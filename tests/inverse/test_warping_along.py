@@ -5,15 +5,14 @@ the torsional stiffness 6/5 GIt + 12 ECw/l^2 (theory-warping.md section 4), with
 """
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import spacar
 from spacar.deck import parse_deck
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 GIT, ECW = 3e4, 1.5e3
 WARPING = {4: (20, 21), 5: (22, 23)}
 

@@ -1,19 +1,14 @@
 """The condition number of larger models against a singular value decomposition."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+import sizes
 
 import spacar
 from spacar.deck import parse_deck
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.kinematics import constraint_condition, constraint_matrices
 from spacar.mechanism import build
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-import sizes
 
 
 @pytest.mark.parametrize(("model", "n"), [("planar", 60), ("spatial", 40), ("rods", 120), ("joints", 40)])

@@ -1,8 +1,6 @@
 """The start value of the next position: a polynomial through two states."""
 
-import sys
-from pathlib import Path
-
+import models
 import numpy as np
 from numpy.polynomial import Polynomial
 
@@ -10,9 +8,6 @@ import spacar
 from spacar.deck import parse_deck
 from spacar.dynamics.motion_equations import State, extrapolated
 from spacar.kinematics.element_sweep import ElementSweep
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-import models
 
 SCALE = np.full(3, 10.0)
 

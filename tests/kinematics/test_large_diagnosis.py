@@ -1,10 +1,8 @@
 """The constraint analysis of large models with sparse matrices: the same as that with singular values."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from models import cantilever
 from scipy.sparse import csr_array
 
 import spacar
@@ -12,10 +10,7 @@ from spacar.deck import parse_deck
 from spacar.kinematics import diagnosis, self_stress
 from spacar.kinematics.null_space import norm_estimate, null_space, on_null_space
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-from guides import guide
-from models import cantilever
+from .guides import guide
 
 SIZES = [(90, 90, 87), (100, 80, 80), (80, 100, 75), (60, 60, 60), (200, 200, 180)]
 

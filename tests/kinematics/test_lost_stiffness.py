@@ -9,10 +9,9 @@ from spacar.deck import parse_deck, read_deck
 from spacar.kinematics.lost_stiffness import lost_stiffness
 from spacar.kinematics.release import release
 from spacar.mechanism import build
+from tests.examples import DATA
 
 from .guides import guide
-
-DATA = Path(__file__).resolve().parents[2] / "data"
 
 
 def warnings(text: str) -> list[str]:

@@ -1,14 +1,11 @@
 """Rigid mechanisms over a long time against closed forms: no drift, whatever drives them."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import spacar
 from spacar import Deck
-
-DATA = Path(__file__).parents[2] / "data"
+from tests.examples import DATA
 
 R, L = 0.15, 0.35  # crank, rod [m]
 

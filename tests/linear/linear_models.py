@@ -5,8 +5,7 @@ from pathlib import Path
 from spacar.deck import parse_deck, read_deck
 from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
-
-DATA = Path(__file__).resolve().parents[2] / "data"
+from tests.examples import DATA
 
 # Flexible four-bar-like loop: prescribed x and e, dynamic x and e, released, rigid, damper, preload, MEE, gravity.
 PLANAR = """

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
-from warped_bars import bar
 
 import spacar
+
+from .warped_bars import bar
 
 ECW = 0.02
 

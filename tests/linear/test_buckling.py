@@ -1,21 +1,16 @@
 """Buckling loads and compliances against closed forms; loads beyond the critical one; singular cases."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from cantilever_eigen import cantilever
 
 import spacar
 from spacar.compiled.library import why_off
 from spacar.deck import parse_deck
 from spacar.errors import Report
 from spacar.linear.buckling import buckling_modes
+from tests.examples import DATA
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-from cantilever_eigen import cantilever
-
-DATA = Path(__file__).resolve().parents[2] / "data"
 ENGINE = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 
 # supports: statements about the ends (nodes 1, 2 and tip, tip rotation), the effective length factor

@@ -1,18 +1,13 @@
 """Chains without any elasticity on the path of large systems: pendulums under gravity, and free of it."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from models import pendulum
 from scipy.special import jn_zeros
 
 import spacar
 from spacar.deck import parse_deck
 from spacar.linear import form, linear_modes
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-from models import pendulum
 
 
 def frequencies(text: str, mode: int = 7) -> np.ndarray:

@@ -6,9 +6,7 @@ there, one sparse factorization here. The dense one is compared with differences
 
 import numpy as np
 import pytest
-from nonlinear import Nonlinear, random_state
 from scipy.sparse.linalg import splu
-from test_state_space import MODELS
 
 from spacar.linear.state_space import state_space
 from spacar.linear_systems import sparse_factors
@@ -18,6 +16,9 @@ from spacar.linearization.descriptor import DescriptorSystem
 from spacar.linearization.signals import linearization_signals
 from spacar.linearization.sparse_linearization import SparseLinearization
 from spacar.linearization.sparse_response import response
+
+from .nonlinear import Nonlinear, random_state
+from .test_state_space import MODELS
 
 
 def close(found: np.ndarray, expected: np.ndarray, what: str) -> None:

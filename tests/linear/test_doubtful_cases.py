@@ -1,19 +1,13 @@
 """Singular and double cases are not refused: dead points, double critical loads, motions without stiffness."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from models import pendulum
 
 import spacar
 from spacar.deck import parse_deck
 from spacar.linear import form
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "stationary"))
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-from models import pendulum
-from test_kinds import PENDULUM
+from tests.stationary.test_kinds import PENDULUM
 
 
 def run(text: str, mode: int) -> spacar.Result:

@@ -8,9 +8,10 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from follower_models import column, critical, deck_of, growth, ziegler
 
 import spacar
+
+from .follower_models import column, critical, deck_of, growth, ziegler
 
 TIP = "FIX 2\n"
 BECK = 20.0509536  # of `beck` below

@@ -1,8 +1,6 @@
 """Which form modes are computed in: the same numbers on both sides of every decision."""
 
-import sys
-from pathlib import Path
-
+import frames
 import numpy as np
 import pytest
 
@@ -10,9 +8,6 @@ import spacar
 from spacar import linear_systems
 from spacar.deck import parse_deck
 from spacar.linear import form
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-import frames
 
 
 def beam(n: int, mode_block: str = "MODES 3") -> str:

@@ -4,11 +4,10 @@ Sparse and dense results are two algorithms on the same equations; the tolerance
 matrices have entries up to the condition of the degrees of freedom squared (1e5 here) times their lowest eigenvalues.
 """
 
-import sys
-from pathlib import Path
-
+import frames
 import numpy as np
 import pytest
+from models import cantilever, spatial_chain
 from scipy.sparse.linalg import splu
 from spacar_cli.main import main
 from spacar_formats.compliance import node_compliance
@@ -24,10 +23,6 @@ from spacar.linear_systems.selected_inverse import inverse_diagonal
 from spacar.linearization import coefficients, linearize
 from spacar.linearization.descriptor import of_frame
 from spacar.linearization.sparse_response import response
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-import frames
-from models import cantilever, spatial_chain
 
 MODELS = {
     "planar": lambda: cantilever(24, load="-1. -1."),

@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from linear_models import PLANAR, SPATIAL, TRIKE_SPRING, TUBE, example, mechanism
-from nonlinear import Nonlinear, jacobian, random_state
 
 from spacar.linearization import linearize
+
+from .linear_models import PLANAR, SPATIAL, TRIKE_SPRING, TUBE, example, mechanism
+from .nonlinear import Nonlinear, jacobian, random_state
 
 MODELS = {
     "planar": lambda folder: (mechanism(PLANAR), 0.05),

@@ -9,12 +9,13 @@ n eps |A||v| in the same norm, is added. Two solvers may differ by the sum of th
 
 import numpy as np
 import pytest
-from flexure_models import LEAF, Model, Strip, cantilever_leaf, guide, line, random_model
 from scipy.linalg import eigh, solve_triangular
 
 import spacar
 from spacar.deck import parse_deck
 from spacar.linear.buckling import NOTHING
+
+from .flexure_models import LEAF, Model, Strip, cantilever_leaf, guide, line, random_model
 
 EPS = np.finfo(float).eps
 

@@ -7,11 +7,10 @@ hence 1e-6 for low frequencies.
 import csv
 import io
 import json
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from models import cantilever, spatial_chain
 from spacar_cli.main import main
 from spacar_formats.compliance import node_compliance
 from spacar_formats.getss import getss
@@ -26,9 +25,6 @@ from spacar.linearization import descriptor
 from spacar.simulation.propagation import simulate_ltv
 from spacar.simulation.reduction import reduce_modes
 from spacar.simulation.time_varying import TimeVarying
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-from models import cantilever, spatial_chain
 
 BLOCK = "HALT\nINPUTF 1 {tip} 2\n{second}\nOUTX 1 {tip} 2\nOUTF 2 1 2\nOUTXDP 3 {tip} 1\nEND\nEND\n"
 SWINGING = """PLRBEAM 1 1 2 3   PLBEAM 2 3 4 5 6   PLBEAM 3 5 6 7 8   X 3 1. 0.   X 5 1.7 0.2   X 7 2.4 0.1

@@ -7,14 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from linear_models import DATA, PLANAR, SPATIAL, TRIKE_SPRING, TUBE, example, mechanism
-from nonlinear import Nonlinear, State, jacobian, random_state
 
 from spacar import run
 from spacar.arrays import Array
 from spacar.linear.state_space import state_space
 from spacar.linearization import linearize
 from spacar.linearization.signals import DRIVING_SIGN, Signal, linearization_signals
+from tests.examples import DATA
+
+from .linear_models import PLANAR, SPATIAL, TRIKE_SPRING, TUBE, example, mechanism
+from .nonlinear import Nonlinear, State, jacobian, random_state
 
 PLANAR_SIGNALS = """INPUTS 1 1 2
 INPUTS 2 2 1

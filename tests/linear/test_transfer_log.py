@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
-from linear_models import PLANAR, SPATIAL, mechanism
-from nonlinear import Nonlinear, jacobian, random_state
 
 from spacar import run
 from spacar.deck import parse_deck
 from spacar.kinematics.transfer import configuration_transfer, second_order_transfer, third_order_transfer
+
+from .linear_models import PLANAR, SPATIAL, mechanism
+from .nonlinear import Nonlinear, jacobian, random_state
 
 
 @pytest.mark.parametrize("text", [PLANAR, SPATIAL], ids=["planar", "spatial"])

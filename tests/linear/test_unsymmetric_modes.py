@@ -1,17 +1,15 @@
 """Low modes of an unsymmetric stiffness, against 40 digits."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import spacar
 from spacar.errors import Report
 from spacar.linear.eigen import modes_of_matrices
+from tests.examples import DATA
 
 mp = pytest.importorskip("mpmath")
 N = 8
-DATA = Path(__file__).parents[2] / "data"
 
 
 def pencil(seed: int, damping: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,10 +1,8 @@
 """Frequencies against closed forms: beams, rotating beams, rotors, rigid motions, repeated values; large systems."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from cantilever_eigen import ROOTS, cantilever
 from scipy.linalg import eigh
 
 import spacar
@@ -12,9 +10,6 @@ from spacar.deck import parse_deck
 from spacar.errors import Report
 from spacar.linear import form
 from spacar.linear.eigen import damped_modes, undamped_modes
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-from cantilever_eigen import ROOTS, cantilever
 
 
 def frequencies(text: str, mode: int = 7) -> np.ndarray:

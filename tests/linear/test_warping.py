@@ -4,18 +4,17 @@ Printed digits of a prototype with the same formulas are compared to half a unit
 where nothing else is said, as eigenvalues and load multipliers have 9 digits); physics to the stated errors.
 """
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from warped_bars import bar
 
 import spacar
 from spacar.deck import parse_deck
 from spacar.deck.rewrite.refine import refine
 from spacar.errors import AnalysisError
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
+from .warped_bars import bar
+
 STRIP = {"EA": 5.25e6, "GIt": 0.1672087158, "EIy": 0.109375, "EIz": 1093.75, "ECw": 2.278645833e-5}  # 50 x 0.5 mm
 STRIP_MASS = (0.195, 4.06290625e-5, 4.0625e-9, 4.0625e-5, 0.0, 8.463541667e-13)
 

@@ -3,7 +3,7 @@
 And robotinv.dat with a few steps only.
 """
 
-from .octave import DATA
+from tests.examples import DATA
 
 SHORT_ROBOT = (DATA / "robotinv.dat").read_text().replace("TRTIME 0.2 20", "TRTIME 0.2 2").replace("1.0 100", "1.0 7")
 

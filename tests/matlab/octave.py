@@ -12,7 +12,6 @@ from scipy.io import loadmat
 from spacar_cli.main import main
 
 QUOTE = "'"
-DATA = Path(__file__).resolve().parents[2] / "data"
 PROGRAM = Path(sys.executable).parent / "spacar"
 
 

@@ -9,8 +9,10 @@ from spacar_formats.frequency import frequency_response
 from spacar_formats.getss import getss
 from spacar_formats.mex import FOLDER
 
+from tests.examples import DATA
+
 from .models import SHORT_ROBOT, TRANSFER
-from .octave import DATA, PROGRAM, analyse, need, run_octave
+from .octave import PROGRAM, analyse, need, run_octave
 
 SCRIPT = """
 pkg load control

@@ -17,9 +17,10 @@ from spacar_formats.mex import build
 
 from spacar.simulation.feedback import with_gain
 from spacar.simulation.reduction import reduce_modes
+from tests.examples import DATA
 
 from .models import BENT, MASSLESS, SHORT_ROBOT, TRANSFER
-from .octave import DATA, PROGRAM, need, run_octave
+from .octave import PROGRAM, need, run_octave
 
 pytestmark = pytest.mark.slow
 SCRIPT = """

@@ -7,8 +7,9 @@ import pytest
 from spacar_formats.mex import FOLDER
 
 from tests.docs.documents import blocks
+from tests.examples import DATA
 
-from .octave import DATA, PROGRAM, need, run_octave
+from .octave import PROGRAM, need, run_octave
 
 PAGE = DATA.parent / "docs" / "matlab.md"
 VALUE = re.compile(r"^(\S.*?[^;\s])\s+% = (\S+)$", re.MULTILINE)

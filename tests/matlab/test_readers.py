@@ -14,8 +14,10 @@ from spacar_formats.loadsbd import loadsbd, loadsbm
 from spacar_formats.mex import FOLDER
 from spacar_formats.sbf import SbfFile, SbfWriter
 
+from tests.examples import DATA
+
 from .models import BENT, SHORT_ROBOT, TRANSFER, WARPED
-from .octave import DATA, PROGRAM, analyse, need, run_octave
+from .octave import PROGRAM, analyse, need, run_octave
 
 RESULTS = (
     "plbeam5.sbd", "bent.sbd", "bent.sbm", "robotinv.sbd", "robotinv.ltv", "robotinvlin.sbm", "robotinvlin.ltv",

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from spacar_formats import mex
 
-from .octave import DATA, PROGRAM, need, run_octave
+from tests.examples import DATA
+
+from .octave import PROGRAM, need, run_octave
 
 # what is typed, and what is printed there (signs of the lever are those of the theory: the scan has none)
 SESSIONS = {

@@ -1,13 +1,12 @@
 """Start values of kinematic configuration coordinates: the vehicle starts elsewhere and moves in the same way."""
 
-from pathlib import Path
-
 import numpy as np
 
 import spacar
 from spacar.deck import parse_deck
+from tests.examples import DATA
 
-TRIKE = (Path(__file__).parents[2] / "data" / "trike2.dat").read_text()
+TRIKE = (DATA / "trike2.dat").read_text()
 
 
 def run(extra=""):
@@ -23,5 +22,5 @@ def test_start_value_of_a_kinematic_coordinate():
 
 
 def test_without_a_statement_kinematic_deformations_keep_the_reference_configuration():
-    mechanism = spacar.frames(1, Path(__file__).parents[2] / "data" / "trike3v.dat").mechanism
+    mechanism = spacar.frames(1, DATA / "trike3v.dat").mechanism
     assert np.isnan(mechanism.start.e_kinematic).all()

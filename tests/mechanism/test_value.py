@@ -16,8 +16,8 @@ from spacar.calls import frames
 from spacar.mechanism import Mechanism
 from spacar.modes import find_mode
 from spacar.stream import Run
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 CASES = (
     (1, "crank", {"n_steps": 5, "duration": 0.02}), (2, "robotinv", {}),
     (4, "crankfl", {"n_steps": 2, "duration": 0.001}), (7, "column2", {}), (8, "plbeam5buck", {}),

@@ -9,7 +9,8 @@ import sys
 import time
 from pathlib import Path
 
-DATA = Path(__file__).resolve().parents[2] / "data"
+from tests.examples import DATA
+
 SPACAR = Path(sys.executable).with_name("spacar")
 ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 LONG = ("--time", "1000", "--steps", "1000000")  # far longer than any test waits

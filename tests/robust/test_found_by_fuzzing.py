@@ -12,8 +12,8 @@ import spacar
 from spacar.deck import parse_deck
 from spacar.errors import AnalysisError, Report
 from spacar.simulation.reduction import tracked_modes
+from tests.examples import DATA
 
-from .processes import DATA
 from .test_one_sentence import is_one_sentence, run
 
 

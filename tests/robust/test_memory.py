@@ -12,8 +12,9 @@ from spacar_formats.sbf import SbfFile
 from spacar.errors import UsageError
 from spacar.integrators import EvenTimes
 from spacar.studies.assignments import Combinations, axis, combine
+from tests.examples import DATA
 
-from .processes import DATA, done, model, start, until
+from .processes import done, model, start, until
 
 GIGABYTE = 1 << 30
 

@@ -15,8 +15,9 @@ from spacar_formats.sbf.record_layout import PREAMBLE, directory_crc
 from spacar.deck import parse_deck
 from spacar.errors import LONGEST_LINE, InputError, UsageError, shown
 from tests.command_line import call as run
+from tests.examples import DATA
 
-from .processes import DATA, done, model
+from .processes import done, model
 
 
 def is_one_sentence(err):

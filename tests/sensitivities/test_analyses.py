@@ -7,13 +7,10 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
-import linear_models
 import numpy as np
 import pytest
-from difference_truth import agree, values_of
 from spacar_cli.main import main
 from spacar_drawing.stresses import QUANTITIES
-from test_every_element import still
 
 import spacar
 from spacar import Deck
@@ -25,6 +22,10 @@ from spacar.mechanism.build import along, build
 from spacar.sensitivities.directed_elements import DirectedElements
 from spacar.sensitivities.step_quantities import STRESSES
 from spacar.stationary import LoadLevel
+from tests.linear import linear_models
+
+from .difference_truth import agree, values_of
+from .test_every_element import still
 
 HOUSE = Path(__file__).parents[2]
 DATA = HOUSE / "data"

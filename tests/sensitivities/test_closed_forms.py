@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from difference_truth import agree
 
 import spacar
 from spacar import Deck
 from spacar.errors import AnalysisError, UsageError
+
+from .difference_truth import agree
 
 L, EI, M = 0.5, 2.0, 0.3  # m, N m^2, kg/m
 

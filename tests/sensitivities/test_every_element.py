@@ -4,17 +4,17 @@ The differences (two steps of 4e-4 and less, extrapolated) are known to about 1e
 iteration leaves at 1e-11, by the step: 1e-7 of the derivatives, less for eigenvalues of matrices with wide spectra.
 """
 
-from pathlib import Path
 
-import linear_models
 import pytest
-from difference_truth import agree
-from flexure_models import random_model
 
 from spacar import Deck, parse_deck
 from spacar.deck import read_deck
+from tests.examples import DATA
+from tests.linear import linear_models
+from tests.linear.flexure_models import random_model
 
-DATA = Path(__file__).parents[2] / "data"
+from .difference_truth import agree
+
 CLAMPED = [("FIX", 1), ("FIX", 2)]
 
 

@@ -1,12 +1,13 @@
 """Eigenvalues, multipliers and compliances of spatial beams in the angle measure in steady motion; the factor G."""
 
-import linear_models
 import numpy as np
 import pytest
-from difference_truth import agree
 
 from spacar.deck import parse_deck
 from spacar.elements.spatial.angle_measure import rotation_factor
+from tests.linear import linear_models
+
+from .difference_truth import agree
 
 
 @pytest.mark.parametrize("c", [0.95, 0.81, 0.79, 0.3, -0.4, 1.02])

@@ -3,12 +3,13 @@
 from pathlib import Path
 
 import pytest
-from difference_truth import agree
 
 import spacar
 from spacar import Deck, parse_deck
 from spacar.deck import read_deck
 from spacar.errors import UsageError
+
+from .difference_truth import agree
 
 TURNING = """
 PLBEAM 1 1 2 3 4   PLBEAM 2 3 4 5 6   PLTRUSS 3 3 7   PLTRUSS 4 5 8

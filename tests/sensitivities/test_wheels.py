@@ -1,16 +1,15 @@
 """Wheels in stationary rolling: the tricycles with a spring on the steering, against differences of whole analyses."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from difference_truth import agree
 
 import spacar
 from spacar.deck import parse_deck, read_deck
 from spacar.errors import UsageError
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
+from .difference_truth import agree
+
 STEERED = {
     "planar": ("trike2", "ESTIFF 6 30\nESIG 6 14\n"),
     "spatial": ("trike3v", "ESTIFF 8 30\nESIG 8 14\n"),

@@ -1,10 +1,6 @@
-import sys
-from pathlib import Path
-
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent.parent / "inverse"))
-DATA = Path(__file__).parents[2] / "data"
+from tests.examples import DATA
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,6 @@
 """spacar 2, 3, sim, ltv, mrltv, spacntrl on real files, in process."""
 
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,8 +9,7 @@ from spacar_formats.ltvfile import read_ltv
 from spacar.compiled import compiled_evaluator
 from spacar.dynamics import array_evaluator
 from tests.command_line import call
-
-DATA = Path(__file__).parents[2] / "data"
+from tests.examples import DATA
 
 
 def run(folder, monkeypatch, *words):

@@ -12,8 +12,8 @@ import pytest
 from spacar.compiled.library import why_off
 from spacar.simulation.plant import Spasim
 from tests.command_line import call
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 MODEL = "TRUSS 1 1 2\nX 2 0. 0. 1.\nFIX 1\nDYNX 2 1 2\nDYNE 1 1\nEND\nHALT\nXM 2 2.\nESTIFF 1 50.\nEDAMP 1 0.3\n"
 INPUTS = "END\nHALT\nINPUTS 1 1 1\nINPUTF 2 2 1\n"

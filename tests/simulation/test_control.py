@@ -1,15 +1,12 @@
 """python-control systems (optional extra): the same closed loop through `control.interconnect`."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import spacar
 from spacar.errors import UsageError
 from spacar.simulation import Sampled, Saturation, Spasim, closed_loop
-
-DATA = Path(__file__).parents[2] / "data"
+from tests.examples import DATA
 
 
 def test_interconnect_gives_the_same_response():

@@ -17,6 +17,7 @@ from spacar.simulation import (
     closed_loop,
     simulate,
 )
+from tests.examples import DATA
 
 TIMES = np.linspace(0.0, 2.0, 21)
 
@@ -163,9 +164,8 @@ def test_unconnected_inputs_are_mentioned():
 
 
 def test_wrong_size_of_a_direct_call():
-    import arm
-
     from spacar.simulation import Spasim
+    from tests.inverse import arm
 
     plant = Spasim(arm.deck(arm.FREE_JOINTS, [("INPUTS", 1, 1, 1), ("OUTE", 1, 1, 1)], mode="simulation"))
     with pytest.raises(ValueError, match=r"state has the shape \(3,\), expected \(4,\)"):
@@ -180,10 +180,9 @@ def test_wrong_size_of_a_direct_call():
 
 def test_force_inputs_equal_applied_forces():
     """INPUTF u against XF of the same size in mode 1: accelerations of the joints."""
-    import arm
-
     import spacar
     from spacar.simulation import Spasim
+    from tests.inverse import arm
 
     ports = [("INPUTF", 1, 7, 1), ("INPUTF", 2, 7, 2), ("INPUTS", 3, 2, 1), ("OUTEDP", 1, 1, 1), ("OUTEDP", 2, 2, 1)]
     plant = Spasim(arm.deck(arm.FREE_JOINTS, ports, mode="simulation"))
@@ -196,13 +195,12 @@ def test_force_inputs_equal_applied_forces():
 
 def test_nonholonomic_plant_equals_mode_1():
     """The tricycle rolls in the simulation as in mode 1 (tolerances 1e-9)."""
-    from pathlib import Path
 
     import spacar
     from spacar.deck import parse_deck
     from spacar.simulation import Spasim
 
-    path = Path(__file__).parents[2] / "data" / "trike2.dat"
+    path = DATA / "trike2.dat"
     text = path.read_text().replace("END\nEND", "END\nHALT\nINPUTS 1 6 1\nOUTX 1 1 1\nOUTXDP 2 1 1\nEND\nEND")
     plant = Spasim(parse_deck(text, "trike2.dat", "simulation"))
     times = np.linspace(0.0, 1.0, 11)

@@ -2,7 +2,6 @@
 
 import shutil
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,8 +11,8 @@ from spacar_formats.fmu import export_fmu, identifier, variables
 from spacar.errors import UsageError
 from spacar.simulation import Spasim, closed_loop
 from spacar.simulation.co_simulation import CoSimulation
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 MOMENTS = np.array([5.0, 196.98, 82.276])
 
 

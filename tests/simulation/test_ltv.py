@@ -17,6 +17,7 @@ from spacar.simulation import (
     tracking_gains,
     with_gain,
 )
+from tests.examples import DATA
 
 
 def oscillator(times, stiffness, force=1.0):
@@ -205,12 +206,10 @@ def test_wrong_gains_are_refused(robot):
 # -- the perturbation method ----------------------------------------------------------------------------------------
 def test_perturbation_method_against_the_nonlinear_simulation(flexible):
     """First 0.12 s of the flexible manipulator: the deviation is of second order in the deflection (relative 1e-2)."""
-    from pathlib import Path
 
     from spacar.simulation import Spasim, closed_loop, computed_torque
 
-    data_folder = Path(__file__).parents[2] / "data"
-    plant = Spasim(data_folder / "robotflexsim.dat")
+    plant = Spasim(DATA / "robotflexsim.dat")
     nominal = replace(flexible, name="nominal")
     law = computed_torque(nominal, nominal, 28.0, 0.85, positions=[1, 2, 3], rates=[4, 5, 6], interpolation="spline")
     times = flexible.t[:13]

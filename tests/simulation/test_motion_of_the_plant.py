@@ -1,7 +1,6 @@
 """`spacar sim` leaves the motion of its mechanism as mode 1 does: drawn, plotted, and the same numbers."""
 
 import shutil
-from pathlib import Path
 
 import numpy as np
 from spacar_cli.main import main
@@ -10,8 +9,8 @@ from spacar_formats.plant_motion import write_motions
 
 import spacar
 from spacar.simulation import Diagram, Spasim, simulate
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 SIM = """
 [simulation]
 time = 0.05

@@ -1,8 +1,5 @@
 """The manipulator example of the manual (bibliography.md), its section 3.11, as a controlled simulation."""
 
-from pathlib import Path
-
-import arm
 import numpy as np
 import pytest
 from numpy.linalg import norm
@@ -21,8 +18,9 @@ from spacar.simulation import (
     proportional_derivative,
     simulate,
 )
+from tests.examples import DATA
+from tests.inverse import arm
 
-DATA = Path(__file__).parents[2] / "data"
 TIMES = np.linspace(0.0, 1.5, 151)
 
 

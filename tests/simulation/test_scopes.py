@@ -1,7 +1,6 @@
 """Scopes: drawn when asked, stored with the result, plotted by name, beside the mechanism in pictures."""
 
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,8 +9,8 @@ from spacar_drawing.picture_source import open_source
 from spacar_formats.getfrsbf import getfrsbf
 
 from tests.command_line import call as run
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 HELD = """
 [simulation]
 time = 0.02

@@ -3,11 +3,12 @@
 from collections.abc import Callable
 
 import pytest
-from test_far_starts import STRING
 
 import spacar
 from spacar.deck import parse_deck
 from spacar.errors import AnalysisError
+
+from .test_far_starts import STRING
 
 TOGGLE = """
 PLTRUSS 1 1 2   PLTRUSS 2 2 3   X 2 1 0.5   X 3 2 0   FIX 1   FIX 3   DYNX 2 1 2   RLSE 1   RLSE 2

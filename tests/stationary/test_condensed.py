@@ -3,7 +3,6 @@ modes."""
 
 import numpy as np
 import pytest
-from random_frames import frame, tangent_of
 
 import spacar
 from spacar.linear import form
@@ -13,6 +12,8 @@ from spacar.linear_systems.linear_system import SingularMatrixError
 from spacar.linear_systems.matrix_inertia import Inertia
 from spacar.linear_systems.selected_inverse import inverse_diagonal, selected_inverse
 from spacar.stationary.tangent import STATIC
+
+from .random_frames import frame, tangent_of
 
 NAMES = tuple(STATIC)
 

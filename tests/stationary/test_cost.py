@@ -1,17 +1,14 @@
 """What small stationary solutions cost, in evaluations, which do not depend on the machine."""
 
-import sys
 from pathlib import Path
 
 import pytest
+from statics import cantilever
 
 from spacar.deck import parse_deck
 from spacar.errors import Report
 from spacar.mechanism import build
 from spacar.stationary import LoadProgram, StationarySolver
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-from statics import cantilever
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -1,10 +1,8 @@
 """The proof that a stationary state is stable, against eigenvalues of the tangent stiffness on admissible motions."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from statics import cantilever
 
 from spacar.deck import parse_deck
 from spacar.errors import Report
@@ -12,11 +10,8 @@ from spacar.linear_systems import matrix_inertia
 from spacar.mechanism import build
 from spacar.stationary import LoadProgram, StationarySolver
 from spacar.stationary.resting_tangent import RestingTangent
+from tests.examples import DATA
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-from statics import cantilever
-
-MODELS = Path(__file__).resolve().parents[2] / "data"
 EULER = np.pi**2 / 4.0  # critical load of a clamped column with l = EI = 1, its end free
 
 
@@ -62,7 +57,7 @@ def test_a_column_beyond_its_critical_load_is_not(n):
 @pytest.mark.parametrize("name", ["plbeam5", "lateral4", "lateral4cw", "leafguide", "crosshingew", "column2", "lever"])
 def test_what_is_proved_has_no_negative_eigenvalue(name):
     """In examples, planar and spatial, with warping, rigid parts and prescribed displacements."""
-    found = asked((MODELS / f"{name}.dat").read_text())
+    found = asked((DATA / f"{name}.dat").read_text())
     for proved, (negative, zero), ne in found:
         if proved:
             assert (negative, zero) == (ne, 0)

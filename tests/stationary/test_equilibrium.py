@@ -1,10 +1,8 @@
 """States at rest in C (`spacar.stationary.equilibrium`) against the general path and against dense linear algebra."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from statics import cantilever
 
 from spacar.compiled.compiled_elements import with_compiled_elements
 from spacar.compiled.library import why_off
@@ -17,12 +15,9 @@ from spacar.stationary.level_evaluator import LevelEvaluator
 from spacar.stationary.newton import Demand, newton
 from spacar.stationary.resting_tangent import RestingTangent
 from spacar.stationary.stationary_equations import Astray
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-from statics import cantilever
+from tests.examples import DATA
 
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
-MODELS = Path(__file__).resolve().parents[2] / "data"
 
 PRESCRIBED = """PLBEAM 1 1 2 3 4   PLBEAM 2 3 4 5 6   PLTRUSS 3 1 5   X 3 1. 0.   X 5 2. 0.1
 FIX 1   FIX 2   INPUTX 5 2   DYNE 1 1 2 3   DYNE 2 1 2   RLSE 2 3   RLSE 3 1   END HALT
@@ -178,7 +173,7 @@ def test_what_has_no_form_in_c_is_left_to_python(monkeypatch):
 def test_models_end_where_the_general_path_does(name):
     states, reports = [], []
     for compiled in (False, True):
-        m = build(read_deck(MODELS / f"{name}.dat", 8), 8)
+        m = build(read_deck(DATA / f"{name}.dat", 8), 8)
         solver = StationarySolver(with_compiled_elements(m) if compiled else m, Report())
         for level in LoadProgram(m.settings):
             solver.solve(level)

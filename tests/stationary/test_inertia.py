@@ -1,10 +1,8 @@
 """Count of negative eigenvalues: exact, and with linear cost."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from statics import cantilever
 
 from spacar.deck import parse_deck
 from spacar.errors import Report
@@ -13,9 +11,6 @@ from spacar.linear_systems.matrix_inertia import Inertia
 from spacar.mechanism import build
 from spacar.stationary import LoadProgram, StationarySolver
 from spacar.stationary.resting_tangent import RestingTangent
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-from statics import cantilever
 
 
 def chain(k: int, free: bool) -> tuple[int, np.ndarray, np.ndarray, np.ndarray]:

@@ -1,10 +1,8 @@
 """Steady motion, user functions, dead points, gravity that comes late, the count of negative eigenvalues."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from statics import cantilever
 
 import spacar
 from spacar.deck import parse_deck
@@ -13,9 +11,6 @@ from spacar.linear import form
 from spacar.linear_systems.matrix_inertia import Inertia
 from spacar.mechanism import build
 from spacar.stationary import LoadProgram, StationarySolver
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-from statics import cantilever
 
 
 def run(text: str, mode: int = 8) -> spacar.Result:

@@ -5,7 +5,6 @@ from math import hypot
 from pathlib import Path
 
 import numpy as np
-import planar_models as models
 import pytest
 from scipy.optimize import brentq, minimize_scalar
 
@@ -13,6 +12,8 @@ import spacar
 from spacar.deck import parse_deck
 from spacar.errors import AnalysisError
 from spacar.stationary import arc_length
+
+from . import planar_models as models
 
 # Williams' toggle, left half, beams rigid against shear: F. W. Williams, Q. J. Mech. Appl. Math. 17 (1964) 451-469.
 L, H, EA, EI = 12.943, 0.386, 1.885e6, 9.27e3

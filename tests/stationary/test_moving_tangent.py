@@ -1,7 +1,5 @@
 """The tangent of steady motion: both forms are the derivative of the residual and agree, also in their sign."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -12,8 +10,7 @@ from spacar.linear import form, subspace
 from spacar.mechanism import build
 from spacar.stationary import LoadProgram, StationarySolver, moving_tangent
 from spacar.stationary.moving_tangent import MovingTangent
-
-DATA = Path(__file__).parents[2] / "data"
+from tests.examples import DATA
 
 
 def blade(n: int, rate: float = 10.0) -> str:

@@ -1,15 +1,16 @@
 """The equilibrium path: against exact rods, independent of load steps and releases, limit points, critical states."""
 
 import numpy as np
-import planar_models as models
 import pytest
-import rods
 
 import spacar
 from spacar.deck import parse_deck
 from spacar.errors import AnalysisError, Report
 from spacar.mechanism import build
 from spacar.stationary import LoadProgram, StationarySolver
+
+from . import planar_models as models
+from . import rods
 
 CROSS_BODY, GUIDE_BODY = (0.1, 0.1), (0.0, 0.1)
 

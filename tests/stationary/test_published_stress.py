@@ -1,18 +1,18 @@
 """The largest stress of the published leaf-spring guide (SPACAR Light, 20 mm to both sides) against exact rods."""
 
-from pathlib import Path
-
 import numpy as np
-import planar_models as models
 import pytest
-import rods
 from spacar_drawing.picture_source import source_of_result
 from spacar_drawing.stresses import along, resultants
 
 import spacar
 from spacar.deck import parse_deck
+from tests.examples import DATA
 
-MODEL = Path(__file__).parents[2] / "data" / "published" / "leafspring_guide.dat"
+from . import planar_models as models
+from . import rods
+
+MODEL = DATA / "published" / "leafspring_guide.dat"
 WIDTH, THICKNESS = 0.05, 5e-4
 
 

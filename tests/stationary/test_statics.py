@@ -1,20 +1,15 @@
 """Stationary solutions: elastica, load steps of all types, cutting, failures, sparse against dense."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from spacar_formats.loadsbd import loadsbd, loadsbm
+from statics import cantilever, elastica, solve
 
 import spacar
 from spacar.deck import parse_deck
 from spacar.errors import AnalysisError, Report
 from spacar.mechanism import build
 from spacar.stationary import LoadProgram, StationarySolver, continuation
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-from statics import cantilever, elastica, solve
 
 
 def solver_of(text: str, mode: int = 7) -> tuple[StationarySolver, list[int]]:

@@ -4,13 +4,14 @@ import json
 
 import numpy as np
 import pytest
-import stroke_models as models
 from spacar_cli.main import main
-from stroke_models import EI, LENGTH
 
 import spacar
 from spacar.deck import parse_deck
 from spacar.errors import UsageError
+
+from . import stroke_models as models
+from .stroke_models import EI, LENGTH
 
 EULER = np.pi**2 * EI / LENGTH**2
 

@@ -5,17 +5,16 @@ import io
 import json
 import re
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
-import stroke_models as models
 
 import spacar
 from spacar.deck import parse_deck
 from tests import command_line
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
+from . import stroke_models as models
 
 
 @pytest.fixture

@@ -1,17 +1,17 @@
 """A parallel guide over its stroke against closed forms, and against finite differences and integrals of itself."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-import stroke_models as models
-from stroke_models import EA, EI, LENGTH
 
 import spacar
 from spacar.deck import parse_deck
+from tests.examples import DATA
+
+from . import stroke_models as models
+from .stroke_models import EA, EI, LENGTH
 
 BEAMS = 8
-PUBLISHED = Path(__file__).parents[2] / "data" / "published" / "leafspring_guide.dat"
+PUBLISHED = DATA / "published" / "leafspring_guide.dat"
 
 
 @pytest.fixture(scope="module")

@@ -1,18 +1,18 @@
 """A cross hinge over its rotation: stiffness, pivot shift, pole, work of moments; a rigid body about a pin."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-import stroke_models as models
 from scipy.spatial.transform import Rotation
-from stroke_models import EI, LENGTH
 
 import spacar
 from spacar.deck import parse_deck
 from spacar.stroke.error_motions import relative_rotations
+from tests.examples import DATA
 
-SPATIAL = Path(__file__).parents[2] / "data" / "crosshingew.dat"
+from . import stroke_models as models
+from .stroke_models import EI, LENGTH
+
+SPATIAL = DATA / "crosshingew.dat"
 LEAF = np.sqrt(2.0) * LENGTH
 
 

@@ -1,20 +1,20 @@
 """Large models: the sparse path gives the numbers of the dense one, whatever the drive; and it is fast."""
 
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
-import stroke_models as models
-from test_extra_load import column
 
 import spacar
 from spacar.deck import parse_deck, read_deck
 from spacar.linear import form
 from spacar.stroke import station
 from spacar.stroke.mixed_drive import MixedDrive
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
+from . import stroke_models as models
+from .test_extra_load import column
+
 GUIDE = models.two_leaves(models.GUIDE, 5)
 PAYLOAD = {"loads": ["9y=-20"], "extra": ["9y=-4"]}
 CASES = {

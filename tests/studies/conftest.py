@@ -1,13 +1,11 @@
 """The command line in this process, in an empty folder that has the example models."""
 
 import shutil
-from pathlib import Path
 
 import pytest
 
 from tests import command_line
-
-DATA = Path(__file__).resolve().parents[2] / "data"
+from tests.examples import DATA
 
 
 @pytest.fixture

@@ -1,7 +1,6 @@
 """Cases whose numbers are combinations of those of a few: they are those of decks of their own; an integer or a setting
 of the run has decks of its own."""
 
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,8 +11,8 @@ from spacar.deck import parse_deck, read_deck
 from spacar.studies.affine_cases import FEWEST, affine_cases
 from spacar.studies.assignments import change, setting
 from spacar.studies.ensemble import ensemble, followed
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 
 BEAMS = """BEAM 1 1 2 3 4 0. 1. 0.   BEAM 2 3 4 5 6 0. 1. 0.   X 3 1. 0. 0.   X 5 2. 0. 0.1

@@ -15,8 +15,8 @@ from spacar.studies import followers
 from spacar.studies.assignments import change, setting
 from spacar.studies.ensemble import ensemble, why_not
 from spacar.studies.runs import workers
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 OPTIONS = {"duration": 0.3, "n_steps": 3, "rtol": 1e-7, "atol": 1e-7}
 

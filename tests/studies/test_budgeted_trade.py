@@ -2,12 +2,12 @@
 
 import json
 import shlex
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from models import STIFF_AND_SOFT_ARM
 
 import spacar
 from spacar.deck import parse_deck
@@ -18,9 +18,6 @@ from spacar.studies.policies.mesh import MeshSearch
 from spacar.studies.runs.quantities import quantity
 from spacar.studies.runs.setting import Job, Setup, Trade, run_setup
 from tests.studies.oscillator import OSCILLATOR
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-from models import STIFF_AND_SOFT_ARM
 
 
 @pytest.fixture

@@ -1,7 +1,6 @@
 """Batches of cases are driven as single runs are: same tolerances of a case, same counters."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,8 +12,9 @@ from spacar.forward.driver import ITERATED, POSITION, Tolerances
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.mechanism import build
 from spacar.studies.ensemble import ensemble
+from tests.examples import DATA
 
-ROBOT = Path(__file__).parents[2] / "data" / "robotsim.dat"
+ROBOT = DATA / "robotsim.dat"
 
 
 @pytest.mark.skipif(why_off() is not None, reason=str(why_off()))

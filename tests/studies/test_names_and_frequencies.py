@@ -10,8 +10,9 @@ from spacar.deck import read_deck
 from spacar.errors import UsageError
 from spacar.studies.assignments import change, setting
 from spacar.studies.runs.quantities import quantity
+from tests.examples import DATA
 
-GUIDE = Path(__file__).parents[2] / "data" / "leafguide.dat"
+GUIDE = DATA / "leafguide.dat"
 
 
 @pytest.mark.parametrize("target", ["SECTION.leaf[t]", "section.LEAF[t along]", "SECTION.leaf[4]"])

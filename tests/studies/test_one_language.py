@@ -10,8 +10,7 @@ from spacar.errors import UsageError
 from spacar.expressions import FUNCTIONS, listed, parse
 from spacar.expressions.grammar import INDICES
 from spacar.studies.runs.quantities import quantity
-
-from .conftest import DATA
+from tests.examples import DATA
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 

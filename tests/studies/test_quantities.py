@@ -14,14 +14,14 @@ from spacar.studies.runs.quantities import quantity
 
 @pytest.fixture(scope="module")
 def crank():
-    from .conftest import DATA
+    from tests.examples import DATA
 
     return spacar.run(1, DATA / "crank.dat", duration=0.02, n_steps=4)
 
 
 @pytest.fixture(scope="module")
 def cantilever():
-    from .conftest import DATA
+    from tests.examples import DATA
 
     return spacar.run(7, DATA / "plbeam5.dat")
 

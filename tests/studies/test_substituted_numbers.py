@@ -1,14 +1,12 @@
 """A variant whose numbers are put into the statements of the deck is the deck that its text reads to."""
 
-from pathlib import Path
-
 import pytest
 
 from spacar.deck import parse_deck, read_deck
 from spacar.studies import assignments
 from spacar.studies.assignments import change, setting
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 CASES = [
     ("robotsim.dat", "XM.8", 27.5), ("robotsim.dat", "BEAM.4[4]", 0.0), ("crankfl.dat", "ESTIFF.*[EI]", 12.25),
     ("crankfl.dat", "X.*[1]", 1e-3), ("crank.dat", "TIMESTEP[1]", 0.125), ("trike2.dat", "XM.*", 1e-7),

@@ -7,7 +7,6 @@ polynomials of degree 8, with bending, weight and damping; in the plane and out 
 """
 
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,8 +15,8 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import null_space
 
 import spacar
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 TARGET = 1e-4
 SECONDS = 60.0  # of processor time that a trade may take
 

@@ -1,7 +1,5 @@
 """Wheels in lanes: cases are their single runs with every explicit code, and one whose wheel lifts off says so."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -10,8 +8,8 @@ from spacar.compiled.library import lanes_of_processor, why_off
 from spacar.deck import read_deck
 from spacar.studies.assignments import change, setting
 from spacar.studies.ensemble import ensemble, why_not
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 TOLERANCE = 1e-8
 OPTIONS = {"duration": 0.1, "n_steps": 2, "rtol": TOLERANCE, "atol": TOLERANCE}

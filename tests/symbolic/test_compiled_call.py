@@ -7,8 +7,9 @@ import pytest
 
 from spacar.symbolic.compiled_program import CompiledFunction, compiler
 from spacar.symbolic.model_reader import read_model
+from tests.examples import DATA
 
-MODEL = Path(__file__).resolve().parents[2] / "data" / "symbolic" / "manipulator.toml"
+MODEL = DATA / "symbolic" / "manipulator.toml"
 
 
 @pytest.mark.skipif(not compiler(), reason="no C compiler")

@@ -2,7 +2,6 @@
 
 import re
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,8 +9,8 @@ import pytest
 pytest.importorskip("sympy")
 
 from tests.command_line import call as spacar
+from tests.examples import DATA
 
-DATA = Path(__file__).resolve().parents[2] / "data"
 # a rigid part that hangs on a flexible beam, welded rotations, a spring, a preloaded hinge, constant loads, gravity
 ARM = """
 PLBEAM 1  1 2  3 4   PLBEAM 2  3 5  6 7   PLTOR  3  8 2   PLTOR  4  4 5   PLRBEAM 5 6 7 9

@@ -1,15 +1,12 @@
 """The manual's slider-crank with a flexible rod from its model file: closed, driven, against mode 1 of crankfl.dat."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import spacar
 from spacar.symbolic.compiled_program import CompiledFunction, compiler
 from spacar.symbolic.model_reader import read_model
-
-DATA = Path(__file__).parents[2] / "data"
+from tests.examples import DATA
 
 
 def simulate(model, program, start, **options):

@@ -9,8 +9,8 @@ import pytest
 pytest.importorskip("sympy")
 
 from tests.command_line import call
+from tests.examples import DATA
 
-DATA = Path(__file__).resolve().parents[2] / "data"
 # a free body of two rods, on it a hinge about a skew axis with spring, damper and preload, a rod with rotary inertia
 # and products of inertia of its section, an elastic truss to the ground, a force, gravity, inertias of a node
 FREE = """

@@ -3,15 +3,13 @@
 The models share no element code. Integrated with 1e-11, compared at 1e-9 of the size of the quantity.
 """
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import spacar
 from spacar import Deck
+from tests.examples import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 TIGHT = ("ERROR", 1e-11, 1e-11)
 
 
