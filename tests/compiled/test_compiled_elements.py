@@ -8,8 +8,9 @@ import pytest
 from spacar.compiled.compiled_elements import CompiledElements, compiled_family
 from spacar.compiled.library import unavailable
 from spacar.elements.family import Family
-from tests.compiled.test_definitions import MODELS, family_of
 from tests.elements.derivatives import close, written
+
+from .test_definitions import MODELS, family_of
 
 pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
 TOLERANCE = 1e-11  # as test_definitions.py

@@ -17,8 +17,9 @@ from spacar.errors import Report
 from spacar.forward.accepted_steps import singularity_monitor
 from spacar.frame import E_FIELDS, X_FIELDS
 from spacar.mechanism import build
-from tests.compiled.test_tree_motion import CASES
 from tests.examples import DATA
+
+from .test_tree_motion import CASES
 
 pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
 

@@ -10,7 +10,8 @@ import sys
 from pathlib import Path
 
 from spacar.deck.keyword_table import KEYWORDS
-from tests.docs.citations import DOCS, HOUSE, REFERENCE, numbered
+
+from .citations import DOCS, HOUSE, REFERENCE, numbered
 
 WORD = re.compile(r"`([A-Za-z]\w*)[^`]*`")
 GENERATED = "keywords.md"

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 import spacar
-from tests.docs.citations import DOCS, HOUSE
-from tests.docs.documents import NUMBER
+
+from .citations import DOCS, HOUSE
+from .documents import NUMBER
 
 
 def rows() -> list[tuple[str, str, str]]:

@@ -6,19 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.docs.citations import (
-    DOCS,
-    HOUSE,
-    REFERENCE,
-    Citation,
-    bare_formulas,
-    citations,
-    dangling,
-    find,
-    numbered,
-    prose,
-)  # fmt: skip
-from tests.docs.documents import broken_links
+from .citations import DOCS, HOUSE, REFERENCE, Citation, bare_formulas, citations, dangling, find, numbered, prose
+from .documents import broken_links
 
 PAPER_EQUATIONS, PAPER_TABLES = 22, 19
 NAMED = re.compile(r"\b[Tt]he (?:original )?(manual|paper)\b")

@@ -5,7 +5,7 @@ import shutil
 from functools import cache
 from pathlib import Path
 
-from tests.docs.documents import run_document
+from .documents import run_document
 
 HOUSE = Path(__file__).resolve().parents[2]
 PAGE = HOUSE / "docs" / "convergence.md"

@@ -10,7 +10,7 @@ import click
 import pytest
 from spacar_cli.main import program
 
-from tests.docs.documents import blocks, broken_links, run_document, same_line
+from .documents import blocks, broken_links, run_document, same_line
 
 HOUSE = Path(__file__).resolve().parents[2]
 DOCS = HOUSE / "docs"

@@ -3,7 +3,7 @@
 import shutil
 from pathlib import Path
 
-from tests.docs.documents import run_document
+from .documents import run_document
 
 HOUSE = Path(__file__).resolve().parents[2]
 

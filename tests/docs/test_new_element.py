@@ -10,8 +10,9 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from tests.docs.documents import blocks, environment
 from tests.elements.derivatives import check_stiffness, check_strain, group
+
+from .documents import blocks, environment
 
 HOUSE = Path(__file__).resolve().parents[2]
 TEXTS = {b.name: b.text for b in blocks(HOUSE / "docs" / "developer.md") if b.name}

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.docs.documents import in_folder, same_line
-from tests.docs.notebooks import Notebook, text_of
+from .documents import in_folder, same_line
+from .notebooks import Notebook, text_of
 
 FOLDER = Path(__file__).resolve().parents[2] / "docs" / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))

@@ -5,7 +5,8 @@ import doctest
 import pytest
 
 import spacar
-from tests.docs.citations import HOUSE
+
+from .citations import HOUSE
 
 
 @pytest.mark.parametrize("name", spacar.__all__)

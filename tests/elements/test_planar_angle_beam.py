@@ -7,8 +7,9 @@ import spacar
 from spacar import Deck
 from spacar.elements.planar.plbeam import PlanarBeam
 from spacar.elements.planar.plbeam_angle import PlanarAngleBeam, PlanarAngleTube
-from tests.elements.derivatives import check_inertia, check_strain, close, evaluate, group
-from tests.elements.rod import cantilever_tip
+
+from .derivatives import check_inertia, check_strain, close, evaluate, group
+from .rod import cantilever_tip
 
 N = 6
 EXACT = np.array((3.810897752359167, -8.404448390735478))  # elastica, P L^2/EI = 14 100/102

@@ -9,17 +9,9 @@ import sympy
 import spacar
 from spacar.elements.family import GeometryError
 from spacar.elements.planar.plbeam import PlanarBeam
-from tests.elements.derivatives import (
-    check_gravity,
-    check_inertia,
-    check_stiffness,
-    check_strain,
-    close,
-    evaluate,
-    group,
-    mass_of,
-)
 from tests.examples import DATA
+
+from .derivatives import check_gravity, check_inertia, check_stiffness, check_strain, close, evaluate, group, mass_of
 
 N = 6
 GAUSS, WEIGHTS = (np.polynomial.legendre.leggauss(5)[0] + 1) / 2, np.polynomial.legendre.leggauss(5)[1] / 2

@@ -6,16 +6,8 @@ from scipy.optimize import brentq
 
 from spacar.elements.family import GeometryError
 from spacar.elements.planar.plbelt import PlanarBelt
-from tests.elements.derivatives import (
-    check_gravity,
-    check_inertia,
-    check_stiffness,
-    check_strain,
-    close,
-    evaluate,
-    group,
-    mass_of,
-)
+
+from .derivatives import check_gravity, check_inertia, check_stiffness, check_strain, close, evaluate, group, mass_of
 
 RADII = np.array([[0.5, 0.3], [0.3, 0.5], [-0.4, -0.2], [0.3, -0.4], [-0.2, 0.3], [0.25, 0.25]])
 N = len(RADII)

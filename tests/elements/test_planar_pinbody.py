@@ -5,16 +5,8 @@ import pytest
 
 from spacar.elements.family import GeometryError
 from spacar.elements.planar.plpinbod import PlanarPinbody
-from tests.elements.derivatives import (
-    check_gravity,
-    check_inertia,
-    check_stiffness,
-    check_strain,
-    close,
-    evaluate,
-    group,
-    mass_of,
-)
+
+from .derivatives import check_gravity, check_inertia, check_stiffness, check_strain, close, evaluate, group, mass_of
 
 N = 5
 DIRECTIONS = (None, (1.0, 2.0), None, (1.0, 0.0, 1.0, 1.0), None)

@@ -7,15 +7,8 @@ import sympy
 from spacar.elements.family import GeometryError
 from spacar.elements.planar.plbeam import PlanarBeam
 from spacar.elements.planar.pltube import PlanarTube
-from tests.elements.derivatives import (
-    check_inertia,
-    check_stiffness,
-    check_strain,
-    close,
-    evaluate,
-    group,
-    mass_of,
-)
+
+from .derivatives import check_inertia, check_stiffness, check_strain, close, evaluate, group, mass_of
 
 N = 4
 

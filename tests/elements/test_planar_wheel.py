@@ -5,7 +5,8 @@ import pytest
 
 from spacar.elements.family import GeometryError
 from spacar.elements.planar.plwheel import PlanarWheel
-from tests.elements.derivatives import check_stiffness, check_strain, close, evaluate, group, written
+
+from .derivatives import check_stiffness, check_strain, close, evaluate, group, written
 
 N = 4
 

@@ -9,7 +9,8 @@ from spacar.deck.rewrite.simpler import linear_strain
 from spacar.elements.spatial.angle_measure import rotation_factor
 from spacar.elements.spatial.beam import SpatialBeam
 from spacar.elements.spatial.beam_angle import SpatialAngleBeam, SpatialAngleTube
-from tests.elements.derivatives import check_inertia, check_strain, close, evaluate, group
+
+from .derivatives import check_inertia, check_strain, close, evaluate, group
 
 X0 = np.zeros((14, 1))
 X0[3] = X0[7] = X0[10] = 1.0

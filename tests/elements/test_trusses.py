@@ -7,16 +7,8 @@ from spacar.elements.family import GeometryError
 from spacar.elements.planar.pltor import PlanarHinge
 from spacar.elements.planar.pltruss import PlanarTruss
 from spacar.elements.spatial.truss import SpatialTruss
-from tests.elements.derivatives import (
-    check_gravity,
-    check_inertia,
-    check_stiffness,
-    check_strain,
-    close,
-    evaluate,
-    group,
-    mass_of,
-)
+
+from .derivatives import check_gravity, check_inertia, check_stiffness, check_strain, close, evaluate, group, mass_of
 
 N = 5
 

@@ -14,7 +14,8 @@ from spacar.mechanism import build
 from spacar.studies.affine_cases import FEWEST, affine_cases
 from spacar.studies.assignments import change, setting
 from spacar.studies.ensemble import ensemble, followed, why_not
-from tests.studies.all_elements import MODELS, deck_of
+
+from .all_elements import MODELS, deck_of
 
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 TOLERANCE = 1e-9

@@ -17,7 +17,8 @@ from spacar.studies.policies import budget as budgeted
 from spacar.studies.policies.mesh import MeshSearch
 from spacar.studies.runs.quantities import quantity
 from spacar.studies.runs.setting import Job, Setup, Trade, run_setup
-from tests.studies.oscillator import OSCILLATOR
+
+from .oscillator import OSCILLATOR
 
 
 @pytest.fixture

@@ -14,7 +14,8 @@ from spacar.studies.policies.trade import assess, recommend, reference, referenc
 from spacar.studies.runs.extrapolation import extrapolate
 from spacar.studies.runs.quantities import quantity
 from spacar.studies.runs.setting import Job, Trade, run_setup, setups
-from tests.studies.oscillator import OSCILLATOR
+
+from .oscillator import OSCILLATOR
 
 
 def oscillator_error(result_row):
