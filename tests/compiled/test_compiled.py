@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from models import cantilever
 
 import spacar
 from spacar.compiled import CompiledDynamics
@@ -115,19 +116,11 @@ def test_implicit_methods_use_the_exact_jacobian_of_the_same_state():
     np.testing.assert_allclose(b["x"], a["x"], atol=1e-7)  # ERROR's default 1e-5 ends Newton's iteration of the stages
 
 
-def planar_chain(n):
-    """n equal flexible beams along x, clamped; 3 n degrees of freedom, so the saddle-point form is used."""
-    lines = [f"PLBEAM {i + 1} {2 * i + 1} {2 * i + 2} {2 * i + 3} {2 * i + 4}" for i in range(n)]
-    lines += [f"X {2 * i + 1} {i / n!r} 0." for i in range(1, n + 1)]
-    lines += ["FIX 1", "FIX 2", *(f"DYNE {i + 1} 2 3" for i in range(n)), "END", "HALT"]
-    lines += [*(f"EM {i + 1} 1." for i in range(n)), *(f"ESTIFF {i + 1} 0. 1." for i in range(n))]
-    return "\n".join([*lines, "GRAVITY 0. -9.81", "TIMESTEP 0.01 1", "END", "END", ""])
-
-
 @pytest.mark.parametrize("n", [3, 150])
 def test_chains_of_any_length_have_a_compiled_form(n):
-    """The sparse factors know no limit of size. Bound as in test_everything.py."""
-    mechanism = spacar.frames(1, spacar.deck.parse_deck(planar_chain(n), mode=1)).mechanism
+    """The sparse factors of the saddle-point form know no limit of size. Bound as in test_everything.py."""
+    text = cantilever(n, EI=1.0, length=1.0, dynamics=("GRAVITY 0. -9.81", "TIMESTEP 0.01 1"))
+    mechanism = spacar.frames(1, spacar.deck.parse_deck(text, mode=1)).mechanism
     general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
     y = general.start()
     compiled.start()

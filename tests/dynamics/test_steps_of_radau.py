@@ -7,6 +7,7 @@ V omega^2 V^-1.
 
 from functools import cache
 
+import models
 import numpy as np
 import pytest
 
@@ -23,11 +24,8 @@ LOAD = 1e-3  # deflection 2.5e-4 of the length
 
 def released(n: int, load: float = LOAD) -> Deck:
     """Unit cantilever (L = EI = m = 1) of n beams, released under its weight."""
-    rows = [f"PLBEAM {i + 1} {2 * i + 1} {2 * i + 2} {2 * i + 3} {2 * i + 4}" for i in range(n)]
-    rows += [f"X {2 * i + 1} {i / n!r} 0." for i in range(1, n + 1)] + ["FIX 1", "FIX 2"]
-    rows += [*(f"DYNE {i + 1} 2 3" for i in range(n)), "END HALT"]
-    rows += [f"EM {i + 1} 1.\nESTIFF {i + 1} 0. 1." for i in range(n)]
-    return parse_deck("\n".join([*rows, f"GRAVITY 0. {-load!r}", "TIMESTEP 0.9 6", "END END", ""]), mode=1)
+    dynamics = (f"GRAVITY 0. {-load!r}", "TIMESTEP 0.9 6")
+    return parse_deck(models.cantilever(n, EI=1.0, length=1.0, dynamics=dynamics), mode=1)
 
 
 @cache

@@ -1,5 +1,6 @@
 """INTEGRAT -1: code 0 step by step where nothing is stiff, Radau of order 9 where a vibration limits the steps."""
 
+import models
 import numpy as np
 import pytest
 
@@ -15,11 +16,8 @@ ENGINE = pytest.mark.skipif(why_off() is not None, reason="no engine")
 
 def cantilever(n: int) -> Deck:
     """Unit cantilever of n beams, released under gravity 1; highest frequency about 60 n^2 rad/s."""
-    rows = [f"PLBEAM {i + 1} {2 * i + 1} {2 * i + 2} {2 * i + 3} {2 * i + 4}" for i in range(n)]
-    rows += [f"X {2 * i + 1} {i / n!r} 0." for i in range(1, n + 1)]
-    rows += ["FIX 1", "FIX 2", *(f"DYNE {i + 1} 2 3" for i in range(n)), "END", "HALT"]
-    rows += [f"{word} {i} {values}" for i in range(1, n + 1) for word, values in (("EM", "1."), ("ESTIFF", "0. 1."))]
-    return parse_deck("\n".join([*rows, "GRAVITY 0. -1.", "TIMESTEP 0.9 6", "END", "END", ""]), mode=1)
+    dynamics = ("GRAVITY 0. -1.", "TIMESTEP 0.9 6")
+    return parse_deck(models.cantilever(n, EI=1.0, length=1.0, dynamics=dynamics), mode=1)
 
 
 def steps(result: spacar.Result) -> int:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from models import cantilever
 
 import spacar
 from spacar.deck import parse_deck
@@ -47,18 +48,10 @@ def test_another_order_before_changes_nothing():
     np.testing.assert_array_equal(extrapolate(meshes, np.ones(4)).errors, once.errors)
 
 
-def beam(n, more=""):
-    rows = [f"PLBEAM {i + 1} {2 * i + 1} {2 * i + 2} {2 * i + 3} {2 * i + 4}" for i in range(n)]
-    rows += [f"X {2 * i + 1} {i / n!r} 0." for i in range(1, n + 1)] + ["FIX 1", "FIX 2"]
-    rows += [*(f"DYNE {i + 1} 2 3" for i in range(n)), "END HALT"]
-    rows += [f"EM {i + 1} 1.\nESTIFF {i + 1} 0. 1." for i in range(n)]
-    return "\n".join([*rows, more, "END END", ""])
-
-
 def test_eigenvalues_keep_their_places():
     """102 freedoms become 204, of which only the lowest modes are computed: the lowest eigenvalue still is the last one
     of the list of the user's mesh, by its index too, and what was not computed is nan."""
-    deck = parse_deck(beam(51), mode=7)
+    deck = parse_deck(cantilever(51, EI=1.0, length=1.0), mode=7)
     plain = spacar.run(7, deck)
     count = len(plain["eigval"][-1])
     result = spacar.run(7, deck, accuracy=1e-5, variables=[f"abs(eigval[{count}])"])
@@ -74,7 +67,8 @@ def test_eigenvalues_keep_their_places():
 def test_a_mesh_that_fails_leaves_the_last_answer(monkeypatch, beams):
     """What three meshes said is shown with its own estimate when the next one cannot be solved; of two beams each was
     divided by itself in between, which is not what is shown."""
-    deck = parse_deck(beam(beams, f"XF {2 * beams + 1} 0. 3.\nITERSTEP 10 3 1e-9"), mode=7)
+    text = cantilever(beams, load="0. 3.", EI=1.0, length=1.0, dynamics=("ITERSTEP 10 3 1e-9",))
+    deck = parse_deck(text, mode=7)
     compute = mesh_accuracy.MeshSearch.compute
 
     def limited(self, pieces, measure):

@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 
+import models
 import numpy as np
 import pytest
 
@@ -20,11 +21,7 @@ LATERAL = 5.6746723  # 4.0126 sqrt(EIz GIt)/l^2 of the narrow cantilever, from J
 
 def cantilever(n=2, length=10.0, load="XF {tip} 0. 14.", stiffness=102.0, more=""):
     """PLBEAMs 1 ... n along x, clamped at node 1, tip node 2 n + 1; inextensible."""
-    rows = [f"PLBEAM {i + 1} {2 * i + 1} {2 * i + 2} {2 * i + 3} {2 * i + 4}" for i in range(n)]
-    rows += [f"X {2 * i + 1} {length * i / n!r} 0." for i in range(1, n + 1)] + ["FIX 1", "FIX 2"]
-    rows += [*(f"DYNE {i + 1} 2 3" for i in range(n)), "END HALT"]
-    rows += [f"EM {i + 1} 1.\nESTIFF {i + 1} 0. {stiffness}" for i in range(n)]
-    return "\n".join([*rows, load.format(tip=2 * n + 1), more, "END END", ""])
+    return models.cantilever(n, length=length, EI=stiffness, dynamics=(load.format(tip=2 * n + 1), more))
 
 
 def tip_error(result, n):
@@ -139,7 +136,7 @@ def test_the_weight_of_the_parts_is_carried():
 
 def test_the_state_space_is_that_of_the_user():
     """Mode 9: degrees of freedom, inputs and outputs stay; the error of the poles is told."""
-    text = cantilever(1, 1.0, "", 1.0).replace("END END", "END HALT\nINPUTF 1 3 2\nOUTX 1 3 2\nEND END")
+    text = cantilever(1, 1.0, "", 1.0).replace("END\nEND", "END\nHALT\nINPUTF 1 3 2\nOUTX 1 3 2\nEND\nEND")
     deck = parse_deck(text, mode=9)
     plain, result = spacar.run(9, deck), spacar.run(9, deck, accuracy=1e-3)
     np.testing.assert_array_equal(plain["A"], result["A"])
