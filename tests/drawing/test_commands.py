@@ -107,9 +107,8 @@ def test_options_of_spatial_pictures(results, options):
 )
 def test_wrong_use_is_explained(results, monkeypatch, arguments, part):
     monkeypatch.chdir(results)
-    done = call(*arguments)
-    assert done.status == 2
-    assert part in done.err
+    done = call.refused(*arguments)
+    assert part in done
     assert not list(results.glob("*.bmp")) + list(results.glob("p.*"))
 
 
@@ -125,18 +124,15 @@ def test_stale_results_are_refused(results, command):
     with open(results / "crank.dat", "a") as file:
         file.write("% changed\n")
     arguments = [word, target, *rest]
-    done = call(*arguments)
-    assert done.status == 2
-    assert "has changed since" in done.err
-    assert "--stale-ok" in done.err
+    done = call.refused(*arguments)
+    assert "has changed since" in done
+    assert "--stale-ok" in done
     assert call(*arguments, "--stale-ok").status == 0
 
 
 def test_matrices_of_another_run_are_refused(results):
     shutil.copy(results / "lateral4.sbm", results / "plbeam5free.sbm")
-    done = call("visual", results / "plbeam5free")
-    assert done.status == 2
-    assert "different runs" in done.err
+    assert "different runs" in call.refused("visual", results / "plbeam5free")
 
 
 def test_gif_has_the_frames_and_loops(results):
@@ -165,9 +161,7 @@ def test_mp4(results):
 
 def test_mp4_without_ffmpeg_is_refused_before_anything_is_drawn(results, monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda name: None)
-    done = call("draw", results / "crank", "-o", results / "c.mp4")
-    assert done.status == 2
-    assert "needs the program ffmpeg" in done.err
+    assert "needs the program ffmpeg" in call.refused("draw", results / "crank", "-o", results / "c.mp4")
 
 
 def test_animation_bar_on_terminals_only(results, monkeypatch):
@@ -279,7 +273,6 @@ def test_no_window_toolkit_is_loaded_for_files(results):
 
 def test_incomplete_results_can_be_drawn(results):
     shutil.move(results / "crank.sbd", results / "crank.sbd.part")
-    done = call("draw", results / "crank")
-    assert done.status == 2
-    assert "crank.sbd.part" in done.err
+    done = call.refused("draw", results / "crank")
+    assert "crank.sbd.part" in done
     assert call("draw", results / "crank.sbd.part").status == 0

@@ -30,9 +30,7 @@ def test_a_name_of_both_has_both_meanings():
 
 
 def test_a_wrong_name_finds_a_setting():
-    wrong = call("keywords", "ENLARGFACTOR")
-    assert wrong.status == 2
-    assert "nearest: ENLARGEFACTOR" in wrong.err
+    assert "nearest: ENLARGEFACTOR" in call.refused("keywords", "ENLARGFACTOR")
 
 
 @pytest.mark.parametrize(("name", "words"), [("plbeam5free", " Hz, "), ("lateral4", "load multiplier ")])

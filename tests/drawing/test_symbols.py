@@ -146,9 +146,8 @@ def test_results_of_an_earlier_version(results):
 
 
 def test_unknown_kinds(results):
-    wrong = call("draw", results / "crank", "--symbols", "loads,forces")
-    assert wrong.status == 2
-    assert wrong.err.strip().endswith(f"--symbols forces: expected {', '.join(KINDS)}, with commas between, or all")
+    wrong = call.refused("draw", results / "crank", "--symbols", "loads,forces")
+    assert wrong.strip().endswith(f"--symbols forces: expected {', '.join(KINDS)}, with commas between, or all")
 
 
 def test_files_hold_what_symbols_need(results):

@@ -7,7 +7,7 @@ from spacar_formats.ltvfile import read_ltv
 import spacar
 from spacar.errors import UsageError
 from spacar.linear import form
-from tests.simulation.test_commands import run
+from tests.command_line import call
 
 BEAMS = 3
 NODES = range(1, BEAMS + 1)
@@ -28,37 +28,35 @@ def text(*blocks: list[str]) -> str:
 def folder(tmp_path, monkeypatch):
     """A turning arm in three beams, linearized along its motion as a large model is."""
     monkeypatch.setattr(form, "LARGE", 0)
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "arm.dat").write_text(text(ARM, MASSES, [*TURN, *PORTS]))
     (tmp_path / "armlin.dat").write_text(text([*ARM, *BENDING], [*MASSES, *STIFF], PORTS))
-    assert run(tmp_path, monkeypatch, 2, "arm")[0] == 0
-    status, _, err = run(tmp_path, monkeypatch, 3, "armlin")
-    assert status == 0, err
+    call.done(2, "arm")
+    call.done(3, "armlin")
     return tmp_path
 
 
-def test_a_number_of_modes_is_refused_before_files_are_touched(folder, monkeypatch):
+def test_a_number_of_modes_is_refused_before_files_are_touched(folder):
     before = {p.name: p.read_bytes() for p in folder.iterdir()}
-    status, _, err = run(folder, monkeypatch, 3, "armlin", "--modes", 5)
-    assert status == 2
+    err = call.refused(3, "armlin", "--modes", 5)
     assert "mode 3 computes no modes of vibration: the option modes = 5 can only be 0" in err
     assert {p.name: p.read_bytes() for p in folder.iterdir()} == before
     with pytest.raises(UsageError, match="modes = 5 can only be 0"):
         spacar.run(3, folder / "armlin.dat", modes=5)
 
 
-def test_gains_need_the_matrices_that_modes_0_asks_for(folder, monkeypatch):
+def test_gains_need_the_matrices_that_modes_0_asks_for(folder):
     """The refusal says how large the model is and what to do, and leaves no file; what it says helps."""
     gain = ("spacntrl", "armlin", "--kp", 10)
-    status, _, err = run(folder, monkeypatch, *gain)
-    assert status == 2
+    err = call.refused(*gain)
     assert "armlin.ltv has no m0" in err
     assert f"({BEAMS + 1} degrees of freedom) with --modes 0 (MODES 0): run it again" in err
     assert not (folder / "armlinkp.ltv").exists()
-    assert run(folder, monkeypatch, 3, "armlin", "--modes", 0)[0] == 0
+    call.done(3, "armlin", "--modes", 0)
     log = (folder / "armlin.log").read_text()
     assert "--modes      0" in log
     assert "sparse" not in log
-    assert run(folder, monkeypatch, *gain)[0] == 0
+    call.done(*gain)
     before, after = (read_ltv(folder / name)[0] for name in ("armlin", "armlinkp"))
     change = np.zeros((BEAMS + 1, BEAMS + 1))
     change[0, 0] = 10.0  # the moment acts on the input, the first degree of freedom

@@ -12,30 +12,29 @@ from tests.command_line import call
 from tests.examples import DATA
 
 
-def run(folder, monkeypatch, *words):
-    """Exit status, standard output and standard error of one command line."""
-    monkeypatch.chdir(folder)
-    return call(*words)
-
-
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def made(tmp_path_factory):
     """The manipulator with the results of modes 2 and 3."""
     place = tmp_path_factory.mktemp("robot")
     for name in ("robotinv.dat", "robotinvlin.dat", "robotsim.dat", "robotsim.sim"):
         shutil.copy(DATA / name, place)
-    with pytest.MonkeyPatch.context() as patch:
-        assert run(place, patch, 2, "robotinv")[0] == 0
-        assert run(place, patch, 3, "robotinvlin")[0] == 0
+    call.done(2, place / "robotinv")
+    call.done(3, place / "robotinvlin")
     return place
 
 
-def test_closed_loop_from_the_model_file(folder, monkeypatch):
+@pytest.fixture
+def folder(made, monkeypatch):
+    monkeypatch.chdir(made)
+    return made
+
+
+def test_closed_loop_from_the_model_file(folder):
     """The first third of the motion; `test_robot.py` follows the whole of it."""
     text = (folder / "robotsim.sim").read_text()
     assert "time = 1.5" in text
     (folder / "short.sim").write_text(text.replace("time = 1.5", "time = 0.5"))
-    status, out, err = run(folder, monkeypatch, "sim", "short")
+    status, out, err = call("sim", "short")
     assert (status, err) == (0, "")
     assert "51 times" in out
     found = np.load(folder / "short_sim.npz")
@@ -51,7 +50,7 @@ def test_inertia_that_may_be_rounding_is_said_and_logged(folder, monkeypatch, co
     monkeypatch.setattr(array_evaluator, "require_regular_mass", lambda *found: "little inertia")
     text = (folder / "robotsim.sim").read_text()
     (folder / "doubt.sim").write_text(text.replace("time = 1.5", "time = 0.01"))
-    status, _, err = run(folder, monkeypatch, "sim", "doubt", *[] if compiled else ["--general"])
+    status, _, err = call("sim", "doubt", *[] if compiled else ["--general"])
     assert (status, err) == (0, "warning: robot: little inertia\n")
     assert "note: robot: little inertia" in (folder / "doubt_sim.log").read_text()
 
@@ -79,16 +78,14 @@ def test_inertia_that_may_be_rounding_is_said_and_logged(folder, monkeypatch, co
         ("model = robotsim.dat", "model = robotsim2.dat", "robotsim2.dat"),
     ],
 )
-def test_wrong_model_files(folder, monkeypatch, old, new, why):
+def test_wrong_model_files(folder, old, new, why):
     text = (folder / "robotsim.sim").read_text()
     assert old in text
     (folder / "wrong.sim").write_text(text.replace(old, new))
-    status, _, err = run(folder, monkeypatch, "sim", "wrong")
-    assert status == 2
-    assert why in err
+    assert why in call.refused("sim", "wrong")
 
 
-def test_python_controller_in_a_model_file(folder, monkeypatch):
+def test_python_controller_in_a_model_file(folder):
     (folder / "hold.py").write_text(
         "def moments(t, y):\n    return [0.0, 196.98, 82.276]\n\n\ndef bad(t, y):\n    return [1.0]\n"
     )
@@ -109,33 +106,30 @@ robot:1-6 -> law
 law -> robot
 """
     (folder / "hold.sim").write_text(text)
-    assert run(folder, monkeypatch, "sim", "hold.sim", "-o", "out.csv")[0] == 0
+    call.done("sim", "hold.sim", "-o", "out.csv")
     table = np.genfromtxt(folder / "out.csv", delimiter=",", names=True)
     assert table["robot_8"] == pytest.approx(0.0, abs=1e-8)
     (folder / "bad.sim").write_text(text.replace(":moments", ":bad"))
-    status, _, err = run(folder, monkeypatch, "sim", "bad")
-    assert status == 1
-    assert "the output of law at t = 0 has the shape (1,); expected (3,)" in err
+    assert "the output of law at t = 0 has the shape (1,); expected (3,)" in call.refused("sim", "bad", status=1)
 
 
-def test_gain_reduction_and_response(folder, monkeypatch):
-    assert run(folder, monkeypatch, "spacntrl", "robotinvlin", "--omega", 28, "--damping", 0.85)[0] == 0
+def test_gain_reduction_and_response(folder):
+    call.done("spacntrl", "robotinvlin", "--omega", 28, "--damping", 0.85)
     before, after = read_ltv(folder / "robotinvlin")[0], read_ltv(folder / "robotinvlinkp")[0]
     assert after.k0b - before.k0b == pytest.approx(28.0**2 * before.m0, abs=1e-8)
     assert np.array_equal(after.B, before.B)
-    status, out, _ = run(folder, monkeypatch, "mrltv", "robotinvlinkp", 2)
-    assert status == 0
+    out = call.done("mrltv", "robotinvlinkp", 2).out
     assert "kept: modes 1 (" in out
     assert "quasi-static: modes 3 (" in out
     assert read_ltv(folder / "robotinvlinkpmr")[0].A.shape == (141, 4, 4)
-    assert run(folder, monkeypatch, "ltv", "robotinvlinkpmr", "-o", "r.npz")[0] == 0
+    call.done("ltv", "robotinvlinkpmr", "-o", "r.npz")
     assert np.load(folder / "r.npz")["z"].shape == (141, 4)
 
 
-def test_gain_from_numbers_and_from_a_function(folder, monkeypatch):
+def test_gain_from_numbers_and_from_a_function(folder):
     (folder / "gains.py").write_text("calls = []\ndef kp(step):\n    return [[step, 0, 0], [0, 2, 0], [0, 0, 3]]\n")
-    assert run(folder, monkeypatch, "spacntrl", "robotinvlin", "--kp", "gains.py:kp", "-o", "f.ltv")[0] == 0
-    assert run(folder, monkeypatch, "spacntrl", "robotinvlin", "--kp", "7,2,3", "-o", "n.ltv")[0] == 0
+    call.done("spacntrl", "robotinvlin", "--kp", "gains.py:kp", "-o", "f.ltv")
+    call.done("spacntrl", "robotinvlin", "--kp", "7,2,3", "-o", "n.ltv")
     f, n, before = (read_ltv(folder / name)[0].k0b for name in ("f.ltv", "n.ltv", "robotinvlin.ltv"))
     assert (f - before)[:, 0, 0] == pytest.approx(np.arange(1, 142), abs=1e-9)
     assert f[6] == pytest.approx(n[6], abs=1e-9)
@@ -145,44 +139,40 @@ def test_gain_from_numbers_and_from_a_function(folder, monkeypatch):
         (("--kp", "gains.py:none"), "does not define a function none"),
         ((), "give either --kp or --omega"),
     ):
-        status, _, err = run(folder, monkeypatch, "spacntrl", "robotinvlin", *words)
-        assert status == 2
-        assert why in err
+        assert why in call.refused("spacntrl", "robotinvlin", *words)
 
 
 @pytest.mark.parametrize("raised", ["SystemExit(3)", "GeneratorExit", "IndexError('a')"])
-def test_a_function_of_gains_that_fails(folder, monkeypatch, raised):
+def test_a_function_of_gains_that_fails(folder, raised):
     (folder / "gains.py").write_text(f"def kp(step):\n    if step > 2: raise {raised}\n    return 3 * [3 * [0.0]]\n")
-    status, _, err = run(folder, monkeypatch, "spacntrl", "robotinvlin", "--kp", "gains.py:kp")
-    assert status == 1
+    err = call.refused("spacntrl", "robotinvlin", "--kp", "gains.py:kp", status=1)
     assert f"error: gains.py:kp failed at step 3: {raised.split('(')[0]}" in err
 
 
 # -- mode 3 finds mode 2 --------------------------------------------------------------------------------------------
-def test_missing_stale_and_named_setpoints(folder, monkeypatch, tmp_path):
+def test_missing_stale_and_named_setpoints(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
     for name in ("robotinvlin.dat", "robotinv.dat"):
         shutil.copy(DATA / name, tmp_path)
-    status, _, err = run(tmp_path, monkeypatch, 3, "robotinvlin")
-    assert status == 2
+    err = call.refused(3, "robotinvlin")
     assert "no mode 2 result to linearize along for robotinvlin.dat" in err
     assert "robotinvli.sbd" in err
-    assert run(tmp_path, monkeypatch, 2, "robotinv")[0] == 0
+    call.done(2, "robotinv")
     text = (tmp_path / "robotinv.dat").read_text()
     (tmp_path / "robotinv.dat").write_text(text.replace("XM 8 30.", "XM 8 31."))
-    status, _, err = run(tmp_path, monkeypatch, 3, "robotinvlin")
-    assert status == 2
+    err = call.refused(3, "robotinvlin")
     assert "the mode 2 result is stale" in err
     assert "--setpoints robotinv" in err
-    assert run(tmp_path, monkeypatch, 3, "robotinvlin", "--setpoints", "robotinv")[0] == 0
+    call.done(3, "robotinvlin", "--setpoints", "robotinv")
     assert "has changed since" in (tmp_path / "robotinvlin.log").read_text()
 
 
-def test_other_mechanism_is_refused(folder, monkeypatch, tmp_path):
+def test_other_mechanism_is_refused(made, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
     for name in ("robotinv.sbd", "robotinv.ltv", "robotinv.dat", "robotinvlin.dat"):
-        shutil.copy(folder / name, tmp_path)
+        shutil.copy(made / name, tmp_path)
     text = (tmp_path / "robotinvlin.dat").read_text()
     (tmp_path / "robotinvlin.dat").write_text(text.replace("HINGE 3 6 7", "HINGE 3 7 6"))
-    status, _, err = run(tmp_path, monkeypatch, 3, "robotinvlin")
-    assert status == 2
+    err = call.refused(3, "robotinvlin")
     assert "mechanism" in err
     assert "element 3 is HINGE with nodes 7 6 here, HINGE with nodes 6 7 there" in err
