@@ -64,6 +64,21 @@ class Linear(Problem):
         return self.a, np.zeros(len(self.a))
 
 
+class ProtheroRobinson(Problem):
+    """y' = -rate (y - cos t) - sin t: from y = 1 the solution is cos t."""
+
+    n_positions = 0
+
+    def __init__(self, rate: float) -> None:
+        self.rate = rate
+
+    def rhs(self, t: float, y: np.ndarray) -> np.ndarray:
+        return np.array([-self.rate * (y[0] - np.cos(t)) - np.sin(t)])
+
+    def jacobian(self, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return np.array([[-self.rate]]), np.array([-self.rate * np.sin(t) - np.cos(t)])
+
+
 @cache
 def pendulum_reference(end: float) -> tuple[float, float]:
     """State of the pendulum at `end` by a Taylor series method of mpmath, good to about 20 digits."""

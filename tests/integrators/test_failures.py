@@ -7,7 +7,7 @@ from spacar.errors import AnalysisError
 from spacar.integrators import METHODS, Problem, integrate
 from spacar.integrators.methods import AUTOMATIC
 
-from .integrator_models import Pendulum
+from .integrator_models import Linear, Pendulum
 
 VARIABLE = [c for c, m in METHODS.items() if m.variable_step]
 EXPLICIT_FIXED = [130, 140, 220]
@@ -108,14 +108,15 @@ def test_errors_of_the_problem_reduce_the_step(code):
     np.testing.assert_allclose(outputs[-1].y, plain[-1].y, atol=2e-3)
 
 
+class Wall(Pendulum):
+    def rhs(self, t, y):
+        if t > 0.5:
+            raise AnalysisError("the mass matrix is singular", "dynamics.singular", element=7)
+        return super().rhs(t, y)
+
+
 @pytest.mark.parametrize("code", VARIABLE)
 def test_errors_of_the_problem_are_raised_with_time_when_reduction_does_not_help(code):
-    class Wall(Pendulum):
-        def rhs(self, t, y):
-            if t > 0.5:
-                raise AnalysisError("the mass matrix is singular", "dynamics.singular", element=7)
-            return super().rhs(t, y)
-
     with pytest.raises(AnalysisError, match=r"the mass matrix is singular.*at t = 0.[45]") as failure:
         list(integrate(Wall(), Pendulum.y0, [0.0, 1.0], code))
     assert failure.value.code == "dynamics.singular"
@@ -126,12 +127,6 @@ def test_errors_of_the_problem_are_raised_with_time_when_reduction_does_not_help
 
 @pytest.mark.parametrize("code", [*EXPLICIT_FIXED, 320, 430])
 def test_errors_of_the_problem_are_raised_with_time_in_fixed_steps(code):
-    class Wall(Pendulum):
-        def rhs(self, t, y):
-            if t > 0.5:
-                raise AnalysisError("the mass matrix is singular", "dynamics.singular")
-            return super().rhs(t, y)
-
     with pytest.raises(
         AnalysisError, match=r"singular.*stopped at t = 0\.5 s with step size 0\.05 s"
     ) as failure:
@@ -182,14 +177,8 @@ def test_impossible_tolerance_is_reported(code):
 
 @pytest.mark.parametrize("code", [220, 225, 255])
 def test_second_order_codes_refuse_kinematic_coordinates(code):
-    class Rolling(Problem):
-        n_positions = 2
-
-        def rhs(self, t, y):
-            return np.zeros(3)
-
     with pytest.raises(AnalysisError, match=r"kinematic coordinates.*use INTEGRAT 0") as failure:
-        integrate(Rolling(), np.zeros(3), [0.0, 1.0], code)
+        integrate(Linear(np.zeros((3, 3)), n_positions=2), np.zeros(3), [0.0, 1.0], code)
     assert failure.value.code == "integrator.second-order"
 
 
@@ -228,22 +217,10 @@ def test_newton_renews_the_jacobian_once():
 
 @pytest.mark.parametrize("code", [310, 330, 430])
 def test_singular_iteration_matrix_is_reported(code):
-    class Growth(Problem):
-        n_positions = 0
-
-        def __init__(self, rate):
-            self.rate = rate
-
-        def rhs(self, t, y):
-            return self.rate * y
-
-        def jacobian(self, t, y):
-            return np.array([[self.rate]]), np.zeros(1)
-
     gamma = 1.0 if code == 310 else 0.43586652150845900
     rate = 1.0 / gamma
     while 1.0 - gamma * rate != 0.0:
         rate = np.nextafter(rate, 0.0 if gamma * rate > 1.0 else 9.0)
     with pytest.raises(AnalysisError, match=r"iteration matrix.*singular at t = 0 s") as failure:
-        list(integrate(Growth(rate), np.ones(1), [0.0, 1.0], code, step=1.0))
+        list(integrate(Linear([[rate]], n_positions=0), np.ones(1), [0.0, 1.0], code, step=1.0))
     assert failure.value.code == "integrator.singular"

@@ -9,7 +9,7 @@ from spacar.integrators import METHODS, Problem, integrate
 from spacar.integrators.collocation import radau
 from spacar.integrators.problem import Evaluation, Tolerance
 
-from .integrator_models import Linear, Pendulum
+from .integrator_models import Linear, Pendulum, ProtheroRobinson
 
 CODES = (553, 595)
 STAGES = {553: 3, 595: 5}
@@ -55,18 +55,9 @@ def test_order_conditions_and_transformation(s):
 @pytest.mark.parametrize("code", CODES)
 @pytest.mark.parametrize("rate", [1e2, 1e6, 1e9])
 def test_prothero_robinson(code, rate):
-    """y' = -rate (y - cos t) - sin t from cos 0: an explicit method needs rate * 10 / 3 steps."""
-
-    class Stiff(Problem):
-        n_positions = 0
-
-        def rhs(self, t, y):
-            return np.array([-rate * (y[0] - np.cos(t)) - np.sin(t)])
-
-        def jacobian(self, t, y):
-            return np.array([[-rate]]), np.array([-rate * np.sin(t) - np.cos(t)])
-
-    outputs = list(integrate(Stiff(), np.array([1.0]), np.linspace(0.0, 10.0, 11), code, atol=1e-7, rtol=1e-7))
+    """An explicit method needs rate * 10 / 3 steps."""
+    problem, times = ProtheroRobinson(rate), np.linspace(0.0, 10.0, 11)
+    outputs = list(integrate(problem, np.array([1.0]), times, code, atol=1e-7, rtol=1e-7))
     error = max(abs(o.y[0] - np.cos(o.t)) for o in outputs)
     assert error < 2e-6  # ten times atol + rtol |y|
     assert sum(o.work.n_steps for o in outputs) < 500
