@@ -67,20 +67,15 @@ def test_a_dead_point_in_the_first_steps_is_seen(error, monkeypatch):
 
 
 @pytest.mark.parametrize("integrator", [-1, 0, 155])
-def test_the_frame_of_the_start_stays_when_nothing_behind_it_can_be_evaluated(integrator, tmp_path):
-    """An exception of the user function at every later time."""
-    path = pushed(tmp_path, "return t, [], [[2, 1, 0.0 / (t == 0.0)]]")
+@pytest.mark.parametrize(("body", "error", "said"), [
+    ("return t, [], [[2, 1, 0.0 / (t == 0.0)]]", AnalysisError, "ZeroDivisionError"),
+    ("if t > 0.0: raise KeyboardInterrupt\n    return t, [], []", KeyboardInterrupt, None),
+], ids=["exception", "interruption"])  # fmt: skip
+def test_the_frame_of_the_start_stays_when_nothing_behind_it_can_be_evaluated(body, error, said, integrator, tmp_path):
+    """An exception of the user function at every later time, and an interruption, which is heard."""
+    path = pushed(tmp_path, body)
     times = []
-    with pytest.raises(AnalysisError, match="ZeroDivisionError"):
-        times.extend(frame.t for frame in spacar.frames(1, path, integrator=integrator))
-    assert times == [0.0]
-
-
-@pytest.mark.parametrize("integrator", [-1, 0, 155])
-def test_an_interruption_behind_the_start_is_heard(integrator, tmp_path):
-    path = pushed(tmp_path, "if t > 0.0: raise KeyboardInterrupt\n    return t, [], []")
-    times = []
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(error, match=said):
         times.extend(frame.t for frame in spacar.frames(1, path, integrator=integrator))
     assert times == [0.0]
 

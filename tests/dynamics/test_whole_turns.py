@@ -77,13 +77,9 @@ def test_belts_in_lanes() -> None:
 @pytest.mark.parametrize("turns", [3.0, -40.0])
 def test_released_hinge_and_screw(turns: float, compiled: bool) -> None:
     """A screw beside a driven hinge: the nut moves by the pitch times the angle, whole turns included."""
-    rows = [
-        ("HINGE", 1, 2, 4, 0.0, 0.6, 0.8), ("SCREW", 2, 1, 2, 3, 4, 0.0, 0.6, 0.8, 0.01), ("X", 3, 0.0, 0.3, 0.4),
-        ("FIX", 1), ("FIX", 2), ("INPUTE", 1, 1), ("RLSE", 2, 1, 5, 6),
-    ]  # fmt: skip
     angle = 2 * np.pi * turns
     dynamics = [("INPUTE", 1, 1, 0.0, angle, 0.0), ("TIMESTEP", 1.0, 8)]
-    r = spacar.run(1, Deck.build(rows, dynamics), compiled=compiled)
+    r = spacar.run(1, Deck.build(DRIVEN["screw"], dynamics), compiled=compiled)
     np.testing.assert_allclose(r.element(2, 1), angle * r.t, rtol=0, atol=1e-12 * abs(angle))
     moved = np.hypot(r.node(3, 2) - 0.3, r.node(3, 3) - 0.4)
     np.testing.assert_allclose(moved, 0.01 * abs(angle) * r.t, rtol=0, atol=1e-13 * abs(angle))

@@ -45,18 +45,16 @@ def orders(found):
     return np.log2(found[:-1] / found[1:])
 
 
-def test_a_fixed_plane_is_of_second_order(rod):
-    """The twist gradient needs the moment of the rigid plane, which is a multiplier: it is left out."""
-    found = errors(rod, 0.0, (2, 4, 8))
-    np.testing.assert_allclose(orders(found), (1.87, 1.97), atol=0.03)
-    np.testing.assert_allclose(found, (2.48e-3, 6.77e-4, 1.73e-4), rtol=5e-3)
-
-
-def test_a_stiff_plane_is_of_fourth_order(rod):
-    """With EIy = 1e7 EIz instead, 1.6e-8 from the rigid plane: 300 times more accurate with eight beams."""
-    found = errors(rod, 1e7, (2, 4, 8))
-    np.testing.assert_allclose(orders(found), (3.88, 3.97), atol=0.05)
-    np.testing.assert_allclose(found, (1.99e-4, 1.35e-5, 8.6e-7), rtol=3e-2)
+@pytest.mark.parametrize(("EIy", "order", "atol", "error", "rtol"), [
+    # the twist gradient needs the moment of the rigid plane, which is a multiplier: it is left out
+    (0.0, (1.87, 1.97), 0.03, (2.48e-3, 6.77e-4, 1.73e-4), 5e-3),
+    # EIy = 1e7 EIz instead, 1.6e-8 from the rigid plane: 300 times more accurate with eight beams
+    (1e7, (3.88, 3.97), 0.05, (1.99e-4, 1.35e-5, 8.6e-7), 3e-2),
+], ids=["fixed plane", "stiff plane"])  # fmt: skip
+def test_the_order_with_a_plane_that_does_not_bend(rod, EIy, order, atol, error, rtol):
+    found = errors(rod, EIy, (2, 4, 8))
+    np.testing.assert_allclose(orders(found), order, atol=atol)
+    np.testing.assert_allclose(found, error, rtol=rtol)
 
 
 def test_a_stiff_plane_tends_to_the_rigid_one(rod):

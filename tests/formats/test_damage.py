@@ -5,7 +5,6 @@ import struct
 import subprocess
 import sys
 import time
-import zlib
 from contextlib import suppress
 
 import numpy as np
@@ -17,6 +16,7 @@ from spacar_formats.locate import incomplete_note
 from spacar_formats.sbf import SbfError, SbfFile
 
 from spacar.errors import UsageError
+from tests.fuzz.cases import repaired
 
 from .samples import VECTOR, sbd, vector_file
 
@@ -29,20 +29,6 @@ def read_everything(path):
     with SbfFile(path) as file:
         incomplete_note(file)
         return {ident: file.get(ident) for ident in file.ids}
-
-
-def repaired(raw: bytes) -> bytes:
-    """The same bytes with right checksums in front of the steps: only the structure betrays the damage."""
-    out = bytearray(raw)
-    tdef, data = struct.unpack_from("<QQ", out, 24)
-    if 64 <= tdef <= data - 48 and data <= len(out):
-        body = bytearray(out[64:data])
-        body[tdef - 64 + 24 : tdef - 64 + 32] = bytes(8)
-        struct.pack_into("<I", out, 56, zlib.crc32(body))
-    covered = bytearray(out[:60])
-    covered[13] = 0
-    struct.pack_into("<I", out, 60, zlib.crc32(covered))
-    return bytes(out)
 
 
 @pytest.mark.parametrize("at", COVERED)

@@ -169,8 +169,8 @@ def _damaged(rng: random.Random, raw: bytes) -> bytes:
     return repaired(bytes(out), stride)
 
 
-def repaired(raw: bytes, stride: int) -> bytes:
-    """The same bytes with right checksums, as far as the offsets allow."""
+def repaired(raw: bytes, stride: int = 0) -> bytes:
+    """The same bytes with right checksums, those of steps of `stride` bytes too, as far as the offsets allow."""
     out = bytearray(raw)
     tdef, data = struct.unpack_from("<QQ", out, 24)
     if 64 <= tdef <= data - 48 and data <= len(out):

@@ -12,6 +12,7 @@ from spacar.mechanism import Mechanism, build
 G = 9.81
 BAR = (("PLRBEAM", 1, 1, 2, 3), ("X", 3, 2.0, 0.0))
 BODY = (("RBEAM", 1, 1, 2, 3, 0.0, 1.0, 0.0), ("X", 3, 2.0, 0.0, 0.0))
+SLIDER = (("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2))
 
 
 def mechanism(rows: tuple, dynamics: tuple = ()) -> Mechanism:
@@ -115,23 +116,20 @@ def test_forces_on_one_node_of_a_spatial_body_fall_with_g() -> None:
 
 def test_preload_of_a_spring() -> None:
     """ESIG 7 N in a released truss on a mass of 2 kg: the mass accelerates with -3.5 m/s^2."""
-    rows = (("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1))
-    r = initial(rows, (("XM", 2, 2.0), ("ESIG", 1, 7.0)))
+    r = initial((*SLIDER, ("DYNE", 1)), (("XM", 2, 2.0), ("ESIG", 1, 7.0)))
     assert r.node(2, 1, "xdd")[0] == pytest.approx(-3.5, rel=1e-14)
     assert r.element(1, 1, "sig")[0] == pytest.approx(7.0, rel=1e-14)
 
 
 def test_preload_of_a_fixed_deformation_has_no_effect() -> None:
-    rows = (("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2))
-    r = initial(rows, (("XF", 2, 5.0, 0.0), ("ESIG", 1, 7.0)))
+    r = initial(SLIDER, (("XF", 2, 5.0, 0.0), ("ESIG", 1, 7.0)))
     assert r.element(1, 1, "sig")[0] == pytest.approx(5.0, rel=1e-14)
 
 
 # -- inertia -------------------------------------------------------------------------------------------------------
 def test_mee_adds_inertia_to_a_deformation() -> None:
     """Spring-mass with m = 2 and MEE 3 on the elongation: (2 + 3) a = F."""
-    rows = (("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1))
-    r = initial(rows, (("XM", 2, 2.0), ("MEE", 1, 1, 3.0), ("XF", 2, 10.0)))
+    r = initial((*SLIDER, ("DYNE", 1)), (("XM", 2, 2.0), ("MEE", 1, 1, 3.0), ("XF", 2, 10.0)))
     assert r.node(2, 1, "xdd")[0] == pytest.approx(2.0, rel=1e-14)
 
 
@@ -153,8 +151,7 @@ def test_mee_couples_two_deformations_symmetrically() -> None:
 
 
 def test_mee_on_a_prescribed_deformation_shows_in_the_driving_stress() -> None:
-    rows = (("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2), ("INPUTE", 1))
-    r = initial(rows, (("XM", 2, 2.0), ("MEE", 1, 1, 3.0), ("INPUTE", 1, 1, 0.0, 0.0, 4.0)))
+    r = initial((*SLIDER, ("INPUTE", 1)), (("XM", 2, 2.0), ("MEE", 1, 1, 3.0), ("INPUTE", 1, 1, 0.0, 0.0, 4.0)))
     # force on the mass: -sigma = m a + M_e a, so sigma = -(2 + 3) 4
     assert r.element(1, 1, "sig")[0] == pytest.approx(-20.0, rel=1e-14)
 
@@ -194,8 +191,7 @@ def test_the_start_value_of_a_position_is_its_place() -> None:
 
 
 def test_polynomial_drive() -> None:
-    rows = (("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2), ("INPUTE", 1))
-    r = spacar.run(1, Deck.build(rows, (("INPUTE", 1, 1, 0.1, 2.0, -6.0), ("TIMESTEP", 1.0, 10))))
+    r = spacar.run(1, Deck.build((*SLIDER, ("INPUTE", 1)), (("INPUTE", 1, 1, 0.1, 2.0, -6.0), ("TIMESTEP", 1.0, 10))))
     t = np.linspace(0, 1, 11)
     np.testing.assert_allclose(r.element(1, 1), 0.1 + 2 * t - 3 * t**2, atol=1e-15)
     np.testing.assert_allclose(r.element(1, 1, "ed"), 2 - 6 * t, atol=1e-14)
@@ -217,8 +213,7 @@ def test_settings_have_the_defaults_of_the_manual() -> None:
 
 
 def test_without_timestep_only_the_initial_state() -> None:
-    rows = (("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1))
-    r = initial(rows, (("XM", 2, 2.0), ("ESTIFF", 1, 8.0), ("STARTDE", 1, 1, 0.5, 0.0)))
+    r = initial((*SLIDER, ("DYNE", 1)), (("XM", 2, 2.0), ("ESTIFF", 1, 8.0), ("STARTDE", 1, 1, 0.5, 0.0)))
     assert r.t.tolist() == [0.0]
     assert r.node(2, 1, "xdd")[0] == pytest.approx(-2.0, rel=1e-14)
 
