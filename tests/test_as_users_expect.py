@@ -12,16 +12,6 @@ from tests.command_line import call
 from tests.examples import DATA
 
 
-@pytest.fixture(scope="module")
-def crank():
-    return spacar.run(1, DATA / "crank.dat", duration=0.02, n_steps=4)
-
-
-@pytest.fixture(scope="module")
-def cantilever():
-    return spacar.run(7, DATA / "plbeam5.dat")
-
-
 def test_a_result_prints_ten_lines(crank, cantilever):
     for result in (crank, cantilever, spacar.run(10, DATA / "lateral4.dat"), spacar.run(0, DATA / "trike2.dat")):
         assert len(repr(result).splitlines()) <= 10

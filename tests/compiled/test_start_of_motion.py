@@ -13,15 +13,9 @@ from spacar.forward import motion as forward
 from spacar.frame import StoredFrames
 
 from .other_ways import OneByOne, take
+from .test_output_block import SLIDER, UPRIGHT
 
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
-
-R, L = 0.15, 0.35
-UPRIGHT = float(np.sqrt(L**2 - R**2))
-SLIDER = [
-    ("PLRBEAM", 1, 1, 2, 3), ("PLRBEAM", 2, 3, 4, 5), ("X", 3, 0.0, R), ("X", 5, UPRIGHT, 0.0), ("FIX", 1),
-    ("FIX", 5, 2), ("DYNX", 5, 1),
-]  # fmt: skip
 
 
 def slider(duration, steps, *more):

@@ -23,6 +23,8 @@ def failure(deck: Deck, mode: int = 1) -> AnalysisError:
 
 
 PLANAR = [("PLBEAM", 1, 1, 2, 3, 4), ("X", 3, 1.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1, 2, 3)]
+SPRING = [("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1)]
+TWO_SPRINGS = [*SPRING, ("PLTRUSS", 2, 2, 3), ("X", 3, 2.0), ("FIX", 3, 2), ("DYNE", 2)]
 SPATIAL = [("BEAM", 1, 1, 2, 3, 4, 0.0, 1.0, 0.0), ("X", 3, 1.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1, 2, 3, 4, 5, 6)]
 
 
@@ -66,9 +68,7 @@ def test_roll_up_with_too_few_elements_has_no_equilibrium() -> None:
 
 
 def test_singular_mass_names_the_motion() -> None:
-    rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 2, 3), ("X", 2, 1.0), ("X", 3, 2.0), ("FIX", 1), ("FIX", 2, 2),
-            ("FIX", 3, 2), ("DYNE", 1), ("DYNE", 2)]  # fmt: skip
-    error = failure(Deck.build(rows, [("XM", 2, 1.0), ("TIMESTEP", 1.0, 10)]))
+    error = failure(Deck.build(TWO_SPRINGS, [("XM", 2, 1.0), ("TIMESTEP", 1.0, 10)]))
     assert error.code == "dynamics.singular-mass"
     assert "element 2 (PLTRUSS) e1 elongation" in str(error)
     assert "element 1 (PLTRUSS)" not in str(error)
@@ -79,16 +79,13 @@ def test_singular_mass_names_the_motion() -> None:
 @pytest.mark.parametrize("mode", [1, 7])
 def test_dependent_masses_are_found_too(mode) -> None:
     """One mass for two degrees of freedom: both have inertia, their difference has none."""
-    rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 2, 3), ("X", 2, 1.0), ("X", 3, 2.0), ("FIX", 1), ("FIX", 2, 2),
-            ("FIX", 3, 2), ("DYNE", 1), ("DYNE", 2)]  # fmt: skip
-    error = failure(Deck.build(rows, [("XM", 3, 1.0), ("TIMESTEP", 1.0, 10)]), mode)
+    error = failure(Deck.build(TWO_SPRINGS, [("XM", 3, 1.0), ("TIMESTEP", 1.0, 10)]), mode)
     assert error.code == "dynamics.singular-mass"
     assert "elongation" in str(error)
 
 
 def test_negative_mass_is_not_positive() -> None:
-    rows = [("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1)]
-    error = failure(Deck.build(rows, [("XM", 2, -1.0), ("TIMESTEP", 1.0, 10)]))
+    error = failure(Deck.build(SPRING, [("XM", 2, -1.0), ("TIMESTEP", 1.0, 10)]))
     assert error.code == "dynamics.singular-mass"
 
 
@@ -117,8 +114,7 @@ def test_the_time_stands_once_whatever_the_words_of_the_cause() -> None:
 
 def test_a_spring_that_explodes() -> None:
     """Negative stiffness and damping: exponential growth until a limit of the element, never inf or nan in a frame."""
-    rows = [("PLTRUSS", 1, 1, 2), ("X", 2, 1.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1)]
     dynamics = [("XM", 2, 1.0), ("ESTIFF", 1, -1e4), ("STARTDE", 1, 1, -0.01, 0.0), ("TIMESTEP", 50.0, 50)]
-    error = failure(Deck.build(rows, dynamics))
+    error = failure(Deck.build(SPRING, dynamics))
     assert "element 1 (PLTRUSS)" in str(error)
     assert "collapsed" in str(error)

@@ -4,13 +4,9 @@ message that says what and where."""
 import numpy as np
 import pytest
 
-import spacar
-from spacar.deck import parse_deck
 from spacar.errors import AnalysisError, SpacarError
 
-
-def run(mode: int, text: str, **options):
-    return spacar.run(mode, parse_deck(text, mode=mode), **options)
+from .test_mechanics import run
 
 
 def crank(rod: float, omega: float, duration: float, steps: int) -> str:

@@ -11,12 +11,9 @@ from spacar.stationary import LoadProgram, StationarySolver
 
 from . import planar_models as models
 from . import rods
+from .test_kinds import run
 
 CROSS_BODY, GUIDE_BODY = (0.1, 0.1), (0.0, 0.1)
-
-
-def run(text: str, mode: int = 8) -> spacar.Result:
-    return spacar.run(mode, parse_deck(text, mode=mode))
 
 
 def walked(text: str, mode: int = 8) -> tuple[list[np.ndarray], StationarySolver]:

@@ -16,11 +16,6 @@ DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
 @pytest.fixture(scope="module")
-def crank():
-    return spacar.run(1, DATA / "crank.dat", duration=0.02, n_steps=4)
-
-
-@pytest.fixture(scope="module")
 def drawn(crank):
     from spacar_drawing.picture_source import source_of_result
 

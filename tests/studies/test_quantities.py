@@ -7,23 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import spacar
 from spacar.errors import UsageError
 from spacar.studies.runs.quantities import quantity
-
-
-@pytest.fixture(scope="module")
-def crank():
-    from tests.examples import DATA
-
-    return spacar.run(1, DATA / "crank.dat", duration=0.02, n_steps=4)
-
-
-@pytest.fixture(scope="module")
-def cantilever():
-    from tests.examples import DATA
-
-    return spacar.run(7, DATA / "plbeam5.dat")
 
 
 def test_numbers_of_a_result(crank):
