@@ -5,19 +5,13 @@ The decks are those of tests/deck/rows.py. All rows share one process for speed;
 family also runs in a process of its own.
 """
 
-import importlib.util
 import re
-from pathlib import Path
 
 import pytest
 
-from .processes import Outcome, many, spacar
+from tests.deck import rows
 
-_SPEC = importlib.util.spec_from_file_location("deck_rows", Path(__file__).parents[1] / "deck" / "rows.py")
-assert _SPEC is not None
-assert _SPEC.loader is not None
-rows = importlib.util.module_from_spec(_SPEC)
-_SPEC.loader.exec_module(rows)
+from .processes import Outcome, many, spacar
 
 FAMILIES = (
     "WORDS",

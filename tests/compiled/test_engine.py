@@ -1,6 +1,5 @@
 """How the engine is built, loaded, chosen and switched off; what log and JSON say of it."""
 
-import importlib.util
 import io
 import json
 import os
@@ -19,6 +18,7 @@ from spacar.compiled.interface import constants
 from spacar.dynamics import loaded_mechanism
 from spacar.elements import definitions
 from spacar.errors import UsageError
+from tests.docs.documents import module_of
 
 HOUSE = Path(__file__).parents[2]
 DATA = HOUSE / "data"
@@ -28,10 +28,7 @@ here = pytest.mark.skipif(library.unavailable() is not None, reason=str(library.
 @pytest.fixture(scope="module")
 def recipe():
     """The build hook as a module."""
-    spec = importlib.util.spec_from_file_location("hatch_build", HOUSE / "hatch_build.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return module_of(HOUSE / "hatch_build.py")
 
 
 @pytest.fixture

@@ -1,19 +1,12 @@
 """Every situation of reference/input-language.md section 10 is reported, with its line, and nothing else goes
 wrong."""
 
-import importlib.util
-from pathlib import Path
-
 import pytest
 
 from spacar.deck import parse_deck
 from spacar.errors import InputError, Message
 
-_SPEC = importlib.util.spec_from_file_location("deck_rows", Path(__file__).with_name("rows.py"))
-assert _SPEC is not None
-assert _SPEC.loader is not None
-rows = importlib.util.module_from_spec(_SPEC)
-_SPEC.loader.exec_module(rows)
+from . import rows
 
 
 def messages_of(text: str, mode: int | None) -> list[Message]:

@@ -12,6 +12,7 @@ every digit that the text speaks about. A command that fails is an error unless 
 
 import contextlib
 import doctest
+import importlib.util
 import io
 import os
 import re
@@ -31,6 +32,15 @@ NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.
 FENCE = re.compile(r"^```(\w*)\s*$")
 FILE = re.compile(r"^<!-- file: (\S+) -->$")
 RELATIVE, ABSOLUTE = 1e-5, 1e-9
+
+
+def module_of(path: Path) -> Any:
+    """A script as a module."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
 
 
 @dataclass(frozen=True)

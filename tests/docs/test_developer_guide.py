@@ -4,7 +4,6 @@ Not executed: that comments say why, that tolerances have a reason, that formula
 a step that only moves code equals its parent (benchmarks/compare_revisions.py), and what speed asks for.
 """
 
-import importlib.util
 import inspect
 import shutil
 import sys
@@ -24,6 +23,8 @@ from spacar.stationary.equilibrium import CompiledEquilibrium
 from spacar.stationary.level_evaluator import ArrayEquilibrium, StaticEquilibrium
 from spacar.studies.side_by_side import copies
 from tests.studies.all_elements import MODELS
+
+from .documents import module_of
 
 HOUSE = Path(__file__).resolve().parents[2]
 GUIDE = (HOUSE / "docs" / "developer.md").read_text("utf-8")
@@ -50,9 +51,7 @@ def test_claims_that_other_tests_execute_are_made_and_tested():
 @pytest.mark.skipif(unavailable() is not None, reason="the walk is that of a run in C")
 @pytest.mark.parametrize(("words", "most"), [("1 crank", 70), ("7 plbeam5", 80)])
 def test_a_run_passes_through_few_files(words, most, tmp_path, monkeypatch):
-    spec = importlib.util.spec_from_file_location("walk", HOUSE / "docs" / "walk.py")
-    walk = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(walk)
+    walk = module_of(HOUSE / "docs" / "walk.py")
     mode, name = words.split()
     shutil.copy(HOUSE / "data" / f"{name}.dat", tmp_path)
     monkeypatch.chdir(tmp_path)

@@ -1,23 +1,15 @@
 """The gallery shows every example of `data/`, with a picture that exists and commands that name the example."""
 
-import importlib.util
 import re
 from pathlib import Path
 
 import pytest
 
+from .documents import module_of
+
 HOUSE = Path(__file__).resolve().parents[2]
 DOCS = HOUSE / "docs"
-
-
-def load_figures():
-    spec = importlib.util.spec_from_file_location("docs_figures", DOCS / "figures.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-FIGURES = load_figures()
+FIGURES = module_of(DOCS / "figures.py")
 ENTRIES = FIGURES.gallery(DOCS / "gallery.md")
 
 

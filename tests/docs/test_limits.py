@@ -1,22 +1,14 @@
 """docs/limits.md is made by docs/limits.py: every limit of the program with its present number."""
 
-import importlib.util
 import re
 from pathlib import Path
+
+from .documents import module_of
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 PAGE = (DOCS / "limits.md").read_text(encoding="utf-8")
 MAKE = "run: python docs/limits.py > docs/limits.md"
-
-
-def load():
-    spec = importlib.util.spec_from_file_location("docs_limits", DOCS / "limits.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-LIMITS = load()
+LIMITS = module_of(DOCS / "limits.py")
 
 
 def rows(text: str) -> set[tuple[str, str, str]]:

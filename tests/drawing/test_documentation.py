@@ -1,12 +1,13 @@
 """Every option of the drawing commands is in docs/drawing.md, and every picture there is made by docs/figures.py."""
 
-import importlib.util
 import re
 from importlib import import_module
 from pathlib import Path
 
 import click
 import pytest
+
+from tests.docs.documents import module_of
 
 DOCS = Path(__file__).parents[2] / "docs"
 TEXT = (DOCS / "drawing.md").read_text("utf-8")
@@ -29,9 +30,7 @@ def test_every_setting_is_documented():
 
 
 def test_pictures_exist_and_are_made_by_the_script():
-    spec = importlib.util.spec_from_file_location("figures", DOCS / "figures.py")
-    figures = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(figures)
+    figures = module_of(DOCS / "figures.py")
     shown = set(re.findall(r"\(pictures/([\w.-]+)\)", TEXT))
     assert shown <= set(figures.FIGURES) | set(figures.DRAWN)
     assert {p.name for p in (DOCS / "pictures").iterdir()} == figures.pictures()

@@ -1,9 +1,7 @@
 """Sensitivities as a user meets them: the values are those of the modes, the command, the page, the optimization."""
 
 import csv
-import importlib.util
 import json
-import sys
 from pathlib import Path
 from types import ModuleType
 
@@ -22,6 +20,7 @@ from spacar.mechanism.build import along, build
 from spacar.sensitivities.directed_elements import DirectedElements
 from spacar.sensitivities.step_quantities import STRESSES
 from spacar.stationary import LoadLevel
+from tests.docs.documents import module_of, run_document
 from tests.linear import linear_models
 
 from .difference_truth import agree, values_of
@@ -233,13 +232,7 @@ def test_notes_go_to_standard_error(capsys: pytest.CaptureFixture[str], tmp_path
 # -- the optimization ------------------------------------------------------------------------------------------------
 @pytest.fixture(scope="module")
 def example() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("optimize_guide", HOUSE / "docs" / "optimize_guide.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+    return module_of(HOUSE / "docs" / "optimize_guide.py")
 
 
 def test_derivatives_of_the_example(example: ModuleType) -> None:
@@ -267,6 +260,4 @@ def test_the_optimization_needs_a_tenth_of_the_analyses(example: ModuleType) -> 
 
 
 def test_the_page(tmp_path: Path) -> None:
-    from tests.docs.documents import run_document
-
     assert run_document(HOUSE / "docs" / "sensitivity.md", tmp_path).commands >= 3
