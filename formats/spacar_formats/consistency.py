@@ -8,8 +8,8 @@ sections 4 to 6). Variables that are not there are not asked for.
 import numpy as np
 
 from spacar.modes import MODES
-from spacar_formats.sbf import SbfError, SbfFile
-from spacar_formats.sbf.record_layout import INTEGER, TEXT
+from spacar_formats.sbf import SbfFile
+from spacar_formats.sbf.record_layout import INTEGER, TEXT, require
 
 COORDINATES = ("X", "XD", "XDD", "FX", "FXGRAV", "FXT")
 DEFORMATIONS = ("E", "ED", "EDD", "SIG")
@@ -42,8 +42,7 @@ class _Tables:
         self.file, self.header, self.steps = file, file.header_records, file.step_records
 
     def require(self, right: bool, text: str) -> None:
-        if not right:
-            raise SbfError(f"{self.file.path} is damaged: {text}")
+        require(right, self.file.path, text)
 
     def whole(self, ident: str) -> np.ndarray | None:
         """A table of whole numbers, None when it is not there."""

@@ -37,10 +37,7 @@ def repinsbf(
             head = bytearray(file.head())
             head[record.offset : record.offset + len(payload)] = payload
             body = bytes(head[PREAMBLE.size :])
-            first = preamble(
-                file.kind, file.state, where.tdef_offset, where.data_offset, where.stride, len(where.steps), body
-            )
-            at, new = 0, first + body
+            at, new = 0, preamble(file.kind, file.state, where.tdef_offset, where.stride, body) + body
         else:
             chosen = file.step_indices(step)
             file.check_steps(chosen)

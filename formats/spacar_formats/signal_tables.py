@@ -16,6 +16,7 @@ Time histories as `.npz`, `.mat` or `.csv` files: what `spacar sim`, `ltv` and `
 import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -30,7 +31,8 @@ from spacar.simulation.diagram import wired_names
 from spacar.simulation.response import Response
 from spacar_formats.exports import export_to, to_csv, to_mat, to_npz
 from spacar_formats.safety import Claim
-from spacar_formats.sbf import SbfError, SbfFile
+from spacar_formats.sbf import SbfFile
+from spacar_formats.sbf.record_layout import require
 from spacar_formats.sinks import write_steps
 
 KIND = re.compile(r"(?:IN|OUT|NOM|REF|INPUT)(E|X|S|F)(DP|P|S)? ")
@@ -141,8 +143,7 @@ def read_table(file: SbfFile) -> SignalTable | None:
         return None
     lines = [str(line).partition("\t") for line in file.header["SIGNAME"]]
     values = file.array("SIGNAL").reshape(file.steps, -1)
-    if len(lines) != values.shape[1]:
-        raise _damaged(file, f"has {values.shape[1]} signals and {len(lines)} names")
+    require(len(lines) == values.shape[1], file.path, f"has {values.shape[1]} signals and {len(lines)} names")
     panels = [
         _panel(file, number, str(line), values.shape[1])
         for number, line in enumerate(file.header["SCOPES"] if file.has("SCOPES") else (), 1)
@@ -152,21 +153,18 @@ def read_table(file: SbfFile) -> SignalTable | None:
 
 def _panel(file: SbfFile, number: int, line: str, count: int) -> Panel:
     """What a line of SCOPES says, whoever wrote it. Raises SbfError."""
-    try:
+    parts: list[Any] = [None] * 4
+    with suppress(ValueError, KeyError, TypeError, RecursionError):
         found = json.loads(line)
-        title, unit, columns, labels = (found[key] for key in ("title", "unit", "columns", "labels"))
-    except (ValueError, KeyError, TypeError, RecursionError):
-        raise _damaged(file, f"line {number} of SCOPES is no description of a scope") from None
+        parts = [found[key] for key in ("title", "unit", "columns", "labels")]
+    title, unit, columns, labels = parts
     texts = [title, unit, *labels] if isinstance(labels, list) else [None]
-    if not all(isinstance(text, str) for text in texts) or not isinstance(columns, list):
-        raise _damaged(file, f"line {number} of SCOPES is no description of a scope")
-    if not all(type(k) is int and 1 <= k <= count for k in columns) or len(columns) != len(labels):
-        raise _damaged(file, f"line {number} of SCOPES needs a label and a signal from 1 to {count} for every curve")
+    right = isinstance(columns, list) and all(isinstance(text, str) for text in texts)
+    require(right, file.path, f"line {number} of SCOPES is no description of a scope")
+    right = all(type(k) is int and 1 <= k <= count for k in columns) and len(columns) == len(labels)
+    text = f"line {number} of SCOPES needs a label and a signal from 1 to {count} for every curve"
+    require(right, file.path, text)
     return Panel(title, tuple(k - 1 for k in columns), tuple(labels), unit)
-
-
-def _damaged(file: SbfFile, what: str) -> SbfError:
-    return SbfError(f"{file.path} is damaged: {what}")
 
 
 def write_table(stem: Path, t: Sequence[float] | np.ndarray, table: SignalTable, source: Path) -> Path:

@@ -20,7 +20,8 @@ from spacar.linear.eigen import modes_of_matrices
 from spacar.linear.eigenmodes import Modes
 from spacar.linear.lowest import WANTED
 from spacar_formats.locate import notes, open_result
-from spacar_formats.sbf import SbfError, SbfFile
+from spacar_formats.sbf import SbfFile
+from spacar_formats.sbf.record_layout import require
 from spacar_formats.sparse_system import descriptor_beside
 
 GROWS = 1e-6  # of the largest modulus: real parts beyond it are a growing motion, values that differ less a pair
@@ -164,8 +165,8 @@ def _stored(file: SbfFile, step: int) -> Vibration:
 def modes_of_stored_matrices(file: SbfFile, step: int, report: Report) -> Modes:
     """Modes of the matrices of a step. Raises SbfError when they hold numbers that are not finite."""
     M, C, D, K, N, G = (file.array(k, step) for k in ("m0", "c0", "d0", "k0", "n0", "g0"))
-    if not all(np.isfinite(part).all() for part in (M, C, D, K, N, G)):
-        raise SbfError(f"{file.path} is damaged: a matrix of step {step} holds numbers that are not finite")
+    finite = all(np.isfinite(part).all() for part in (M, C, D, K, N, G))
+    require(finite, file.path, f"a matrix of step {step} holds numbers that are not finite")
     n, ns = K.shape
     kinematic = (file.array("ak0", step), file.array("bk0", step)) if file.has("ak0") else None
     ak0, bk0 = kinematic or (np.eye(ns, n), np.zeros((ns, ns)))

@@ -177,11 +177,13 @@ def build(kind: str, header: Mapping[str, Value], step_variables: Mapping[str, t
     stride = offset + TRAILER.size
     parts.append(Record("TDAT", INTEGER, TDAT, 0, 0, stride).pack())
     body = b"".join(parts)
-    return preamble(kind, WRITING, tdef_offset, PREAMBLE.size + len(body), stride, len(step_variables), body) + body
+    return preamble(kind, WRITING, tdef_offset, stride, body) + body
 
 
-def preamble(kind: str, state: int, tdef_offset: int, data_offset: int, stride: int, count: int, body: bytes) -> bytes:
+def preamble(kind: str, state: int, tdef_offset: int, stride: int, body: bytes) -> bytes:
     """The first 64 bytes; `body` are the bytes from 64 up to the data offset, for their checksum."""
+    data_offset = PREAMBLE.size + len(body)
+    count = (data_offset - tdef_offset) // RECORD.size - 2  # without TDEF and TDAT
     fields = (MAGIC, *VERSION, KINDS[kind], 0, 0, PREAMBLE.size, tdef_offset, data_offset, stride, count)
     first = PREAMBLE.pack(*fields, directory_crc(body, tdef_offset), 0)[:60]
     ready = bytearray(first + struct.pack("<I", zlib.crc32(first)))
@@ -196,89 +198,80 @@ def directory_crc(body: bytes | bytearray, tdef_offset: int) -> int:
     return zlib.crc32(body[at + COUNT.size :], zlib.crc32(bytes(COUNT.size), crc))
 
 
-def parse(head: bytes, file_size: int, file: str) -> Directory:
+def parse(head: bytes, file: str) -> Directory:
     """Check and read what is in front of the step blocks.
 
     `head` are the first bytes of the file, up to the data offset (see `data_offset_of`). Raises SbfError.
     """
     (_, _, _, kind, state, _, first, tdef, data, stride, count, crc, _) = PREAMBLE.unpack_from(head)
-    if kind not in KIND_NAMES or state not in (WRITING, COMPLETE, STOPPED):
-        raise _damaged(file, f"kind {kind} and state {state} in the preamble are not known")
-    if first != PREAMBLE.size or not first <= tdef <= data - 2 * RECORD.size or tdef % 8:
-        raise _damaged(file, "the offsets in the preamble contradict each other")
-    if directory_crc(head[PREAMBLE.size :], tdef) != crc:
-        raise _damaged(file, "wrong checksum of the directory")
-    if data != tdef + (2 + count) * RECORD.size:
-        raise _damaged(file, f"the directory has no room for {count} step variables")
+    known = kind in KIND_NAMES and state in (WRITING, COMPLETE, STOPPED)
+    require(known, file, f"kind {kind} and state {state} in the preamble are not known")
+    ordered = first == PREAMBLE.size and first <= tdef <= data - 2 * RECORD.size and not tdef % 8
+    require(ordered, file, "the offsets in the preamble contradict each other")
+    require(directory_crc(head[PREAMBLE.size :], tdef) == crc, file, "wrong checksum of the directory")
+    room = data == tdef + (2 + count) * RECORD.size
+    require(room, file, f"the directory has no room for {count} step variables")
     header, at = [], first
     while at < tdef:
         record = _record(head, at, HEADER, file)
         at += RECORD.size
-        if record.offset != at or at + padded(record.length) > tdef:
-            raise _damaged(file, f"the value of {record.id} lies outside its place")
+        inside = record.offset == at and at + padded(record.length) <= tdef
+        require(inside, file, f"the value of {record.id} lies outside its place")
         header.append(record)
         at += padded(record.length)
-    if at != tdef:
-        raise _damaged(file, "the header variables do not end where TDEF begins")
+    require(at == tdef, file, "the header variables do not end where TDEF begins")
     counter = _record(head, tdef, TDEF, file)
-    if counter.cols != count:
-        raise _damaged(file, f"TDEF announces {counter.cols} step variables, the preamble {count}")
+    require(counter.cols == count, file, f"TDEF announces {counter.cols} step variables, the preamble {count}")
     steps, offset = [], 0
     for k in range(count):
         record = _record(head, tdef + (k + 1) * RECORD.size, STEP, file)
-        if record.offset != offset:
-            raise _damaged(file, f"the step variable {record.id} is not at its place in the step block")
+        require(record.offset == offset, file, f"the step variable {record.id} is not at its place in the step block")
         steps.append(record)
         offset += padded(record.length)
-    last = _record(head, data - RECORD.size, TDAT, file)
-    if stride != offset + TRAILER.size or last.offset != stride:
-        raise _damaged(file, f"the length of a step block is {offset + TRAILER.size} bytes, not {stride}")
+    last, length = _record(head, data - RECORD.size, TDAT, file), offset + TRAILER.size
+    require(stride == length == last.offset, file, f"the length of a step block is {length} bytes, not {stride}")
     names = [r.id for r in (*header, counter, *steps, last)]
-    if len(set(names)) != len(names):
-        raise _damaged(file, "an identifier occurs twice")
+    require(len(set(names)) == len(names), file, "an identifier occurs twice")
     return Directory(KIND_NAMES[kind], state, counter.rows, tuple(header), tuple(steps), tdef, data, stride)
 
 
 def data_offset_of(head: bytes, file_size: int, file: str) -> int:
     """Data offset from the first 64 bytes, after the checks that need no more than these. Raises SbfError."""
-    if len(head) < PREAMBLE.size:
-        raise _damaged(file, f"it has {file_size} bytes, the preamble of an SBF file alone has {PREAMBLE.size}")
+    whole = len(head) >= PREAMBLE.size
+    require(whole, file, f"it has {file_size} bytes, the preamble of an SBF file alone has {PREAMBLE.size}")
     if head[:8] != MAGIC:
         raise SbfError(f"{file} is not a SPACAR binary file: its first bytes are {head[:8].hex(' ')}", "files.not-sbf")
-    major = int.from_bytes(head[8:10], "little")
+    (_, major, _, _, _, _, _, _, offset, _, _, _, crc) = PREAMBLE.unpack(head)
     if major != VERSION[0]:
         raise SbfError(f"{file} has version {major} of the format; this program reads version 1", "files.version")
     covered = bytearray(head[:60])
     covered[STATE_AT] = 0
-    if zlib.crc32(covered) != int.from_bytes(head[60:64], "little"):
-        raise _damaged(file, "wrong checksum of the preamble")
-    offset = int.from_bytes(head[32:40], "little")
-    if offset > file_size or offset < PREAMBLE.size + 2 * RECORD.size or offset % 8:
-        raise _damaged(file, f"it has {file_size} bytes, but its steps should begin at byte {offset}")
+    require(zlib.crc32(covered) == crc, file, "wrong checksum of the preamble")
+    right = PREAMBLE.size + 2 * RECORD.size <= offset <= file_size and not offset % 8
+    require(right, file, f"it has {file_size} bytes, but its steps should begin at byte {offset}")
     return offset
 
 
 def _record(head: bytes, at: int, role: int, file: str) -> Record:
-    if at + RECORD.size > len(head):
-        raise _damaged(file, f"the record at byte {at} is cut off")
-    name, kind, found, rows, cols, offset = RECORD.unpack_from(head, at)
-    ident = name.rstrip(b"\0")
-    if len(ident) > 15 or not _ID.fullmatch(ident):
-        raise _damaged(file, f"the record at byte {at} has no valid identifier")
-    if kind not in TYPE_NAMES or found != role:
-        raise _damaged(file, f"the record {ident.decode()} has type {kind} and role {found}, expected role {role}")
-    named = {TDEF: b"TDEF", TDAT: b"TDAT"}.get(role)
-    if named is not None and ident != named:
-        raise _damaged(file, f"the record at byte {at} must be {named.decode()}, it is {ident.decode()}")
-    if role in (HEADER, STEP) and (
-        rows >= LARGEST or cols >= LARGEST or (kind == TEXT and not cols and rows > len(head))
-    ):
-        raise _damaged(file, f"the size {rows} x {cols} of {ident.decode()} is not possible")
-    return Record(ident.decode(), kind, role, rows, cols, offset)
+    require(at + RECORD.size <= len(head), file, f"the record at byte {at} is cut off")
+    padded_name, kind, found, rows, cols, offset = RECORD.unpack_from(head, at)
+    ident = padded_name.rstrip(b"\0")
+    require(bool(_ID.fullmatch(ident)), file, f"the record at byte {at} has no valid identifier")
+    name = ident.decode()
+    right = kind in TYPE_NAMES and found == role
+    require(right, file, f"the record {name} has type {kind} and role {found}, expected role {role}")
+    named = {TDEF: "TDEF", TDAT: "TDAT"}.get(role, name)
+    require(name == named, file, f"the record at byte {at} must be {named}, it is {name}")
+    if role in (HEADER, STEP):
+        possible = rows < LARGEST and cols < LARGEST and (kind != TEXT or cols or rows <= len(head))
+        require(bool(possible), file, f"the size {rows} x {cols} of {name} is not possible")
+    return Record(name, kind, role, rows, cols, offset)
 
 
-def _damaged(file: str, what: str) -> SbfError:
-    return SbfError(f"{file} is damaged: {what}")
+def require(right: bool, file: object, what: str) -> None:
+    """Raises SbfError, which names the file and the damage, where something is not right."""
+    if not right:
+        raise SbfError(f"{file} is damaged: {what}")
 
 
 MATLAB_NAMES = {"T": "time", "FXT": "fxtot", "RQ": "rxyzq", "KDEF": "kdform", "STIF": "estiff"}

@@ -69,7 +69,7 @@ class SbfFile:
                 first = file.read(PREAMBLE.size)
                 size = os.fstat(file.fileno()).st_size
                 head = first + file.read(data_offset_of(first, size, name) - PREAMBLE.size)
-                self.directory: Directory = parse(head, size, name)
+                self.directory: Directory = parse(head, name)
                 data, stride = self.directory.data_offset, self.directory.stride
                 self.surplus = size - data - self.directory.committed * stride
                 # A count beyond the end of the file: the file was cut off, or the machine stopped before all bytes

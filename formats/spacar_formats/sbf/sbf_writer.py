@@ -20,6 +20,7 @@ from spacar_formats.sbf.record_layout import (
     COMPLETE,
     COUNT,
     COUNT_IN_RECORD,
+    PREAMBLE,
     STATE_AT,
     STOPPED,
     TRAILER,
@@ -47,14 +48,17 @@ class SbfWriter:
         head = build(kind, header, step_variables)
         self.path = Path(path)
         self.steps = 0
-        self._count_at = int.from_bytes(head[24:32], "little") + COUNT_IN_RECORD
-        self._end = len(head)
-        self._slots, used = _slots(step_variables)
-        self._block = bytearray(used + TRAILER.size)
+        (*_, tdef_offset, self._end, stride, _, _, _) = PREAMBLE.unpack_from(head)
+        self._count_at = tdef_offset + COUNT_IN_RECORD
+        self._block = bytearray(stride)
         self._covered = memoryview(self._block)[:-4]
-        for k, (name, shape, offset) in enumerate(self._slots):
-            flat = np.frombuffer(self._block, "<f8", int(np.prod(shape)), offset)
-            self._slots[k] = (name, shape, flat.reshape(shape, order="F"))
+        self._slots: list[tuple[str, tuple[int, ...], np.ndarray]] = []
+        at = 0
+        for name, (rows, cols) in step_variables.items():
+            shape = (rows * cols,) if 1 in (rows, cols) else (rows, cols)  # n x 1 and 1 x n are 1-D
+            flat = np.frombuffer(self._block, "<f8", rows * cols, at)
+            self._slots.append((name, shape, flat.reshape(shape, order="F")))
+            at += padded(flat.nbytes)
         try:
             if file is None:
                 self.path.unlink(missing_ok=True)
@@ -120,17 +124,6 @@ class SbfWriter:
                 f"cannot write {self.path} (step {self.steps + 1}): {err.strerror}; earlier steps are kept",
                 "files.write",
             ) from None
-
-
-def _slots(variables: Mapping[str, tuple[int, int]]) -> tuple[list[tuple[str, tuple[int, ...], Any]], int]:
-    """Name, shape and offset of each variable inside a block, and the bytes they take; n x 1 and 1 x n are 1-D."""
-    slots: list[tuple[str, tuple[int, ...], Any]] = []
-    used = 0
-    for name, (rows, cols) in variables.items():
-        shape = (rows * cols,) if 1 in (rows, cols) else (rows, cols)
-        slots.append((name, shape, used))
-        used += padded(rows * cols * 8)
-    return slots, used
 
 
 def _fit(name: str, value: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
