@@ -12,9 +12,10 @@ import numpy as np
 
 from spacar.errors import UsageError
 from spacar.mechanism.user_files import import_file
-from spacar.simulation import blocks, control_blocks, sampled_blocks, setpoint_blocks, signal_sources, switching_blocks
+from spacar.simulation import blocks, control_blocks, sampled_blocks, signal_sources, switching_blocks
 from spacar.simulation.blocks import Block
 from spacar.simulation.plant import Spasim
+from spacar_formats.ltvfile import read_ltv
 from spacar_formats.sim_sections import Section
 
 
@@ -29,15 +30,14 @@ def spasim(s: Section) -> Block:
     return Spasim(model if model.is_file() else model.with_name(f"{model.name}.dat"), s.name)
 
 
-def stored(kind: str, *counts: str) -> Callable[[Section], Block]:
+def stored(kind: Callable[..., Block], *counts: str) -> Callable[[Section], Block]:
     """A block of a stored result, with whole numbers that may be left out."""
 
     def make(s: Section) -> Block:
-
-        data, interpolation, hold = s.stored()
-        given: dict[str, Any] = {key: s.integer(key) for key in counts if s.has(key)}
-        block: Block = getattr(setpoint_blocks, kind)(data, s.name, interpolation=interpolation, hold=hold, **given)
-        return block
+        data, notes = read_ltv(s.path("file"))
+        s.warnings += notes
+        options: dict[str, Any] = {"interpolation": s.text("interpolation"), "hold": s.flag("hold")}
+        return kind(data, s.name, **options, **{key: s.integer(key) for key in counts if s.has(key)})
 
     return make
 

@@ -6,9 +6,11 @@ The stiffness is that of the dynamic degrees of freedom (mode 3: of all).
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
@@ -19,8 +21,6 @@ from spacar.modes import find_mode
 from spacar.result import Result
 from spacar_formats.locate import notes, open_result
 from spacar_formats.sparse_system import descriptor_beside
-
-SINGULAR = "the stiffness is singular (critical load or rigid motion): there is no compliance"
 
 
 @dataclass(frozen=True)
@@ -115,27 +115,17 @@ def _orientation(lnp: np.ndarray, ln: np.ndarray, node: int) -> int:
 def _of_system(path: Path, step: int, nxp: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """dx/df at rest of the degrees of freedom (dqd = dqdd = 0), from the sparse equations in the `.ltv` file beside:
     (K0 + N0 + G0)^-1 between its transfer functions."""
-    from spacar.linear_systems.sparse_factors import SparseFactors
-
     system = descriptor_beside(path, step)
     n, nx = system.n_states, int(nxp.sum())
     given = (rows < nxp[0]) | ((rows >= nxp[:2].sum()) & (rows < nxp[:3].sum()))
     unit = np.zeros((system.A.shape[0], len(rows)))
     unit[n + rows, np.arange(len(rows))] = np.where(given, 0.0, -1.0)
-    try:
-        found = np.asarray(SparseFactors(system.A).solve(unit)[n + nx + rows])
-    except RuntimeError:
-        found = np.full((len(rows), len(rows)), np.nan)
-    if not np.isfinite(found).all():
-        raise AnalysisError(SINGULAR, "compliance.singular")
-    return found
+    return _solved(system.A, unit, n + nx + rows)
 
 
 def _sparse(entries: np.ndarray, nxp: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """dx/df of these coordinates from the tangent in mixed form (`ktan`, reference/files.md section 5)."""
     from scipy.sparse import coo_array
-
-    from spacar.linear_systems.sparse_factors import SparseFactors
 
     first, second = nxp[0] + np.arange(nxp[1]), nxp[:3].sum() + np.arange(nxp[3])
     place = np.full(nxp.sum(), -1)
@@ -146,11 +136,17 @@ def _sparse(entries: np.ndarray, nxp: np.ndarray, rows: np.ndarray) -> np.ndarra
     out = np.zeros((len(rows), len(rows)))
     unit = np.zeros((A.shape[0], len(moving)))
     unit[place[rows[moving]], np.arange(len(moving))] = 1.0
-    try:
-        solution = SparseFactors(A).solve(unit)[place[rows[moving]]]
-    except RuntimeError:
-        raise AnalysisError(SINGULAR, "compliance.singular") from None
-    if not np.isfinite(solution).all():
-        raise AnalysisError(SINGULAR, "compliance.singular")
-    out[np.ix_(moving, moving)] = solution
+    out[np.ix_(moving, moving)] = _solved(A, unit, place[rows[moving]])
     return out
+
+
+def _solved(A: Any, unit: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """These rows of A^-1 unit. Raises AnalysisError for a singular stiffness."""
+    from spacar.linear_systems.sparse_factors import SparseFactors
+
+    with suppress(RuntimeError):
+        found = np.asarray(SparseFactors(A).solve(unit)[rows])
+        if np.isfinite(found).all():
+            return found
+    text = "the stiffness is singular (critical load or rigid motion): there is no compliance"
+    raise AnalysisError(text, "compliance.singular")

@@ -122,7 +122,7 @@ def getss(name: str | os.PathLike[str], step: int = 1) -> StateSpaceStep:
         if not all(np.isfinite(m).all() for m in (a, b, c, *([] if d is None else [d]))):
             text = f"A, B, C or D of step {step} in {file.path} has numbers that are not finite"
             raise UsageError(text, "files.finite")
-        names = (_names(file, f"{s.upper()}NAMES", s, n) for s, n in (("x", nx), ("u", nu), ("y", ny)))
+        names = (_fitting(file.texts(f"{s.upper()}NAMES"), s, n) for s, n in (("x", nx), ("u", nu), ("y", ny)))
         return StateSpaceStep(a, b, c, d, t, *names)
 
 
@@ -141,8 +141,9 @@ def linear_system(name: str | os.PathLike[str], step: int = 1) -> StateSpaceStep
     with open_result(name, "ltv") as file:
         if is_sparse(file):
             system = descriptor_of(file, step)
-            return SparseStep(system, file.time(step), _names(file, "UNAMES", "u", system.B.shape[1]),
-                              _names(file, "YNAMES", "y", system.C.shape[0]))  # fmt: skip
+            inputs = _fitting(file.texts("UNAMES"), "u", system.B.shape[1])
+            outputs = _fitting(file.texts("YNAMES"), "y", system.C.shape[0])
+            return SparseStep(system, file.time(step), inputs, outputs)
     return getss(name, step)
 
 
@@ -167,13 +168,7 @@ def _matrix(file: SbfFile, ident: str, step: int) -> np.ndarray:
 
 
 def _has_feedthrough(file: SbfFile) -> bool:
-    flag = file.header.get("DFT")
-    return bool(np.any(np.asarray(flag))) if flag is not None else file.has("D")
-
-
-def _names(file: SbfFile, ident: str, letter: str, count: int) -> tuple[str, ...]:
-    stored = file.header.get(ident)
-    return _fitting(tuple(stored) if isinstance(stored, list) else (), letter, count)
+    return bool(file.count("DFT")) if "DFT" in file.header else file.has("D")
 
 
 def _fitting(names: tuple[str, ...], letter: str, count: int) -> tuple[str, ...]:

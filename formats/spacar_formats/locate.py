@@ -26,7 +26,7 @@ def result_path(name: str | os.PathLike[str], kind: str | None = None) -> Path:
     if not path.name or "\0" in str(path):
         raise UsageError(f"'{name}' is not the name of a result file", "files.not-found")
     kinds = KINDS if kind is None else (kind,)
-    with_kind = [path.with_name(f"{path.name}.{k}") for k in kinds] if path.name else []
+    with_kind = [path.with_name(f"{path.name}.{k}") for k in kinds]
     named = path.suffix.lower() in {f".{k}" for k in KINDS} | {".part", ".bak"}
     candidates = [path, *with_kind] if named else [*with_kind, path]
     for candidate in candidates:
@@ -90,7 +90,7 @@ def incomplete_note(file: SbfFile) -> str | None:
 
 def stale_note(file: SbfFile) -> str | None:
     """The warning when the `.dat` beside the result is not the one it was computed from."""
-    source, expected = (_text(file, ident) for ident in ("SOURCE", "SHA256"))
+    source, expected = (next(iter(file.texts(ident)), "") for ident in ("SOURCE", "SHA256"))
     if not source or not expected:
         return None
     beside = file.path.parent / Path(source.replace("\0", "")).name
@@ -99,8 +99,3 @@ def stale_note(file: SbfFile) -> str | None:
     except OSError:
         return None
     return None if same else f"{file.path} is older than {beside}, which has changed since; run it again"
-
-
-def _text(file: SbfFile, ident: str) -> str:
-    value = file.header.get(ident)
-    return value[0] if isinstance(value, list) and value else ""

@@ -38,8 +38,8 @@ def read_ltv(name: str | os.PathLike[str]) -> tuple[TimeVarying, list[str]]:
             second_rows=np.ravel(file.header["NYSI"]).astype(np.int64) - 1
             if file.has("NYSI")
             else np.zeros(0, np.int64),
-            inputs=_texts(file, "UNAMES"),
-            outputs=_texts(file, "YNAMES"),
+            inputs=file.texts("UNAMES"),
+            outputs=file.texts("YNAMES"),
             x0=np.ravel(file.header["X0"]).astype(float) if file.has("X0") else None,
         )
         full: dict[str, Any] = {}
@@ -83,11 +83,6 @@ def write_ltv(data: TimeVarying, target: Path, source: Path) -> None:
     with safety.replacing(target) as side, SbfWriter(side, "ltv", header, {"T": (1, 1), **shapes}) as writer:
         for k, t in enumerate(data.t):
             writer.append({"T": t} | {ident: value[k] for ident, value in fields.items()})
-
-
-def _texts(file: SbfFile, ident: str) -> tuple[str, ...]:
-    found = file.header.get(ident)
-    return tuple(found) if isinstance(found, list) else ()
 
 
 def _plain(value: Any) -> Any:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from spacar.simulation import blocks, control_blocks, signal_sources, switching_blocks
 from spacar.simulation.blocks import Block
+from spacar.simulation.setpoint_blocks import Ltv, ReferenceY0, SetpointSigma0, SetpointU0, TimesM0
 from spacar.simulation.transport_delay import TransportDelay
 from spacar_formats import block_makers as make
 from spacar_formats.block_makers import built
@@ -59,17 +60,17 @@ BLOCKS: tuple[BlockType, ...] = (
     ),
     BlockType(
         "ltv", "time-varying linear system of mode 3, 4 or 9", "z' = A(t) z + B(t) u, y = C(t) z + D(t) u",
-        (FILE, *STORED, SimKey("modes", "integer", "reduce to that many modes", "")), make.stored("Ltv", "modes"),
+        (FILE, *STORED, SimKey("modes", "integer", "reduce to that many modes", "")), make.stored(Ltv, "modes"),
     ),
-    BlockType("setpoint-u0", "nominal inputs", "y = u0(t)", (FILE, *STORED), make.stored("SetpointU0")),
+    BlockType("setpoint-u0", "nominal inputs", "y = u0(t)", (FILE, *STORED), make.stored(SetpointU0)),
     BlockType(
         "setpoint-sigma0", "stresses of the rigidified deformations", "y = sigma0(t)", (FILE, *STORED),
-        make.stored("SetpointSigma0"),
+        make.stored(SetpointSigma0),
     ),
-    BlockType("reference-y0", "reference outputs", "y = y0(t)", (FILE, *STORED), make.stored("ReferenceY0")),
+    BlockType("reference-y0", "reference outputs", "y = y0(t)", (FILE, *STORED), make.stored(ReferenceY0)),
     BlockType(
         "times-m0", "the reduced mass matrix", "y = M0(t) u",
-        (FILE, *STORED, SimKey("size", "integer", "its leading block only", "")), make.stored("TimesM0", "size"),
+        (FILE, *STORED, SimKey("size", "integer", "its leading block only", "")), make.stored(TimesM0, "size"),
     ),
     BlockType("constant", "a constant", "y = value", (_values("value", "value"),),
               built(signal_sources.Constant, "value")),

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from spacar.errors import UsageError
-from spacar_formats.ltvfile import read_ltv
 
 COMMENT = re.compile(r"(^|\s)[#%].*$")
 
@@ -135,12 +134,6 @@ class Section:
 
     def path(self, key: str) -> Path:
         return self.file.parent / self.text(key)
-
-    def stored(self) -> tuple[Any, str, bool]:
-        """The result file of a set-point block, the interpolation and whether the ends are held."""
-        data, notes = read_ltv(self.path("file"))
-        self.warnings += notes
-        return data, self.text("interpolation"), self.flag("hold")
 
 
 def read_sections(file: Path, text: str) -> dict[str, Section]:

@@ -102,13 +102,17 @@ def read_vibrations(name: str | os.PathLike[str], lowest: int = WANTED) -> tuple
         if not stored and not file.has("m0") and not sparse:
             raise UsageError(f"{file.path} holds no eigenvalues and no matrices: run mode 7 or 10", "eigen.missing")
         report = Report()
-        numbers = range(1, file.steps + 1)
+        steps = []
+        for k in range(1, file.steps + 1):
+            if stored:
+                steps.append(_stored(file, k))
+                continue
+            modes = (
+                modes_of_sparse_system(file, k, report, lowest) if sparse else modes_of_stored_matrices(file, k, report)
+            )
+            steps.append(Vibration(file.time(k), modes.values, modes.vectors))
         if sparse:
-            found = [modes_of_sparse_system(file, k, report, lowest) for k in numbers]
-            steps = [Vibration(file.time(k), m.values, m.vectors) for k, m in zip(numbers, found, strict=True)]
             report.add(f"the {lowest} lowest modes of the sparse equations; --lowest N asks for N of them")
-        else:
-            steps = [_stored(file, k) if stored else _computed(file, k, report) for k in numbers]
         told = [line.removeprefix("warning: ") for line in report.lines]
         return steps, names_beside(file.path), [*notes(file), *told]
 
@@ -178,8 +182,3 @@ def modes_of_sparse_system(file: SbfFile, step: int, report: Report, wanted: int
     wanted. Raises UsageError when there is no such file or it has no sparse system."""
     system, velocities = descriptor_beside(file.path, step), file.count("NDDOF")
     return lowest_modes(system, system.n_states - velocities, nx, report, min(wanted, velocities))
-
-
-def _computed(file: SbfFile, step: int, report: Report) -> Vibration:
-    modes = modes_of_stored_matrices(file, step, report)
-    return Vibration(file.time(step), modes.values, modes.vectors)

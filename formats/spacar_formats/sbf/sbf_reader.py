@@ -170,6 +170,11 @@ class SbfFile:
         """The whole number of a header variable; KeyError without it."""
         return int(np.ravel(self.header[name])[0])
 
+    def texts(self, name: str) -> tuple[str, ...]:
+        """The lines of a header variable; none where it is not there or no text."""
+        found = self.header.get(name)
+        return tuple(found) if isinstance(found, list) else ()
+
     def time(self, step: int) -> float:
         """t of a step [s], or its load step; nan where the file has none."""
         return float(np.ravel(self.get("T", step))[0]) if self.has("T") else float("nan")
