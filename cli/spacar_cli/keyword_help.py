@@ -22,21 +22,14 @@ PICTURES = "VISUALIZATION section behind the blocks, or NAME.spv; each setting o
 
 def overview() -> Iterator[str]:
     """One line for every keyword, block by block."""
-
-    for block in BlockKind:
-        rows = [k for (_, b), k in KEYWORDS.items() if b is block]
-        width = max(len(k.name) for k in rows)
-        yield f"{block.value}:"
-        yield from (f"  {k.name:<{width}}  {k.help}" for k in rows)
+    parts = {block.value: {k.name: k.help for (_, b), k in KEYWORDS.items() if b is block} for block in BlockKind}
+    parts[PICTURES] = {name: rule.help for name, rule in RULES.items()}
+    parts["blocks of a simulation (.sim)"] = {b.name: b.text for b in sim_blocks.BLOCKS}
+    for title, rows in parts.items():
+        width = max(map(len, rows))
+        yield f"{title}:"
+        yield from (f"  {name:<{width}}  {text}" for name, text in rows.items())
         yield ""
-    width = max(map(len, RULES))
-    yield f"{PICTURES}:"
-    yield from (f"  {name:<{width}}  {rule.help}" for name, rule in RULES.items())
-    yield ""
-    width = max(len(b.name) for b in sim_blocks.BLOCKS)
-    yield "blocks of a simulation (.sim):"
-    yield from (f"  {b.name:<{width}}  {b.text}" for b in sim_blocks.BLOCKS)
-    yield ""
 
 
 def explanation(name: str) -> Iterator[str]:

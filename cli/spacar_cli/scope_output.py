@@ -42,13 +42,8 @@ def show_scopes(
     environment: Environment, table: SignalTable, t: np.ndarray, panels: Sequence[Panel], title: str, show: bool,
     pictures: Sequence[Path],
 ) -> None:  # fmt: skip
-    """Write the pictures, then open the window, which stays until the user closes it."""
-    if not (show or pictures):
-        return
-    from spacar_drawing.history import scope_figure
-    from spacar_drawing.window import still_window
+    """Write the pictures, then open the window."""
+    if show or pictures:
+        from spacar_drawing.history import scope_figure
 
-    figure = scope_figure(table, t, panels, title)
-    put_figure(environment, figure, pictures)
-    if show:
-        still_window(figure)
+        put_figure(environment, scope_figure(table, t, panels, title), pictures, show=show)

@@ -11,7 +11,7 @@ from spacar.calls import BEAMS
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment, tell, tell_messages, tell_notes
-from spacar_cli.row_output import put_rows
+from spacar_cli.row_output import put_columns
 from spacar_cli.vocabulary import Whole
 
 if TYPE_CHECKING:
@@ -75,8 +75,7 @@ def command(
         _write(study, path, view, body)
         environment.wrote(path)
     if csv_file is not None:
-        table = study.table(body)
-        put_rows(environment, csv_file, list(table), zip(*(c.tolist() for c in table.values()), strict=True))
+        put_columns(environment, csv_file, study.table(body))
     if as_json:
         environment.say(_json(study, body))
     elif csv_file is None or str(csv_file) != "-":

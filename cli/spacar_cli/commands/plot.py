@@ -59,8 +59,4 @@ def command(
     figure = history_figure(
         curves, across, source.scene.title if title is None else title, source.scene.analysis.stationary
     )
-    put_figure(environment, figure, outputs, dpi)
-    if show:
-        from spacar_drawing.window import still_window
-
-        still_window(figure)
+    put_figure(environment, figure, outputs, dpi, show)

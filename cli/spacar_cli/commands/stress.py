@@ -11,7 +11,7 @@ import click
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment, tell
-from spacar_cli.row_output import put_rows
+from spacar_cli.row_output import put_columns
 from spacar_cli.vocabulary import Whole
 
 if TYPE_CHECKING:
@@ -64,8 +64,7 @@ def command(
             to_npz(found.arrays(), path)
             environment.wrote(path)
     if csv_file is not None:
-        columns = found.table()
-        put_rows(environment, csv_file, list(columns), zip(*(c.tolist() for c in columns.values()), strict=True))
+        put_columns(environment, csv_file, found.table())
         if str(csv_file) == "-":
             return
     largest = _largest(found)

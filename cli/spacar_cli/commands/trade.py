@@ -1,12 +1,9 @@
 """`spacar trade FILE`: what accuracy costs, and the cheapest setting for the accuracy that is wanted."""
 
-import csv
-import io
 import json
 import math
 import tempfile
 from collections.abc import Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +11,7 @@ from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment, ExitStatus, tell
 from spacar_cli.input_files import input_file
+from spacar_cli.row_output import csv_text
 from spacar_cli.studying import ROWS, common, counted, say_table
 
 TABLES, DIAGRAMS = (".csv", ".json"), (".png", ".svg", ".pdf")
@@ -71,7 +69,8 @@ def command(
     require_beams(deck, number)
     lists = (integrators, tolerances, meshes, judges)
     if all(v is None for v in lists) and not (rigid or linear or perturbation) and jobs in (None, 1):
-        return _within_budget(environment, trade, target, budget, source, output, as_json)
+        found = _within_budget(environment, trade, target, budget, source)
+        return _told(environment, trade, source.name, output, as_json, target, *found)
     integrators, tolerances = integrators or CODES, tolerances or TOLERANCES
     divided = _whole(meshes or "1", "--elements")
     cases = setups(
@@ -85,14 +84,14 @@ def command(
     ref = reference(trade, rows, against)
     entries = assess(trade, rows, cases, ref)
     best = recommend(entries, target, ref)
-    return _told(environment, trade, source.name, output, as_json, (target, target), ref, entries, best)
+    return _told(environment, trade, source.name, output, as_json, target, target, ref, entries, best)
 
 
-def _within_budget(
-    environment: Environment, trade: Any, target: float, budget: float, source: Path, output: tuple[Path, ...],
-    as_json: bool,
-) -> ExitStatus:  # fmt: skip
-    """The settings that suit the model, cheapest first, until the time is used; the recommendation as a command."""
+def _within_budget(environment: Environment, trade: Any, target: float, budget: float, source: Path) -> tuple[Any, ...]:
+    """The settings that suit the model, cheapest first, until the time is used; the recommendation as a command.
+
+    Gives what `_told` tells: goal, reference, entries, the best one, lines and parts of the document.
+    """
     from spacar.studies.policies.simplification import cheapest, command_line, run_options, simpler_deck
 
     def tick(what: str, left: float) -> None:
@@ -125,25 +124,21 @@ def _within_budget(
         "prices": [vars(p) | {"error": p.error if math.isfinite(p.error) else None} for p in prices],
         "undivided": {str(beam): why for beam, why in found.undivided.items()},
     }
-    goals = target, found.goal
-    return _told(
-        environment, trade, source.name, output, as_json, goals, found.reference, found.entries, best, lines, more
-    )
+    return found.goal, found.reference, found.entries, best, lines, more
 
 
 def _told(
-    environment: Environment, trade: Any, name: str, output: tuple[Path, ...], as_json: bool,
-    goals: tuple[float, float], ref: Any, entries: Any, best: Any, lines: Sequence[str] = (),
-    more: Mapping[str, Any] = {},
+    environment: Environment, trade: Any, name: str, output: tuple[Path, ...], as_json: bool, target: float,
+    goal: float, ref: Any, entries: Any, best: Any, lines: Sequence[str] = (), more: Mapping[str, Any] = {},
 ) -> ExitStatus:  # fmt: skip
     """Write the files, print the table and the recommendation with further lines, or the document with more in it.
 
-    goals   the error that is asked for, and that for which the answer is given
+    goal   the error for which the answer is given, `target` where that is reached
     """
-    target, goal = goals
+    document = _document(entries, ref, target, best)
     for path in output:
         if path.suffix.lower() in TABLES:
-            _write(path, entries, ref, target, best)
+            _write(path, document)
         else:
             from spacar_drawing.files import save
             from spacar_drawing.study_figures import work_precision_figure
@@ -151,7 +146,7 @@ def _told(
             title = f"{name}, mode {trade.mode}"
             save(work_precision_figure(entries, ref.error, target, trade.stationary, title), path, dpi=120.0)
     if as_json:
-        environment.say(json.dumps(_document(entries, ref, target, best) | dict(more)))
+        environment.say(json.dumps(document | dict(more)))
     elif not environment.quiet:
         say_table(environment, HEADER, [_cells(e) for e in entries], None if best is None else entries.index(best))
         environment.say(f"reference: {ref.text}; its estimated error is {ref.error:.2e}")
@@ -206,7 +201,7 @@ def _rows(environment: Environment, trade: Any, wanted: list[Any], output: Path 
         path = Path(folder) / "rows.jsonl" if output is None else output.with_name(f"{output.name}.rows.jsonl")
         with Rows(path, ()) as rows:
             todo = [Job(trade, s) for s in wanted if trade.key(s) not in rows.done]
-            outcomes = partial(run, jobs=jobs)(run_setup, todo)
+            outcomes = run(run_setup, todo, jobs=jobs)
             for job, outcome in counted(environment, outcomes, len(todo), "settings"):
                 if isinstance(outcome, Lost):
                     outcome = {"case": trade.key(job.setup), "status": "failed", "reason": outcome.reason}
@@ -234,7 +229,7 @@ def _sentence(best: Any, target: float, ref: Any) -> str:
 
 def _document(entries: Any, ref: Any, target: float, best: Any) -> dict[str, Any]:
     def plain(e: Any) -> dict[str, Any]:
-        setup = {} if e.setup is None else {k: v for k, v in vars(e.setup).items()}
+        setup = {} if e.setup is None else vars(e.setup)
         numbers = {"error": e.error, "seconds": e.seconds, "rhs": e.rhs, "estimate": e.estimate}
         numbers = {k: None if isinstance(v, float) and math.isnan(v) else v for k, v in numbers.items()}
         return {"model": e.label[0], "integration": e.label[1], **setup, **numbers, "reason": e.reason}
@@ -245,18 +240,14 @@ def _document(entries: Any, ref: Any, target: float, best: Any) -> dict[str, Any
     }  # fmt: skip
 
 
-def _write(path: Path, entries: Any, ref: Any, target: float, best: Any) -> None:
+def _write(path: Path, document: Mapping[str, Any]) -> None:
     """The whole table, complete or not at all."""
     from spacar_formats.safety import write_text
 
-    document = _document(entries, ref, target, best)
     if path.suffix.lower() == ".json":
         text = json.dumps(document, indent=1) + "\n"
     else:
-        stream = io.StringIO()
-        names = list(dict.fromkeys(name for row in document["settings"] for name in row))
-        writer = csv.DictWriter(stream, names, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(document["settings"])
-        text = stream.getvalue()
+        rows = document["settings"]
+        names = list(dict.fromkeys(name for row in rows for name in row))
+        text = csv_text(names, ([row.get(name) for name in names] for row in rows))
     write_text(path, text)
