@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -32,26 +32,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True)
-class StressWish:
-    """Quantities of --stress and --diagram, and whether the stress is shown over the section."""
-
-    stress: str | None
-    diagram: str | None
-    over_section: bool
-
-
 def visual(
     environment: Environment, file: str, mode: int | None, choices: Choices, numbers: str | None, factor: float | None,
-    at: int, rest: bool, wish: StressWish, as_list: bool,
+    at: int, rest: bool, stress: str | None, diagram: str | None, over_section: bool, as_list: bool,
 ) -> list[str]:  # fmt: skip
     """Draw what was asked for; returns the lines to print. Raises UsageError."""
     source = open_source(file, choices.stale_ok)
     source = replace(source, settings=choices.overridden(source.settings))
     check_elements(choices.hide, [e.number for e in source.scene.elements], "--hide: element")
     step = stored_step(at, source.steps, source.name)
-    if wish.stress or wish.diagram:
-        return _stresses(source, choices, step, wish)
+    if stress or diagram:
+        return _stresses(source, choices, step, stress, diagram, over_section)
     kind = _kind(source, mode)
     if kind == "constraints":
         return _constraints(source, choices, step)
@@ -152,16 +143,16 @@ def _constraints(source: PictureSource, choices: Choices, step: int) -> list[str
     return _finish(constraint_still(source, step, choices.extras(), found), outputs, choices)
 
 
-def _stresses(source: PictureSource, choices: Choices, step: int, wish: StressWish) -> list[str]:
-
-    stress, diagram = wish.stress, wish.diagram
+def _stresses(
+    source: PictureSource, choices: Choices, step: int, stress: str | None, diagram: str | None, over_section: bool
+) -> list[str]:
     if stress and diagram:
         raise UsageError("--stress and --diagram exclude each other")
     quantity = stress or diagram or ""
     note = step_text(source, step).removeprefix(source.scene.title).strip()
     outputs = _outputs(source, choices, quantity)
     check_stills(outputs)
-    draw = partial(stress_still, surface=wish.over_section) if stress else diagram_still
+    draw = partial(stress_still, surface=over_section) if stress else diagram_still
     return _finish(draw(source, step, choices.extras(), quantity, note), outputs, choices)
 
 

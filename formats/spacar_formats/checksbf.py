@@ -78,11 +78,11 @@ def listing(check: SbfCheck) -> list[str]:
 
 def as_json(check: SbfCheck) -> dict[str, object]:
     """The same for machines."""
-    header = [
-        {"id": r.id, "type": r.type, "rows": r.rows, "cols": r.cols, "value": v}
-        for r, v in zip(check.header, check.values, strict=True)
-    ]
-    steps = [{"id": r.id, "type": r.type, "rows": r.rows, "cols": r.cols} for r in check.step_variables]
+    header, steps = (
+        [{"id": r.id, "type": r.type, "rows": r.rows, "cols": r.cols} for r in records]
+        for records in (check.header, check.step_variables)
+    )
+    header = [row | {"value": value} for row, value in zip(header, check.values, strict=True)]
     found: dict[str, object] = {"file": check.path, "kind": check.kind, "state": check.state, "steps": check.steps}
     return found | {"header": header, "step_variables": steps, "damage": list(check.damage), "notes": list(check.notes)}
 

@@ -53,14 +53,9 @@ def to_csv(table: Arrays, target: Path) -> None:
     """A table with a named column for each entry (1-D arrays of one length), with all digits of numbers. Text that a
     spreadsheet would evaluate has an apostrophe in front."""
     columns = [column.tolist() for column in table.values()]
-    _write_rows(target, list(table), zip(*columns, strict=True))
-
-
-def _write_rows(target: Path, titles: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     with replacing(target) as side, open(side, "w", newline="", encoding="utf-8") as out:
         writer = csv.writer(out)
-        writer.writerow(map(no_formula, titles))
-        writer.writerows(map(no_formula, row) for row in rows)
+        writer.writerows(map(no_formula, row) for row in itertools.chain([table], zip(*columns, strict=True)))
 
 
 def no_formula(cell: Any) -> Any:

@@ -46,7 +46,6 @@ def command(
     from spacar_formats.disk_room import require_room_for_rows
 
     from spacar.deck import read_deck
-    from spacar.studies import assignments as parameters
     from spacar.studies.policies.sweep import DONE, Study, sweep
     from spacar.studies.runs.quantities import quantity
     from spacar.studies.runs.workers import run
@@ -57,7 +56,7 @@ def command(
         raise UsageError("nothing to keep: give at least one --result, for instance 'x[6,1]@end'", "usage.sweep")
     given = {name: value for name, value in options.items() if value is not None}
     number = find_mode(mode_of(source, given) if mode is None else mode).number
-    settings, cases = _cases(parameters, assignments, table_file, together)
+    settings, cases = _cases(assignments, table_file, together)
     study = Study(number, read_deck(source, number), settings, tuple(map(quantity, results)), given)
     require_columns(study)
     path = output or source.with_name(f"{source.stem}.sweep.csv")
@@ -94,8 +93,10 @@ def command(
     return ExitStatus.FAILED if failed else ExitStatus.DONE
 
 
-def _cases(parameters: Any, assignments: tuple[str, ...], table_file: Path | None, together: bool) -> Any:
+def _cases(assignments: tuple[str, ...], table_file: Path | None, together: bool) -> Any:
     """Settings and values of all cases; every row of --from is combined with every case of --set."""
+    from spacar.studies import assignments as parameters
+
     if not assignments and table_file is None:
         raise UsageError("nothing to vary: give --set TARGET=VALUES or --from CSV", "usage.sweep")
     settings, cases = (

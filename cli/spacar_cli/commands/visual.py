@@ -40,11 +40,11 @@ def command(
     MODE chooses the kind of picture where a result has several: 7 vibration, 8 buckling after a run of mode 10.
     Without --output the picture is NAME_WHAT.png beside the result; gif and mp4 show a period of the mode.
     """
-    from spacar_cli.visual_job import StressWish, visual
+    from spacar_cli.visual_job import visual
 
     choices = Choices(**common_options)
     if over_section and stress not in ("mises", "normal", "shear"):
         raise UsageError("--over-section shows a stress: give --stress mises, normal or shear")
-    wanted = StressWish(stress, diagram, over_section)
-    for line in visual(environment, file, mode, choices, mode_numbers, factor, at, rest, wanted, as_list):
+    wanted = mode_numbers, factor, at, rest, stress, diagram, over_section
+    for line in visual(environment, file, mode, choices, *wanted, as_list):
         environment.say(line) if as_list else environment.wrote(line)

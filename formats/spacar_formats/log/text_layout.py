@@ -30,7 +30,7 @@ def real(value: float) -> str:
 
 
 def cell(value: object) -> str:
-    return f"{value:.10g}" if isinstance(value, float) else str(value)
+    return real(value) if isinstance(value, float) else str(value)
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
