@@ -9,7 +9,7 @@ import numpy as np
 from spacar.errors import UsageError
 from spacar_formats.consistency import check_tables
 from spacar_formats.safety import part_path
-from spacar_formats.sbf import SbfError, SbfFile
+from spacar_formats.sbf import SbfFile
 
 KINDS = ("sbd", "sbm", "ltv")
 _WRITTEN_BY = {
@@ -51,11 +51,9 @@ def open_result(name: str | os.PathLike[str], kind: str | None = None, verify: b
     Raises SbfError when its bytes or its tables are damaged.
     """
     file = SbfFile(result_path(name, kind), verify)
-    if kind is not None and file.kind != kind:
-        found, path = file.kind, file.path
-        file.close()
-        raise UsageError(f"{path} is an .{found} file, an .{kind} file is needed", "files.kind")
     try:
+        if kind is not None and file.kind != kind:
+            raise UsageError(f"{file.path} is an .{file.kind} file, an .{kind} file is needed", "files.kind")
         check_tables(file)
     except BaseException:
         file.close()
@@ -83,7 +81,7 @@ def incomplete_note(file: SbfFile) -> str | None:
     text += f"after step {file.steps}"
     try:
         time = np.ravel(file.get("T", file.steps)) if file.has("T") else np.zeros(0)
-    except (SbfError, UsageError):
+    except UsageError:
         return text
     return text if time.size != 1 or time.dtype.kind != "f" else f"{text} at t = {time[0]:.12g}"
 

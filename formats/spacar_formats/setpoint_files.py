@@ -42,18 +42,15 @@ def find_setpoints(source: Path, name: str | None = None) -> Nominal:
             continue
         try:
             nominal, stale = _read(path)
-        except SbfError as error:
-            refused.append(str(error))
-            continue
         except UsageError as error:
-            refused.append(f"{path.name}: {error}")
+            refused.append(str(error) if isinstance(error, SbfError) else f"{path.name}: {error}")
             continue
         if stale is not None and name is None:
             hint = f"or name it with --setpoints {path.stem} to use it as it is"
             raise UsageError(f"the mode {nominal.mode} result is stale: {stale}, {hint}", "files.setpoints-stale")
         return nominal if stale is None else nominal.with_warning(stale)
-    missing = [f"absent: {', '.join(absent)}"] if absent else []
-    tried = "; ".join([*refused, *missing]) or "the name is too short"
+    refused += [f"absent: {', '.join(absent)}"] if absent else []
+    tried = "; ".join(refused) or "the name is too short"
     raise UsageError(
         f"no mode 2 result to linearize along for {source.name} ({tried}); run `spacar 2` first"
         " (or `spacar 10`, whose load steps do as well), or name the result with --setpoints",
@@ -88,7 +85,7 @@ def _inputs(path: Path, steps: int) -> Array | None:
     try:
         with SbfFile(path) as file:
             return _rows(file, "U0") if file.complete and file.has("U0") and file.steps == steps else None
-    except (SbfError, UsageError):
+    except UsageError:
         return None
 
 
