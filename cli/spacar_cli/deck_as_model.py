@@ -78,9 +78,9 @@ class DeckModel(DeckText, ABC):
     def bending(self, part: Part, stiffness: Sequence[float]) -> tuple[list[int], dict[str, Any]]:
         """The directions in which a beam bends, and keys of [[beam]] about bending and twist."""
 
-    @abstractmethod
     def tip(self, number: int, root: Orientation, frame: str) -> Orientation:
         """The orientation of the frame at the tip of a beam."""
+        return Orientation(frame)
 
     @abstractmethod
     def deflection(self, ends: Ends, axes: Array, x: Array) -> tuple[Array, Array]:
@@ -154,8 +154,7 @@ class DeckModel(DeckText, ABC):
             if node.kind == "orientation":
                 self.drive_orientation(n)
                 continue
-            if n not in self.points:
-                self.float_point(n)
+            self.float_point(n)
             held = self._held(n)
             for k in held if len(held) < self.dimension else ():
                 value, axis = self._given(n, k, "_0"), self.axes[k]
@@ -172,7 +171,7 @@ class DeckModel(DeckText, ABC):
             mass = self.values("XM", n, 1)[0]
             if mass:
                 self.table("body", name=f"mass{n}", at=self.points[n], mass=self.parameter(f"m{n}", mass))
-            rows = [int(i) - 1 for i in self.numbering.lnp[n - 1, : self.dimension]]
+            rows = [self.row(n, k) for k in range(self.dimension)]
             if force[rows].any():
                 names = self.named(f"F*{n}", force[rows])
                 self.table("force", name=f"f{n}", at=self.points[n], vector=self.vector(names))
@@ -223,7 +222,7 @@ class DeckModel(DeckText, ABC):
             self.bar(part)
         else:
             p, _, q, _ = part.nodes
-            if p not in self.points and q not in self.points:
+            if q not in self.points:
                 self.float_point(p)
             (self._beam if kind == "beam" else self._link)(part)
 
@@ -243,7 +242,7 @@ class DeckModel(DeckText, ABC):
         n, (rho, *rotary) = part.number, self.values("EM", part.number, 5)
         if not rho and not any(rotary):
             return
-        m, L = self.parameter(f"rho{n}", rho), self.parameter(f"L{n}", float(np.linalg.norm(self.span(part))))
+        m, L = self.parameter(f"rho{n}", rho), self.parameter(f"L{n}", self.length(part))
         inertia = self.rod_inertia(part, m, L, rotary)
         half = self.vector([f"{v}/2" if v != "0" else v for v in offset])
         self.table("point", name=f"G{n}", base=self.points[p], offset=half, **{"in": found.frame})
@@ -272,7 +271,7 @@ class DeckModel(DeckText, ABC):
         bends, keys = self.bending(part, stiffness)
         if part.classes[0] == "dynamic":
             keys |= {"stretch": 1, "EA": self.parameter(f"EA{n}", stiffness[0])}
-        length = float(np.linalg.norm(self.span(part)))
+        length = self.length(part)
         start, rates = self._amplitudes((p, turn_p, q, turn_q), axes, length, bends, keys)
         self.table(
             "beam", name=f"beam{n}", frame=frame, root=self.points[p], length=self.parameter(f"L{n}", length),

@@ -34,7 +34,7 @@ class PlanarModel(DeckModel):
         inertia = self.values("XM", node, 1)[0]
         if inertia:
             self.inertia(f"inertia{node}", node, [0, 0, self.parameter(f"Jn{node}", inertia)])
-        moment = float(self.mechanism.loads.force[int(self.numbering.lnp[node - 1, 0]) - 1])
+        moment = float(self.mechanism.loads.force[self.row(node)])
         if moment:
             vector = [0, 0, self.parameter(f"M{node}", moment)]
             self.table("torque", name=f"mom{node}", frame=self.frames[node].frame, vector=vector)
@@ -45,7 +45,7 @@ class PlanarModel(DeckModel):
 
     def turn(self, node: int) -> Orientation:
         if node not in self.frames:
-            i = int(self.numbering.lnp[node - 1, 0]) - 1
+            i = self.row(node)
             self.frames[node] = self._turning(f"B{node}", f"a{node}", self.x[i], self.xd[i])
         return self.frames[node]
 
@@ -82,7 +82,7 @@ class PlanarModel(DeckModel):
     def bar(self, part: Part) -> None:
         """A body with an angle of its own, or a distance."""
         p, _, q, _ = part.nodes
-        if p not in self.points and q not in self.points:
+        if q not in self.points:
             self.float_point(p)
         if p in self.points and q in self.points and not self.values("EM", part.number, 1)[0]:
             self.distance(part)
@@ -102,7 +102,6 @@ class PlanarModel(DeckModel):
         n, (p, _, q, _), span = part.number, part.nodes, self.span(part)
         if any(self.values("EM", n, 2)):
             raise self.cannot(part, "it changes its length and has mass")
-        L = float(np.linalg.norm(span))
         if p in self.points and q in self.points:
             a, b, beta = self.points[p], self.points[q], self.parameter(f"beta{n}", float(np.arctan2(*span[::-1])))
             turn = f"{angle.angle} + {beta}"
@@ -112,9 +111,9 @@ class PlanarModel(DeckModel):
             now, rate = self.span(part, self.x), self.span(part, self.xd)
             length = float(np.linalg.norm(now))
             self.coordinate(f"l{n}", length, float(now @ rate / length))
-            offset = self.named(f"c*{n}", sign * span / L)
+            offset = self.named(f"c*{n}", sign * span / self.length(part))
             self.point(there, self.points[here], [f"{v}*l{n}" if v != "0" else v for v in offset], angle.frame)
-        self.elastic(part, L)
+        self.elastic(part)
 
     # -- beams and rods ----------------------------------------------------------------------------------------------
 

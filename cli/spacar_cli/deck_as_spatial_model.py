@@ -42,7 +42,7 @@ class SpatialModel(DeckModel):
         if any((xx, xy, xz, yy, yz, zz)):
             pairs = zip(TENSOR, (xx, yy, zz, xy, yz, xz), strict=True)
             self.inertia(f"inertia{node}", node, [self.parameter(f"J{pair}{node}", v) for (*_, pair), v in pairs])
-        loads, row = self.mechanism.loads, int(self.numbering.lnp[node - 1, 0]) - 1
+        loads, row = self.mechanism.loads, self.row(node)
         moment = loads.moment[loads.moment_rows[0] == row].sum(0)
         if moment.any():
             names = self.named(f"M*{node}", moment)
@@ -125,8 +125,7 @@ class SpatialModel(DeckModel):
         if self.values("EM", part.number, 1)[0]:
             raise self.cannot(part, "a rigid truss with mass has no orientation of its own")
         for node in (part.nodes[0], part.nodes[2]):
-            if node not in self.points:
-                self.float_point(node)
+            self.float_point(node)
         self.distance(part)
 
     # -- beams and rods ----------------------------------------------------------------------------------------------
@@ -168,9 +167,6 @@ class SpatialModel(DeckModel):
         EI = [self.parameter(f"EI{'yz'[axis == 2]}{n}", stiffness[2 + (axis == 2)]) for axis in bends]
         twist = {"twist": 1, "GJ": self.parameter(f"GJ{n}", stiffness[1])} if classes[1] == "dynamic" else {}
         return bends, {"bends": bends, "EI": EI, **twist}
-
-    def tip(self, number: int, root: Orientation, frame: str) -> Orientation:
-        return Orientation(frame)
 
     def deflection(self, ends: Ends, axes: Array, x: Array) -> tuple[Array, Array]:
         p, turn_p, q, turn_q = ends

@@ -51,8 +51,8 @@ class DeckText(DeckParts):
 
     def driven(self, node: int, coordinate: int) -> str:
         """The prescribed value of a coordinate as an expression in t."""
-        i = int(self.numbering.lnp[node - 1, coordinate]) - 1
-        row = self.mechanism.drive.x[i - self.numbering.x_class["input"].start]  # type: ignore[attr-defined]
+        i = self.row(node, coordinate) - self.numbering.x_class["input"].start
+        row = self.mechanism.drive.x[i]  # type: ignore[attr-defined]
         return self._polynomial(f"{node}_{coordinate + 1}", row)
 
     def driven_deformation(self, part: Part) -> str:
@@ -72,7 +72,9 @@ class DeckText(DeckParts):
         self.table("point", name=f"P{node}", base=base, offset=self.vector(offset), **({"in": frame} if frame else {}))
 
     def float_point(self, node: int) -> None:
-        """A node that hangs on nothing: its coordinates."""
+        """The coordinates of a node, where it hangs on nothing yet."""
+        if node in self.points:
+            return
         for axis, now, rate in zip(self.axes, self.place(node, self.x), self.place(node, self.xd), strict=True):
             self.coordinate(f"{axis}{node}", now, rate)
         self.point(node, "O", [f"{axis}{node}" for axis in self.axes])
@@ -97,11 +99,14 @@ class DeckText(DeckParts):
         p, _, q, _ = part.nodes
         return self.place(q, x) - self.place(p, x)
 
+    def length(self, part: Part) -> float:
+        return float(np.linalg.norm(self.span(part)))
+
     def distance(self, part: Part) -> None:
         """The nodes of a rigid truss without mass keep their distance."""
         p, _, q, _ = part.nodes
         a, b = self.points[p], self.points[q]
-        L = self.parameter(f"L{part.number}", float(np.linalg.norm(self.span(part))))
+        L = self.parameter(f"L{part.number}", self.length(part))
         squares = " + ".join(f"({b}.{axis} - {a}.{axis})**2" for axis in self.axes)
         self.table("constraint", expression=f"({squares} - {L}**2)/(2*{L})")
 
@@ -109,22 +114,21 @@ class DeckText(DeckParts):
 
     def spring(self, part: Part) -> None:
         """An elastic truss without mass."""
-        p, _, q, _ = part.nodes
-        for node in (p, q):
-            if node not in self.points:
-                self.float_point(node)
+        for node in (part.nodes[0], part.nodes[2]):
+            self.float_point(node)
         if self.values("EM", part.number, 1)[0]:
             raise self.cannot(part, "an elastic truss with mass is none of the beams with assumed shapes")
-        self.elastic(part, float(np.linalg.norm(self.span(part))))
+        self.elastic(part)
 
-    def elastic(self, part: Part, length: float) -> None:
+    def elastic(self, part: Part) -> None:
         """Force (EA e + EdA ė)/l0 along the line pq."""
         n = part.number
         self.no_preload(part)
         stiffness, damping = self.values("ESTIFF", n, 1)[0], self.values("EDAMP", n, 1)[0]
         if not stiffness and not damping:
             return
-        k, c, L = (self.parameter(f"{a}{n}", v) for a, v in (("EA", stiffness), ("EdA", damping), ("L", length)))
+        numbers = (("EA", stiffness), ("EdA", damping), ("L", self.length(part)))
+        k, c, L = (self.parameter(f"{a}{n}", v) for a, v in numbers)
         p, _, q, _ = part.nodes
         self.table(
             "spring", **{"from": self.points[p], "to": self.points[q]}, stiffness=f"{k}/{L}", length=L,

@@ -20,7 +20,6 @@ from spacar_cli.deck_as_spatial_model import SpatialModel
 from spacar_cli.deck_as_text import MARK
 
 if TYPE_CHECKING:
-    from spacar.symbolic.script import SymbolicModel
     from spacar.symbolic.simulated_motion import SimulatedMotion
 
 TIME = 1.0  # of a deck without TIMESTEP [s]
@@ -63,7 +62,7 @@ def export_deck(
 
     Raises UsageError for what cannot be exported, AnalysisError when rigid parts move otherwise than in mode 1.
     """
-
+    from spacar.symbolic.compiled_program import compiler
     from spacar.symbolic.emit import LANGUAGES
     from spacar.symbolic.model_reader import read_model_text
 
@@ -91,7 +90,11 @@ def export_deck(
         checked = eq.check()
         checked.demand()
         program = eq.program(model.outputs)
-        run = _simulated(program, model, np.ravel(result["t"]))
+        times = np.ravel(result["t"])
+        function = program.compile(model.values) if compiler() else None
+        run = program.simulate(
+            model.values, model.start, t_end=float(times[-1]), at=times, rtol=RTOL, function=function
+        )
     except SpacarError as error:
         failure = AnalysisError if isinstance(error, AnalysisError) else UsageError
         raise failure(f"{path.name}: {error}", error.code) from None
@@ -111,16 +114,6 @@ def export_deck(
             program.write(side, language, jacobian)
         said = f"{target}: {counts['step']} operations per step, {counts['once']} once"
     return [said, f"check        {checked}", *run.notes, *compared.lines(flexible, shapes)]
-
-
-def _simulated(program: Any, model: SymbolicModel, times: np.ndarray) -> SimulatedMotion:
-    from spacar.symbolic.compiled_program import compiler
-
-    function = program.compile(model.values) if compiler() else None
-    run: SimulatedMotion = program.simulate(
-        model.values, model.start, t_end=float(times[-1]), at=times, rtol=RTOL, function=function
-    )
-    return run
 
 
 def compare(made: DeckModel, result: Result, run: SimulatedMotion) -> Compared:

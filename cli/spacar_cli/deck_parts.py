@@ -66,17 +66,13 @@ class DeckParts:
 
     def _part(self, number: int, keyword: str, _: Any) -> Part:
         ends = PLANAR if self.numbering.planar else SPATIAL
-        classes = []
         row = self.numbering.ln[number - 1]
-        for i in self.numbering.le[number - 1]:
-            if i:
-                classes.append(next(c for c, s in self.numbering.e_class.items() if s.start <= i - 1 < s.stop))
+        classes = tuple(_class_at(i - 1, self.numbering.e_class) for i in self.numbering.le[number - 1] if i)
         if keyword not in ends:
             raise self.cannot(Part(number, keyword, (0, 0, 0, 0), ()), f"only {', '.join(ends)} can")
-        nodes = tuple(0 if k is None else int(row[k]) for k in ends[keyword])
-        part = Part(number, keyword, (nodes[0], nodes[1], nodes[2], nodes[3]), tuple(classes))
-        kind = self.kind(part)
-        if kind == "":
+        p, turn_p, q, turn_q = (0 if k is None else int(row[k]) for k in ends[keyword])
+        part = Part(number, keyword, (p, turn_p, q, turn_q), classes)
+        if not self.kind(part):
             raise self.cannot(part, f"deformations that are {', '.join(classes)} are no link, joint, spring or beam")
         return part
 
@@ -110,6 +106,13 @@ class DeckParts:
         x = self.reference if x is None else x
         return np.array([x[i - 1] for i in self.numbering.lnp[node - 1, : self.dimension]], float)
 
+    def row(self, node: int, coordinate: int = 0) -> int:
+        """The place of a coordinate in x, from 0."""
+        return int(self.numbering.lnp[node - 1, coordinate]) - 1
+
     def class_of(self, node: int, coordinate: int) -> str:
-        i = int(self.numbering.lnp[node - 1, coordinate]) - 1
-        return next(c for c, s in self.numbering.x_class.items() if s.start <= i < s.stop)
+        return _class_at(self.row(node, coordinate), self.numbering.x_class)
+
+
+def _class_at(i: int, classes: dict[str, slice]) -> str:
+    return next(c for c, s in classes.items() if s.start <= i < s.stop)
