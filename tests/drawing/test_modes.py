@@ -22,6 +22,8 @@ from .models import result_source
 class Matrices:
     """A `.sbm` file in memory."""
 
+    path = "model.sbm"
+
     def __init__(self, result):
         self.frames = result.frames
 
