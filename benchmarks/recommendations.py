@@ -59,7 +59,7 @@ MODELS: dict[str, tuple[str, int, dict[str, Any]]] = {
     "stiff and soft arm": (models.STIFF_AND_SOFT_ARM, 1, {}),
     "rod that is rigid enough": (RIGID, 1, {}),
 }
-POINTS = {"stiff and soft arm": ("x[5,1]", "x[5,2]")}  # the end of the soft arm
+POINTS: dict[str, list[tuple[int, int]]] = {"stiff and soft arm": [(5, 1), (5, 2)]}  # node, coordinate: its end
 
 
 @dataclass(frozen=True)
@@ -83,15 +83,14 @@ class Grid:
                     yield model | {"integrator": code, "rtol": 10.0**-k, "atol": 10.0**-k}
 
 
-def run(deck: Deck, mode: int, points: Sequence[str], most: float, **options: Any) -> tuple[Array, float]:
+def run(deck: Deck, mode: int, points: Sequence[tuple[int, int]], most: float, **options: Any) -> tuple[Array, float]:
     """Coordinates (variables, times), and the processor time [s], the least of three while these are short. Raises
     SpacarError, also for what takes more than `most`."""
-    names = [tuple(map(int, point[2:-1].split(","))) for point in points]
     seconds: list[float] = []
     while not seconds or (len(seconds) < REPEATS and sum(seconds) < SHORT and min(seconds) < most):
         begun, rows = time.process_time(), []
         made = spacar.frames(mode, deck, **options)
-        at = [made.mechanism.numbering.x_index(*name) for name in names]
+        at = [made.mechanism.numbering.x_index(*point) for point in points]
         for frame in made:
             rows.append(frame.x[at])
             if time.process_time() - begun > most:
@@ -100,7 +99,7 @@ def run(deck: Deck, mode: int, points: Sequence[str], most: float, **options: An
     return np.array(rows).T, min(seconds)
 
 
-def truth(deck: Deck, mode: int, points: Sequence[str], options: dict[str, Any]) -> Array:
+def truth(deck: Deck, mode: int, points: Sequence[tuple[int, int]], options: dict[str, Any]) -> Array:
     """On the finest mesh, of a model that cannot be divided on its own."""
     mesh = {"elements": 32 if mode == 7 else 16} if flexible_beams(deck) else {}
     tight = {} if mode == 7 else {"integrator": 595, "rtol": 1e-6, "atol": 1e-7}
@@ -118,7 +117,7 @@ def main(words: list[str]) -> None:
     for name in names or MODELS:
         text, mode, interval = MODELS[name]
         deck = parse_deck(text, mode=mode)
-        points = POINTS.get(name) or _names(deck, mode)
+        points = POINTS.get(name) or _free(deck, mode)
         exact = truth(deck, mode, points, interval)
         scale = amplitudes(exact, mode == 7)
         best: tuple[float, dict[str, Any]] = (np.inf, {})
@@ -129,7 +128,9 @@ def main(words: list[str]) -> None:
                 continue
             if distance(values, exact, scale) <= TARGET:
                 best = min(best, (cost, setting), key=lambda one: one[0])
-        answer = spacar.trade(deck, TARGET, mode=mode, variables=points, budget=40.0, repeats=1, **interval)
+        assert best[1], "no setting of the grid reaches the target"
+        wanted = [f"x[{node},{c}]" for node, c in points]
+        answer = spacar.trade(deck, TARGET, mode=mode, variables=wanted, budget=40.0, repeats=1, **interval)
         assert answer.deck is not None
         options = {k: v for k, v in answer.options.items() if k not in interval}
         least = cost = np.inf
@@ -142,10 +143,9 @@ def main(words: list[str]) -> None:
         print(f"| {name} | {' | '.join(map(str, cells))} | {cost / least:.2f} |", flush=True)
 
 
-def _names(deck: Deck, mode: int) -> tuple[str, ...]:
+def _free(deck: Deck, mode: int) -> list[tuple[int, int]]:
     mechanism = spacar.frames(mode, deck).mechanism
-    owners = [mechanism.numbering.x_owner(int(i)) for i in free_coordinates(mechanism)]
-    return tuple(f"x[{node},{c}]" for node, c in owners)
+    return [mechanism.numbering.x_owner(int(i)) for i in free_coordinates(mechanism)]
 
 
 def _short(options: dict[str, Any]) -> str:

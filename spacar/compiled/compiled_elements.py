@@ -134,29 +134,33 @@ class CompiledElements(Family):
         return self.general.branch(x, e)
 
     def convective_strain(self, c: Configuration, v: Array, out: Array) -> None:
-        self._into("convective_strain", self._call.convective, c, v, out)
+        if not self._into(self._call.convective, c, v, out):
+            self.general.convective_strain(self._general(c), v, out)
 
     def gradient_rate(self, c: Configuration, v: Array, out: Array) -> None:
-        self._into("gradient_rate", self._call.rates, c, v, out, 0)
+        if not self._into(self._call.rates, c, v, out, 0):
+            self.general.gradient_rate(self._general(c), v, out)
 
     def gradient_transport(self, c: Configuration, v: Array, out: Array) -> None:
-        if self.slips:
-            self._into("gradient_transport", self._call.transport, c, v, out)
-        else:
+        if not self.slips:
             self.gradient_rate(c, v, out)
+        elif not self._into(self._call.transport, c, v, out):
+            self.general.gradient_transport(self._general(c), v, out)
 
     def rate_gradient(self, c: Configuration, v: Array, out: Array) -> None:
-        self._into("rate_gradient", self._call.rates, c, v, out, 1)
+        if not self._into(self._call.rates, c, v, out, 1):
+            self.general.rate_gradient(self._general(c), v, out)
 
     def geometric_stiffness(self, c: Configuration, sigma: Array, out: Array) -> None:
-        self._into("geometric_stiffness", self._call.geometric, c, sigma, out)
+        if not self._into(self._call.geometric, c, sigma, out):
+            self.general.geometric_stiffness(self._general(c), sigma, out)
 
-    def _into(self, name: str, in_c: Callable[..., None], c: Configuration, v: Array, out: Array, *which: int) -> None:
-        """By C, where it can, else by the function of this name of the NumPy family."""
-        if self._here(c, v):
+    def _into(self, in_c: Callable[..., None], c: Configuration, v: Array, out: Array, *which: int) -> bool:
+        """By C, where it can; could it?"""
+        here = self._here(c, v)
+        if here:
             in_c(self._at, _at(c.x), _at(v), *which, _at(out))
-        else:
-            getattr(self.general, name)(self._general(c), v, out)
+        return here
 
     def internal(self, c: Configuration, sigma: Array) -> Internal | None:
         if type(self.general).internal is Family.internal:

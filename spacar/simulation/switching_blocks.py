@@ -233,4 +233,3 @@ def limits(name: str, lower: Numbers, upper: Numbers, size: int) -> tuple[Array,
     if not np.all(low < high):
         raise UsageError(f"{name}: every lower limit must be below the upper one", "simulation.limits")
     return low, high
-

@@ -86,7 +86,7 @@ def follow(
     here = _arc(at, x, sigma, place, before, None, limit)
     if backward:
         here = replace(here, u=-here.u, stress=-here.stress, rise=-here.rise)
-    turns, first, total = list[float](), here.point, 0
+    turns, total, first = list[float](), 0, None
     for _ in range(MOST_ARCS):
         branch = q.d.sweep.branch.copy()
         try:
@@ -107,7 +107,7 @@ def follow(
             if turn < end:
                 if not beyond:
                     raise LimitPoint(turn, last.point)
-                first = first if turns else last.point
+                first = first or LimitPoint(turn, last.point, followed=True)
                 turns.append(turn)
                 last = ahead
         if last.place >= end > here.place:
@@ -117,8 +117,8 @@ def follow(
         here = ahead
         if ahead.iterations <= EASY:
             s = min(1.5 * s, LARGEST_ARC)
-    if turns:
-        raise LimitPoint(turns[0], first, followed=True)
+    if first is not None:
+        raise first
     raise Astray("the equilibrium path could not be followed by arc length either")
 
 

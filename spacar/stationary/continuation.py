@@ -308,6 +308,8 @@ class Continuation:
                 raise Bifurcation
             steps = self._land(found, until)
         except LimitPoint as limit:
+            if limit.followed and not whole:
+                raise Bifurcation from None
             raise at_limit(e, origin.towards(target, limit.place), target, limit) from None
         except (Astray, SingularMatrixError):
             if not whole:
@@ -342,7 +344,7 @@ class Continuation:
             if self.stable is not None and not self.stable.negative:
                 self.iterations += steps
                 return
-        except (Astray, SingularMatrixError):
+        except (Astray, SingularMatrixError, LimitPoint):
             pass
         self.point, self.stable, self.path, e.branch[:] = found
         self.statics.load(target)

@@ -8,6 +8,8 @@ from scipy.optimize import brentq
 
 import spacar
 from spacar.deck import parse_deck, read_deck
+from spacar.stationary import continuation
+from spacar.stationary.arc_length import LimitPoint
 
 G = 9.81
 PENDULUM = """
@@ -33,6 +35,20 @@ def test_a_pendulum_finds_its_rest(start, general, monkeypatch):
         assert remainder(r.node(2, 1)[-1], tau if abs(start) > 1.6 else inf) == pytest.approx(0.0, abs=1e-9)
         assert r["eigval"][0][0] == pytest.approx((0.0, sqrt(G / 0.5)), abs=1e-7)
         assert not any("warning" in line for line in r.report)
+
+
+def test_a_path_back_that_does_not_come_to_the_load_leaves_the_unstable_state(monkeypatch):
+    """Upright, as without that path."""
+    asked = []
+
+    def turned(*words):
+        asked.append(words)
+        raise LimitPoint(0.5, None, followed=True)
+
+    monkeypatch.setattr(continuation, "follow", turned)
+    r = spacar.run(7, parse_deck(PENDULUM.format(l=0.5, start=2.5, steps=1), mode=7))
+    assert asked
+    assert abs(remainder(r.node(2, 1)[-1], tau)) == pytest.approx(pi, abs=1e-9)
 
 
 @pytest.mark.parametrize("off", [0.0, 5.0, -5.0, 15.0])
