@@ -112,6 +112,8 @@ class Family:
     keyword: str
     numbers: NDArray[np.int64]
     length: Array  # (n,) undeformed length [m], 0 where the type has none
+    # (n, n_deformations) each: of S and S_d that are diagonal, dual to the deformations in their units
+    coefficients: tuple[Array, Array] = (np.zeros((1, 1)), np.zeros((1, 1)))
     frame_p: Array | None = None  # (n, 9) rows x', y', z' of the local frame at p in the start configuration
     frame_q: Array | None = None  # (n, 9) the same at q
     data: Array | None = None  # (n, k) geometric data stored as dr0 (column 1: torsion-elongation f of beams)
@@ -168,8 +170,11 @@ class Family:
     # -- stresses -----------------------------------------------------------------------------------------------
     def stiffness(self) -> tuple[Array, Array]:
         """Constant S and S_d of sigma = S e + S_d de/dt, each (n_deformations, n_deformations, n), symmetric."""
-        zero = np.zeros((self.n_deformations, self.n_deformations, self.n))
-        return zero, zero
+        modes = np.arange(self.n_deformations)
+        full = np.zeros((2, len(modes), len(modes), self.n), np.result_type(*self.coefficients))
+        for S, diagonal in zip(full, self.coefficients, strict=True):
+            S[modes, modes] = diagonal.T
+        return full[0], full[1]
 
     # -- inertia ------------------------------------------------------------------------------------------------
     def mass(self, c: Configuration, out: Array) -> None:

@@ -65,7 +65,8 @@ class PlanarBelt(Family):
         self.frame_p = chord.frame(d / chord.distance(d))
         self.turn = 2.0 * np.pi * self.rho
         self.per_rho = np.divide(1.0, self.rho, out=np.zeros_like(self.rho), where=self.rho.real != 0.0)
-        self.EA, self.EdA = group.estiff[:, 0], group.edamp[:, 0]
+        l0 = self.length[:, None]
+        self.coefficients = group.estiff[:, :1] / l0, group.edamp[:, :1] / l0
         self._set_mass(group.em[:, 0], group.em[:, 1:3].T)
 
     def _set_mass(self, m: Array, wound: Array) -> None:
@@ -149,11 +150,6 @@ class PlanarBelt(Family):
     def geometric_stiffness(self, c: BeltConfiguration, sigma: Array, out: Array) -> None:
         g = chord.row(c.n, 6)
         out[...] = (sigma[0] / c.l * g)[:, None] * g
-
-    # -- stresses ------------------------------------------------------------------------------------------
-    def stiffness(self) -> tuple[Array, Array]:
-        """EA/l0 [N/m] and EdA/l0 [N s/m], l0 the start length of the straight span."""
-        return (self.EA / self.length)[None, None], (self.EdA / self.length)[None, None]
 
     # -- inertia -------------------------------------------------------------------------------------------
     def mass(self, c: BeltConfiguration, out: Array) -> None:

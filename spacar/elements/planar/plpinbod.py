@@ -21,6 +21,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, Family, GeometryError
 from spacar.elements.planar import chord
+from spacar.elements.planar.pltruss import rod_mass
 
 
 class PinbodyConfiguration(NamedTuple):
@@ -79,12 +80,11 @@ class PlanarPinbody(Family):
             if values is not None:
                 self.d0[: len(values), k] = values
         self.data = self.d0.T.copy()
-        self.S, self.Sd = group.estiff[:, 0:2], group.edamp[:, 0:2]
+        self.coefficients = group.estiff[:, 0:2], group.edamp[:, 0:2]
         m, J = group.em[:, 0] * self.length, group.em[:, 1] * self.length
         self.has_mass = bool(np.any(m != 0) or np.any(J != 0))
-        pattern = np.zeros((5, 5))
-        pattern[np.ix_([0, 1, 3, 4], [0, 1, 3, 4])] = np.kron([[2.0, 1.0], [1.0, 2.0]], np.eye(2))
-        self.M = pattern[:, :, None] * (m / 6.0)
+        self.M = np.zeros((5, 5, group.n), m.dtype)
+        self.M[np.ix_(self.position_rows, self.position_rows)] = rod_mass(m, 2)
         self.M[2, 2] = J
 
     def parameters(self) -> Array:
@@ -126,12 +126,6 @@ class PlanarPinbody(Family):
         out[3:5, 2] = out[2, 3:5] = force
         out[0:2, 2] = out[2, 0:2] = -force
         out[2, 2] = -(sigma * (c.r * c.d).sum(1)).sum(0)
-
-    def stiffness(self) -> tuple[Array, Array]:
-        """diag(S1, S2), diag(Sd1, Sd2): [N/m], [N s/m]."""
-        S, Sd = np.zeros((2, 2, 2, self.n), self.S.dtype)
-        S[[0, 1], [0, 1]], Sd[[0, 1], [0, 1]] = self.S.T, self.Sd.T
-        return S, Sd
 
     def mass(self, c: PinbodyConfiguration, out: Array) -> None:
         out[...] = self.M

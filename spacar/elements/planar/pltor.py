@@ -20,13 +20,9 @@ class PlanarHinge(Family):
     def __init__(self, group: ElementGroup) -> None:
         self.keyword, self.numbers = group.keyword, group.numbers
         self.length = np.zeros(group.n)
-        self.S, self.Sd = group.estiff[:, 0], group.edamp[:, 0]
+        self.coefficients = group.estiff[:, :1], group.edamp[:, :1]
 
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> None:
         np.subtract(x[1], x[0], out=e[0])
         V[0, 0] = -1.0
         V[0, 1] = 1.0
-
-    def stiffness(self) -> tuple[Array, Array]:
-        """[N m/rad], [N m s/rad]."""
-        return self.S[None, None], self.Sd[None, None]

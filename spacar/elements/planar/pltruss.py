@@ -31,7 +31,8 @@ class PlanarTruss(Family):
         """Raises GeometryError where the end nodes coincide."""
         self.keyword, self.numbers = group.keyword, group.numbers
         self._chords(group)
-        self.EA, self.EdA = group.estiff[:, 0], group.edamp[:, 0]
+        l0 = self.length[:, None]
+        self.coefficients = group.estiff[:, :1] / l0, group.edamp[:, :1] / l0
         self.has_mass = bool(np.any(group.em[:, 0] != 0))
         self.M = rod_mass(group.em[:, 0] * self.length, self.n_coordinates // 2)
 
@@ -67,10 +68,6 @@ class PlanarTruss(Family):
         P = sigma[0] / c.l * (np.eye(k)[..., None] - c.u[:, None] * c.u)
         out[:k, :k] = out[k:, k:] = P
         out[:k, k:] = out[k:, :k] = -P
-
-    def stiffness(self) -> tuple[Array, Array]:
-        """[N/m], [N s/m]."""
-        return (self.EA / self.length)[None, None], (self.EdA / self.length)[None, None]
 
     def mass(self, c: TrussConfiguration, out: Array) -> None:
         out[...] = self.M

@@ -36,7 +36,7 @@ class PlanarWheel(Family):
         axis = np.array([values[1:3] for values in group.geometry]).reshape(-1, 2).T
         self.radius = np.array([values[0] for values in group.geometry])
         self.data = self.radius[:, None]
-        self.Sd = group.edamp[:, 0:2].T
+        self.coefficients = 0.0 * group.edamp[:, :2], group.edamp[:, :2]
         self.angle = arc_tangent(-axis[0], axis[1])  # of the heading: the axis turned by -90 degrees
         self.frame_p = chord.frame(np.stack((np.cos(self.angle), np.sin(self.angle))))
 
@@ -76,9 +76,3 @@ class PlanarWheel(Family):
         t0, t1 = c
         out[0, 2] = -sigma[0] * t1 - sigma[1] * t0
         out[1, 2] = sigma[0] * t0 - sigma[1] * t1
-
-    def stiffness(self) -> tuple[Array, Array]:
-        """S = 0, S_d = diag(Sd1, Sd2) [N s/m]."""
-        Sd = np.zeros((2, 2, self.n), self.Sd.dtype)
-        Sd[0, 0], Sd[1, 1] = self.Sd
-        return np.zeros_like(Sd), Sd

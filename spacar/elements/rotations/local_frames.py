@@ -12,6 +12,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements.family import GeometryError
+from spacar.elements.rotations.rotation import cross
 
 # The first is a chosen bound (the reference refuses the same angle): digits of a file, not rounding.
 PARALLEL = 1e-5  # smallest sine of the angle between a direction vector and the axis it shall supplement
@@ -19,35 +20,27 @@ PARALLEL = 1e-5  # smallest sine of the angle between a direction vector and the
 SHORT = 1e-10  # smallest element length as a fraction of the extent of all elements of the group
 # Components of unit vectors are known to a few eps; eps d/l for elements of the length l at the distance d.
 EQUAL = 1e-12  # components within this count as equal in `pick`
-MODERATE = 1e-140, 1e140  # lengths of vectors whose squares are known to all digits
 
 
 def pick(ex: Array) -> Array:
     """Standard basis vectors at the largest angle with ex (3, n); of equals those with the highest index."""
-    return _BASIS.take((np.abs(ex).T - _PREFERENCE).argmin(-1), 1)
-
-
-_BASIS, _PREFERENCE = np.eye(3), EQUAL * np.arange(3)
+    return np.eye(3).take((np.abs(ex).T - EQUAL * np.arange(3)).argmin(-1), 1)
 
 
 def unit(v: Sequence[float] | Array, index: int, what: str) -> Array:
     """v / |v| (3, n). Raises GeometryError for a zero or non-finite vector; `what` names it in the message."""
     a = np.asarray(v)
-    least, most = MODERATE
-    if np.abs(a).max() < most:
-        square = inner(a, a)
-        if square.real.min() > least**2:
-            return a / np.sqrt(square)
-    size = np.maximum.reduce(np.abs(a))
-    if not (np.minimum.reduce(size, None) > 0.0 and np.maximum.reduce(size, None) < np.inf):
-        k = index + int(np.flatnonzero(~((size > 0.0) & (size < np.inf)))[0])
-        raise GeometryError(k, f"the {what} is the zero vector; give a vector with a direction")
-    return normalized(a / size)
+    size = np.abs(a).max(0)
+    bad = np.flatnonzero(~((size > 0.0) & (size < np.inf)))
+    if bad.size:
+        text = f"the {what} is the zero vector; give a vector with a direction"
+        raise GeometryError(index + int(bad[0]), text)
+    return normalized(a / size)  # squares of other numbers may under- or overflow
 
 
 def normalized(a: Array) -> Array:
     """a / |a| of vectors (3, n) with components of about 1."""
-    return a / np.sqrt(inner(a, a))
+    return np.asarray(a / np.sqrt((a * a).sum(0)))
 
 
 def supplemented(ex: Array, g: Sequence[float] | Array, index: int, what: str) -> Array:
@@ -55,30 +48,17 @@ def supplemented(ex: Array, g: Sequence[float] | Array, index: int, what: str) -
 
     Raises GeometryError where g is parallel to x' within `PARALLEL`; `what` names g.
     """
-    g = np.asarray(g)
-    least, most = MODERATE
-    longest = 2.0 * np.abs(g).max()  # no |g| is longer
-    if longest < most:
-        ey = _across(ex, g)
-        square = inner(ey, ey)
-        if square.real.min() > max(least, PARALLEL * longest) ** 2:
-            return completed(ex, ey / np.sqrt(square))
     g = unit(g, index, what)
-    ey = _across(ex, g)
-    sine = np.sqrt(inner(ey, ey))
-    if sine.real.min() < PARALLEL:
-        k = int(np.flatnonzero(sine < PARALLEL)[0])
-        angle = np.degrees(sine.flat[k])
+    ey = g - (g * ex).sum(0) * ex
+    sine = np.sqrt((ey * ey).sum(0))
+    parallel = np.flatnonzero(sine.real < PARALLEL)
+    if parallel.size:
+        angle = np.degrees(sine.real.flat[parallel[0]])
         raise GeometryError(
-            index + k,
+            index + int(parallel[0]),
             f"the {what} is parallel to the local x' axis (angle {angle:.3g} degrees); choose another direction",
         )
     return completed(ex, ey / sine)
-
-
-def _across(ex: Array, g: Array) -> Array:
-    """The part of vectors g (3, n) across the unit vectors ex (3, n)."""
-    return g - inner(g, ex) * ex
 
 
 def completed(ex: Array, ey: Array) -> Array:
@@ -86,40 +66,13 @@ def completed(ex: Array, ey: Array) -> Array:
     return np.array((ex, ey, cross(ex, ey))).swapaxes(0, 1)
 
 
-def inner(a: Array, b: Array) -> Array:
-    """a . b of vectors (3, n), in three equal rows: vectors times numbers of the same shape take half the time of a
-    product that has to repeat them, and of few the product with ones is faster than `sum`."""
-    return _ONES.dot(a * b)
-
-
-_ONES = np.ones((3, 3))
-
-
-def cross(a: Array, b: Array) -> Array:
-    """a x b of vectors (3, n): np.cross takes ten times as long, and models are built often."""
-    return _DIFFERENCE.dot(a.take(_LEFT, 0) * b.take(_RIGHT, 0))
-
-
-_DIFFERENCE = np.hstack((np.eye(3), -np.eye(3)))
-_LEFT, _RIGHT = np.array([1, 2, 0, 2, 0, 1]), np.array([2, 0, 1, 1, 2, 0])
-
-
-def chord_frame(ex: Array, direction: Sequence[float] | Array | None, index: int) -> Array:
-    """Frames (3, 3, n) of BEAMs: x' given, y' from directions (3, n) or, where there are none, from `pick`."""
-    if direction is None:
-        return completed(ex, normalized(_across(ex, pick(ex))))
-    return supplemented(ex, direction, index, "direction of the local y' axis")
-
-
 def chord_frames(ex: Array, directions: Sequence[Sequence[float] | None]) -> Array:
-    """`chord_frame` for x' (3, n) of elements some of which have a direction."""
-    if all(directions):
-        return chord_frame(ex, columns(directions), 0)  # type: ignore[arg-type]
-    if not any(directions):
-        return chord_frame(ex, None, 0)
-    missing = [not d for d in directions]
-    g = np.array([d or (0.0, 0.0, 0.0) for d in directions]).T
-    return chord_frame(ex, np.where(missing, pick(ex), g), 0)
+    """Frames (3, 3, n) of BEAMs: x' (3, n) given, y' from the directions or, where there is none, from `pick`."""
+    given = [k for k, direction in enumerate(directions) if direction]
+    own = np.array([directions[k] for k in given]).reshape(-1, 3).T
+    g = pick(ex).astype(own.dtype)
+    g[:, given] = own
+    return supplemented(ex, g, 0, "direction of the local y' axis")
 
 
 def axis_frame(axis: Sequence[float] | Array, index: int, what: str) -> Array:
@@ -133,29 +86,17 @@ def chords(d: Array, x: Array) -> tuple[Array, Array]:
 
     Raises GeometryError for an element shorter than `SHORT` times the extent of the group.
     """
-    l = np.sqrt(inner(d, d))
-    if not l.real.min() > 2.0 * SHORT * np.abs(x).max():  # which is more than the extent
-        points = x.real.reshape(2, 3, -1)
-        shortest = SHORT * (points.max((0, 2)) - points.min((0, 2))).max()
-        for k in np.flatnonzero(~(l[0] > shortest)).tolist():
-            text = f"the length {l[0, k]:.3g} m between its nodes p and q is zero; check their coordinates"
-            raise GeometryError(k, text)
-    return l[0], d / l
-
-
-def columns(vectors: Sequence[Sequence[float]]) -> Array:
-    """Vectors with equally many components as an array, the element axis last."""
-    return np.array([*zip(*vectors, strict=True)])
+    l = np.sqrt((d * d).sum(0))
+    points = x.real.reshape(2, 3, -1)
+    shortest = SHORT * (points.max((0, 2)) - points.min((0, 2))).max()
+    for k in np.flatnonzero(~(l.real > shortest)).tolist():
+        raise GeometryError(k, f"the length {l[k]:.3g} m between its nodes p and q is zero; check their coordinates")
+    return l, d / l
 
 
 def rows(frames: Array) -> Array:
     """Frames (3, 3, n) as rows x', y', z' one after the other, (n, 9): the layout of the result files."""
     return frames.swapaxes(0, 1).reshape(9, -1).T
-
-
-def stack(frames: Sequence[Array]) -> Array:
-    """Frames (3, 3) of single elements as one array (3, 3, n)."""
-    return np.stack(frames, axis=-1) if frames else np.zeros((3, 3, 0))
 
 
 def section_tensor(frame: Array, j: Array, length: Array) -> Array:

@@ -15,9 +15,9 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, Family, GeometryError, Trouble
-from spacar.elements.planar.chord import SHORT, short_troubles
+from spacar.elements.planar.chord import short_troubles
 from spacar.elements.rotations.local_frames import chord_frames, chords, rows, section_tensor
-from spacar.elements.rotations.rotation import _CROSS, parameters_of_frame, rotate
+from spacar.elements.rotations.rotation import _CROSS, parameters_of_frame
 from spacar.elements.spatial import beam_strain as strain_of
 from spacar.elements.spatial.beam_inertia import (
     HERMITE_MASS,
@@ -159,14 +159,14 @@ class SpatialBeam(Family):
         raw2 = of.rates(state, v).raw2
         out[...] = strain_of.second_order(state.Q, raw2)
         if state.Q is not None:
-            raw1 = of.raw_rate(state, v)
+            raw1 = strain_of.raw_rate(state, v)
             out += np.einsum("kj...,j...->k...", of.correction(state.p, raw1), raw1)
 
     def gradient_rate(self, c: SpatialBeamConfiguration, v: Array, out: Array) -> None:
         of, state = self._of, c.strain
         W = strain_of.corrected(state.Q, of.rate_rows(state, of.rates(state, v)))
         if state.Q is not None:
-            W = W + strain_of.times_rows(of.correction(state.p, of.raw_rate(state, v)), state.W)
+            W = W + strain_of.times_rows(of.correction(state.p, strain_of.raw_rate(state, v)), state.W)
         strain_of.put(W, out)
 
     def rate_gradient(self, c: SpatialBeamConfiguration, v: Array, out: Array) -> None:
@@ -175,7 +175,7 @@ class SpatialBeam(Family):
         W = strain_of.corrected(state.Q, of.second_rate_rows(state, rates))
         if state.Q is not None:
             W = W + strain_of.times_rows(of.correction(state.p, rates.raw2), state.W)
-            Q1 = of.correction(state.p, of.raw_rate(state, v))
+            Q1 = of.correction(state.p, strain_of.raw_rate(state, v))
             W = W + 2.0 * strain_of.times_rows(Q1, of.rate_rows(state, rates))
         strain_of.put(W, out)
 
@@ -203,24 +203,19 @@ class SpatialBeam(Family):
             return ()
         half = 0.5 * self.length
         return tuple(
-            (row, section_tensor(frame, self._section, half))
-            for row, frame in zip((3, 10), self._frames, strict=True)
+            (row, section_tensor(frame, self._section, half)) for row, frame in zip((3, 10), self._frames, strict=True)
         )
 
     # -- limits --------------------------------------------------------------------------------------------
     def troubles(self, c: SpatialBeamConfiguration, e: Array, sigma: Array) -> list[Trouble]:
         """Collapsed length; too large angles of bending (end tangent against chord) or twist."""
         state = c.strain
-        if _small_angles(state, self.length) and (state.l > SHORT * self.length).all():
-            return []
         found = short_troubles(state.l, self.length)
-        for what, angle in _angles(state.lam, state.n, self._frames):
+        for what, angle in _angles(state, self.length):
             for k in np.flatnonzero(angle > LARGE_ANGLE):
                 fatal = bool(angle[k] > LIMIT_ANGLE)
                 limit = (
-                    "beyond what its deformation can measure"
-                    if fatal
-                    else "which one element cannot represent well"
+                    "beyond what its deformation can measure" if fatal else "which one element cannot represent well"
                 )
                 text = f"{what} by {np.degrees(angle[k]):.0f} degrees, {limit}; use more elements"
                 found.append(Trouble(int(k), text, fatal))
@@ -261,28 +256,14 @@ def _beam_matrix(rigidity: Array, shear: Array, l0: Array) -> Array:
     return S
 
 
-def _small_angles(state: strain_of.BeamState, l0: Array) -> bool:
-    """True only if no angle is beyond LARGE_ANGLE, from what the state holds: a fifth of the work of `_angles`.
+def _angles(state: strain_of.BeamState, l0: Array) -> list[tuple[str, Array]]:
+    """Angles [rad] (n,) between the end tangents and the chord, and of the twist, with a verb each.
 
     U_s = -+ l0 z', +- l0 y' at the ends s, so that x'_s.n = n.(U_0s x U_1s)/l0^2. With the relative Euler parameters
     mu, the cosine of the twist is mu0^2 - mu_x^2 and its sine 2 mu0 mu_x, both times a number below one.
     """
-    limit = np.cos(LARGE_ANGLE)
-    U0, U1 = state.U
-    bent = np.einsum("ijk,i...,sj...,sk...->s...", _CROSS, state.n, U0, U1)
-    half = state.twist[1] / (2.0 * l0)
-    return bool((bent > limit * l0**2).all() and (state.twist[0] ** 2 - half**2 > limit).all())
-
-
-def _angles(lam: Array, n: Array, frames: tuple[Array, Array]) -> list[tuple[str, Array]]:
-    """Angles [rad] (n,) between the end tangents and the chord, and of the twist, with a verb each."""
-    ends = [[rotate(lam[s], frames[s][:, i]) for i in range(3)] for s in range(2)]
-    found = []
-    for s, name in enumerate("pq"):
-        chord = np.arccos(np.clip((n * ends[s][0]).sum(0), -1.0, 1.0))
-        found.append((f"is bent at {name}", chord))
-    (_, yp, zp), (_, yq, zq) = ends
-    sine = ((zp * yq).sum(0) - (yp * zq).sum(0)) / 2.0
-    cosine = ((yp * yq).sum(0) + (zp * zq).sum(0)) / 2.0
-    found.append(("is twisted", np.abs(np.arctan2(sine, cosine))))
-    return found
+    bent = np.einsum("ijk,i...,sj...,sk...->s...", _CROSS, state.n, *state.U) / l0**2
+    chord = np.arccos(np.clip(bent, -1.0, 1.0))
+    mu0, mu_x = state.twist[0], state.twist[1] / (2.0 * l0)
+    twist = np.abs(np.arctan2(2.0 * mu0 * mu_x, mu0**2 - mu_x**2))
+    return [("is bent at p", chord[0]), ("is bent at q", chord[1]), ("is twisted", twist)]

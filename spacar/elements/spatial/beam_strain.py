@@ -243,11 +243,11 @@ def rates(c: BeamState, v: Array) -> BeamRates:
     return BeamRates(lam, d, nu, n1, kappa, n2, B1, U1, U2, twist1, dtwist1, twist2, raw2)
 
 
-def raw_rate(c: BeamState, v: Array) -> Array:
-    """d(eb)/dt (6, n) from the gradient rows, which lack the columns of the position of p."""
-    v7 = v.reshape(2, 7, *v.shape[1:]).copy()
-    v7[1, :3] -= v7[0, :3]
-    return np.asarray(_einsum("ksi...,si...->k...", c.W, v7))
+def raw_rate(c: Any, v: Array) -> Array:
+    """d(eb)/dt from the gradient rows, which lack the columns of the position of p; with warping too."""
+    of_nodes = v.reshape(2, -1, *v.shape[1:]).copy()
+    of_nodes[1, :3] -= of_nodes[0, :3]
+    return np.asarray(_einsum("ksi...,si...->k...", c.W, of_nodes))
 
 
 def _project(c: BeamState, U: Array) -> Array:

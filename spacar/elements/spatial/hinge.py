@@ -19,7 +19,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, Family, GeometryError, arc_tangent
-from spacar.elements.rotations.local_frames import axis_frame, columns, rows
+from spacar.elements.rotations.local_frames import axis_frame, rows
 from spacar.elements.rotations.rotation import relative_parameters
 
 _einsum = np.einsum
@@ -156,23 +156,10 @@ class SpatialHinge(Turning, Family):
         if set(map(len, group.geometry)) != {3}:
             k, count = next((k, len(v)) for k, v in enumerate(group.geometry) if len(v) != 3)
             raise GeometryError(k, f"the axis of rotation needs 3 components, {count} are given")
-        frame = axis_frame(columns(group.geometry), 0, "axis of rotation")
+        frame = axis_frame(np.array(group.geometry).T, 0, "axis of rotation")
         self.frame_p = self.frame_q = rows(frame)
         Turning.__init__(self, frame)
-        self._coefficients = group.estiff[:, :3], group.edamp[:, :3]
+        self.coefficients = group.estiff[:, :3], group.edamp[:, :3]
 
     def parameters(self) -> Array:
         return self.frame_p.T
-
-    def stiffness(self) -> tuple[Array, Array]:
-        """S1..S3 [N m/rad] and Sd1..Sd3 [N m s/rad]."""
-        S, S_d = (diagonal(k) for k in self._coefficients)
-        return S, S_d
-
-
-def diagonal(k: Array) -> Array:
-    """Diagonal matrices (m, m, n) of coefficients (n, m)."""
-    modes = np.arange(k.shape[1])
-    S = np.zeros((len(modes), len(modes), len(k)), k.dtype)
-    S[modes, modes] = k.T
-    return S

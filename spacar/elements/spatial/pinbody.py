@@ -17,7 +17,6 @@ from spacar.elements.family import ElementGroup, Family, GeometryError
 from spacar.elements.planar.pltruss import rod_mass
 from spacar.elements.rotations.local_frames import chord_frames, chords, rows, section_tensor, supplemented, unit
 from spacar.elements.rotations.rotation import director_tensor
-from spacar.elements.spatial.hinge import diagonal
 
 _einsum = np.einsum
 DEPENDENT = 1e-8  # smallest determinant of three unit directions: sqrt(eps), where the position loses half its digits
@@ -111,23 +110,16 @@ class SpatialPinbody(Sliding, Family):
         for k, given in enumerate(group.projections):
             if given is not None:
                 if len(given) != 3:
-                    raise GeometryError(
-                        k, f"DRPINBOD needs 3 projections of a spatial element, {len(given)} are given"
-                    )
+                    raise GeometryError(k, f"DRPINBOD needs 3 projections of a spatial element, {len(given)} are given")
                 self.r[:, k] = given
         self.data = self.r.T.copy()
-        self._coefficients = group.estiff[:, :3], group.edamp[:, :3]
+        self.coefficients = group.estiff[:, :3], group.edamp[:, :3]
         self.has_mass = bool(np.any(group.em[:, 0] != 0.0))
         self._mass = rod_mass(group.em[:, 0] * self.length, 3)
         self._inertia = _rod_inertia(group, d) if group.em[:, 1:5].any() else None
 
     def parameters(self) -> Array:
         return np.vstack((self.frame_p.T, self.r))
-
-    def stiffness(self) -> tuple[Array, Array]:
-        """S1..S3 [N/m] and Sd1..Sd3 [N s/m]."""
-        S, S_d = (diagonal(k) for k in self._coefficients)
-        return S, S_d
 
     def mass(self, c: PinState, out: Array) -> None:
         out[np.ix_(POSITIONS, POSITIONS)] = self._mass
@@ -150,9 +142,7 @@ def _frames(group: ElementGroup, d: Array) -> Array:
         if given is not None:
             frames[:, :, k] = _given_frame(given, k)
         elif direction and len(direction) != 3:
-            raise GeometryError(
-                k, f"the direction of the local y' axis needs 3 components, {len(direction)} are given"
-            )
+            raise GeometryError(k, f"the direction of the local y' axis needs 3 components, {len(direction)} are given")
         elif direction or group.keyword != "PINBODY":
             along.append(k)
         else:
@@ -177,9 +167,7 @@ def _given_frame(given: tuple[float, ...], k: int) -> Array:
     units = [unit(given[3 * i : 3 * i + 3], k, f"{names[i]} ORPINBOD direction") for i in range(3)]
     volume = abs(np.linalg.det(np.column_stack(units)))
     if volume < DEPENDENT:
-        raise GeometryError(
-            k, f"the three ORPINBOD directions are linearly dependent (unit volume {volume:.1e})"
-        )
+        raise GeometryError(k, f"the three ORPINBOD directions are linearly dependent (unit volume {volume:.1e})")
     return np.array(given).reshape(3, 3).T
 
 

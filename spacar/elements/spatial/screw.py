@@ -17,7 +17,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, Family, GeometryError
 from spacar.elements.rotations.local_frames import axis_frame, rows
-from spacar.elements.spatial.hinge import HingeState, Turning, diagonal
+from spacar.elements.spatial.hinge import HingeState, Turning
 from spacar.elements.spatial.pinbody import PinState, Sliding
 
 LAMBDAS = np.array([3, 4, 5, 6, 10, 11, 12, 13])  # coordinates of the rotation; the translation has the first ten
@@ -46,16 +46,14 @@ class Screw(Family):
         self.pitch = np.zeros(group.n, group.x0.dtype)
         for k, values in enumerate(group.geometry):
             if len(values) not in (3, 4):
-                raise GeometryError(
-                    k, f"needs 3 components of its axis and the pitch, {len(values)} are given"
-                )
+                raise GeometryError(k, f"needs 3 components of its axis and the pitch, {len(values)} are given")
             self.pitch[k] = values[3] if len(values) == 4 else 0.0
         frame = axis_frame(np.array([values[:3] for values in group.geometry]).T, 0, "screw axis")
         self.frame_p = self.frame_q = rows(frame)
         self.r = np.einsum("ian,in->an", frame, group.x0[7:10] - group.x0[:3])
         self.data = np.column_stack((self.pitch, self.r.T))
         self.turn, self.slide = Turning(frame), Sliding(frame, self.r)
-        self._coefficients = group.estiff[:, :6], group.edamp[:, :6]
+        self.coefficients = group.estiff[:, :6], group.edamp[:, :6]
 
     def parameters(self) -> Array:
         return np.vstack((self.frame_p.T, self.r, self.pitch))
@@ -103,11 +101,6 @@ class Screw(Family):
         out[1:4, :10], out[1, 10:] = slide, 0.0
         out[np.ix_(TURNED, LAMBDAS)] = turn
         out[1, LAMBDAS] -= self.pitch * turn[0]
-
-    def stiffness(self) -> tuple[Array, Array]:
-        """Coefficients S1..S6 and Sd1..Sd6 as given: N m/rad for modes 1, 5, 6, N/m for 2, 3, 4."""
-        S, S_d = (diagonal(k) for k in self._coefficients)
-        return S, S_d
 
 
 def _rows(out: Array) -> tuple[Array, Array]:

@@ -111,13 +111,6 @@ def correction(p: beam_strain.BeamConstants, e: Array) -> Array:
     return Q
 
 
-def raw_rate(c: WarpingState, v: Array) -> Array:
-    """d(eb)/dt (8, n) for rates v (16, n) from the gradient rows, which lack the columns of the position of p."""
-    v8 = v.reshape(2, 8, *v.shape[1:]).copy()
-    v8[1, :3] -= v8[0, :3]
-    return np.asarray(_einsum("ksi...,si...->k...", c.W, v8))
-
-
 class WarpingRates(NamedTuple):
     """Rates of the state with velocities v at zero accelerations."""
 

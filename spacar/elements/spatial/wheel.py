@@ -20,9 +20,8 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, Family, GeometryError, Trouble
-from spacar.elements.rotations.local_frames import rows, stack, unit
+from spacar.elements.rotations.local_frames import rows, unit
 from spacar.elements.rotations.rotation import cross, director_tensor, global_matrix
-from spacar.elements.spatial.hinge import diagonal
 
 _einsum = np.einsum
 UP = np.array([0.0, 0.0, 1.0])
@@ -159,11 +158,11 @@ class _Wheel(Family):
         self.length = np.zeros(group.n)
         d = group.x0[7:] - group.x0[:3]
         axes, self.radius, self.rho = self._read(group, np.sqrt((d * d).sum(0)))
-        frame = stack([_frame(axis, k) for k, axis in enumerate(axes)])
+        frame = np.stack([_frame(axis, k) for k, axis in enumerate(axes)], axis=-1)
         self.frame_p = self.frame_q = rows(frame)
         self.data = np.column_stack((self.radius, self.rho))
         self.constants = director_tensor(frame[:, 2]), self.radius, self.rho
-        self._coefficients = group.estiff[:, :6], group.edamp[:, :6]
+        self.coefficients = group.estiff[:, :6], group.edamp[:, :6]
         self._check_start(group.x0.real)
 
     def parameters(self) -> Array:
@@ -189,9 +188,7 @@ class _Wheel(Family):
         )
         for k in range(self.n):
             if not below[k]:
-                raise GeometryError(
-                    k, f"the contact point is not below the centre but {c.r[2, k]:.3g} m above it"
-                )
+                raise GeometryError(k, f"the contact point is not below the centre but {c.r[2, k]:.3g} m above it")
             for error, place in places:
                 if abs(error[k]) > allowed[k]:
                     text = f"the contact point is {error[k]:.6g} m {place}; correct its coordinates"
@@ -258,12 +255,7 @@ class _Wheel(Family):
         out[3:7, 3:7] = _einsum("i...,ijk...->jk...", sigma[1] * c.r + sigma[3] * around(c.r), c.K)
         out += _einsum("e...,eij...->ij...", sigma[4:], slip_hessian(c))
 
-    # -- stresses and limits ---------------------------------------------------------------------------------
-    def stiffness(self) -> tuple[Array, Array]:
-        """Coefficients S1..S6 and Sd1..Sd6 as given, dual to the deformations of the table above."""
-        S, S_d = (diagonal(k) for k in self._coefficients)
-        return S, S_d
-
+    # -- limits ----------------------------------------------------------------------------------------------
     def troubles(self, c: WheelState, e: Array, sigma: Array) -> list[Trouble]:
         """Contact point off the ground; wheel that lies flat, which has no lowest point."""
         size = self.radius + self.rho
@@ -301,13 +293,9 @@ class TorusWheel(_Wheel):
     def _read(self, group: ElementGroup, distance: Array) -> tuple[list[tuple[float, ...]], Array, Array]:
         for k, values in enumerate(group.geometry):
             if len(values) != 5:
-                raise GeometryError(
-                    k, f"needs two radii and 3 components of its axis, {len(values)} are given"
-                )
+                raise GeometryError(k, f"needs two radii and 3 components of its axis, {len(values)} are given")
             if not values[0] > values[1] >= 0.0:
-                text = (
-                    f"the equatorial radius {values[0]:g} m must exceed the transverse radius {values[1]:g} m"
-                )
+                text = f"the equatorial radius {values[0]:g} m must exceed the transverse radius {values[1]:g} m"
                 raise GeometryError(k, f"{text}, and neither may be negative")
         radii = np.array([values[:2] for values in group.geometry]).reshape(-1, 2)
         return [values[2:] for values in group.geometry], radii[:, 0] - radii[:, 1], radii[:, 1]
