@@ -27,10 +27,7 @@ SHORT = 1e-6  # a chosen bound, of the start length: below this the direction of
 
 def normal(u: Array) -> Array:
     """u (2, n) turned by +90 degrees."""
-    turned = np.empty_like(u)
-    np.negative(u[1], out=turned[0])
-    turned[1] = u[0]
-    return turned
+    return np.array((-u[1], u[0]))
 
 
 def row(g: Array, size: int) -> Array:
@@ -50,19 +47,9 @@ def rates(l: Array, u: Array, w: Array) -> tuple[Array, Array]:
     return along[0] + along[1], (u[0] * w[1] - u[1] * w[0]) / l
 
 
-def length_gradient_rate(u: Array, beta_rate: Array) -> Array:
-    """H1_l as a vector (2, n)."""
-    return beta_rate * normal(u)
-
-
 def angle_gradient_rate(l: Array, u: Array, l_rate: Array, beta_rate: Array) -> Array:
     """H1_beta as a vector (2, n)."""
     return -(l_rate / l * normal(u) + beta_rate * u) / l
-
-
-def length_rate_gradient(l: Array, u: Array, l_rate: Array, beta_rate: Array) -> Array:
-    """T_l as a vector (2, n)."""
-    return -(2.0 * l_rate * beta_rate / l) * normal(u) - beta_rate * beta_rate * u
 
 
 def angle_rate_gradient(l: Array, u: Array, l_rate: Array, beta_rate: Array) -> Array:

@@ -53,22 +53,13 @@ class Bend(NamedTuple):
     b3: Array
 
 
-class PlanarMassParts(NamedTuple):
-    """Of the mass matrix: what does not turn (6, 6, n); positions by angles (position block, component, end, n); both
-    angles (n,)."""
-
-    constant: Array
-    coupling: Array
-    cross: Array
-
-
 class PlanarBeamConfiguration(NamedTuple):
     """What is known at one x: end tangents `t` (end, component, n), the same turned by +90 degrees."""
 
     l: Array
     u: Array
     t: Array
-    normals: Array | None  # only with mass
+    normals: Array
     bend: Bend
     Q_b: Array  # dQ/db
 
@@ -90,7 +81,8 @@ class PlanarBeam(Family):
     def _set(self, group: ElementGroup, l0: Array, angle: Array, m: Array, J: Array) -> None:
         """What beams and tubes have in common: start directions `angle` (end, n), mass m and J per length."""
         self.keyword, self.numbers, self.length = group.keyword, group.numbers, l0
-        self.angle = angle
+        self.angle, self.signed = angle, np.stack((l0, -l0))  # signed: L (end, n)
+        self.frame_p, self.frame_q = (chord.frame(np.stack((np.cos(a), np.sin(a)))) for a in angle)
         EA, EI, shear = group.estiff[:, 0:3].T
         self.rigidity, self.viscosity = (EA, EI), (group.edamp[:, 0], group.edamp[:, 1])
         self.Phi, rest = shear, 3.0
@@ -114,26 +106,10 @@ class PlanarBeam(Family):
         rows[0], rows[1:3], rows[3], rows[4], rows[5:8], rows[8], rows[9] = own
         return rows
 
-    # Arrays of the functions below and of result files; a compiled run in memory does not make them.
     @cached_property
-    def frame_p(self) -> Array:  # type: ignore[override]
-        return self._frame(0)
-
-    @cached_property
-    def frame_q(self) -> Array:  # type: ignore[override]
-        return self._frame(1)
-
-    def _frame(self, end: int) -> Array:
-        return chord.frame(np.stack((np.cos(self.angle[end]), np.sin(self.angle[end]))))
-
-    @cached_property
-    def signed(self) -> Array:
-        """L (end, n)."""
-        return np.stack((self.length, -self.length))
-
-    @cached_property
-    def mass_parts(self) -> PlanarMassParts:
-        """Those of the inertia."""
+    def mass_parts(self) -> tuple[Array, Array, Array]:
+        """Of the mass matrix: what does not turn (6, 6, n); positions by angles (position block, component, end, n);
+        both angles (n,)."""
         l0 = self.length
         constant = np.zeros((6, 6, self.n), self.unit.dtype)
         for k in (0, 1):
@@ -141,7 +117,7 @@ class PlanarBeam(Family):
             constant[[k, 3 + k], [3 + k, k]] = 54.0 * self.unit
         constant[[2, 5], [2, 5]] = 4.0 * l0**2 * self.unit + self.lumped
         coupling = CUBIC_MASS[0::2, 1::2, None][:, None] * (self.unit * l0)
-        return PlanarMassParts(constant, coupling, -3.0 * l0**2 * self.unit)
+        return constant, coupling, -3.0 * l0**2 * self.unit
 
     # -- deformations --------------------------------------------------------------------------------------
     def _bend(self, cosine: Array, sine: Array) -> Bend:
@@ -151,15 +127,10 @@ class PlanarBeam(Family):
 
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> PlanarBeamConfiguration:
         d = x[3:5] - x[0:2]
-        d0, d1 = d
-        l = np.sqrt(d0 * d0 + d1 * d1)
-        u = d / l
-        u0, u1 = u
+        l = np.sqrt(d[0] * d[0] + d[1] * d[1])
+        u = u0, u1 = d / l
         theta = x[2::3] + self.angle
-        t = np.empty((2, 2, *l.shape), x.dtype)
-        t0, t1 = t[:, 0], t[:, 1]
-        np.cos(theta, out=t0)
-        np.sin(theta, out=t1)
+        t0, t1 = np.cos(theta), np.sin(theta)
         bend = self._bend(t0 * u0 + t1 * u1, t1 * u0 - t0 * u1)
         b, b_prime = bend.b, bend.b1
         Q_b = self.A2 * b + self.B * b[::-1]
@@ -168,23 +139,15 @@ class PlanarBeam(Family):
         e[0] = l - self.length + 0.5 * (twice_Q[0] + twice_Q[1])
         e[1:] = b
 
-        K = np.empty((3, *l.shape), x.dtype)  # -d(e)/d(beta)/l apart from the elongation of the chord
-        np.divide(b_prime, l, out=K[1:])
-        QK = Q_b * K[1:]
-        np.add(QK[0], QK[1], out=K[0])
-        at_q = V[:, 3:5]
-        np.multiply(K, u1, out=V[:, 3])
-        np.multiply(K, -u0, out=V[:, 4])
-        at_q[0] += u
-        np.negative(at_q, out=V[:, 0:2])
-        np.multiply(Q_b, b_prime, out=V[0, 2::3])
+        K = b_prime / l
+        QK = Q_b * K
+        K = np.array((QK[0] + QK[1], *K))  # -d(e)/d(beta)/l apart from the elongation of the chord
+        V[:, 3], V[:, 4] = K * u1, -K * u0
+        V[0, 3:5] += u
+        V[:, 0:2] = -V[:, 3:5]
+        V[0, 2::3] = Q_b * b_prime
         V[1, 2], V[2, 5] = b_prime
-
-        normals = None
-        if self.has_mass:
-            normals = np.empty_like(t)
-            np.negative(t1, out=normals[:, 0])
-            normals[:, 1] = t0
+        t, normals = np.array((t0, t1)).swapaxes(0, 1), np.array((-t1, t0)).swapaxes(0, 1)
         return PlanarBeamConfiguration(l, u, t, normals, bend, Q_b)
 
     def _rates(self, c: PlanarBeamConfiguration, v: Array) -> tuple[Array, Array, Array, Array, Array]:
@@ -224,7 +187,7 @@ class PlanarBeam(Family):
         D_b, H1_b, _, Q_b_rate = self._b_rows(c, v)
         _, beta_rate = chord.rates(c.l, c.u, v[3:5] - v[0:2])
         out[0] = (c.Q_b[:, None] * H1_b + Q_b_rate[:, None] * D_b).sum(0)
-        out[0] += chord.row(chord.length_gradient_rate(c.u, beta_rate), 6)
+        out[0] += chord.row(beta_rate * chord.normal(c.u), 6)
         out[1:] = H1_b
 
     def rate_gradient(self, c: PlanarBeamConfiguration, v: Array, out: Array) -> None:
@@ -238,7 +201,8 @@ class PlanarBeam(Family):
         T_b -= 2.0 * (b2 * alpha_v)[:, None] * H1_beta + b1[:, None] * T_beta
         Q_H = self.A2 * H_b + self.B * H_b[::-1]
         out[0] = (c.Q_b[:, None] * T_b + Q_H[:, None] * D_b + 2.0 * Q_b_rate[:, None] * H1_b).sum(0)
-        out[0] += chord.row(chord.length_rate_gradient(c.l, c.u, l_rate, beta_rate), 6)
+        T_l = -(2.0 * l_rate * beta_rate / c.l) * chord.normal(c.u) - beta_rate * beta_rate * c.u
+        out[0] += chord.row(T_l, 6)
         out[1:] = T_b
 
     def geometric_stiffness(self, c: PlanarBeamConfiguration, sigma: Array, out: Array) -> None:
@@ -274,7 +238,6 @@ class PlanarBeam(Family):
         constant, coupling, cross = self.mass_parts
         out[...] = constant
         N = c.normals
-        assert N is not None
         blocks = out.reshape(2, 3, 2, 3, *out.shape[2:])
         side = coupling * N.swapaxes(0, 1)  # position block, component, end of the angle
         blocks[:, 0:2, :, 2] = side
@@ -282,28 +245,21 @@ class PlanarBeam(Family):
         dot = N[0] * N[1]
         out[2, 5] = out[5, 2] = (dot[0] + dot[1]) * cross
 
-    def _line_acceleration(self, c: PlanarBeamConfiguration, v: Array, a: Array | None) -> Array:
-        """y'' (4, 2, n): the accelerations of x_p, l0 t_p, x_q, l0 t_q."""
+    def _line_force(self, c: PlanarBeamConfiguration, v: Array, a: Array | None) -> Array:
+        """Force (4, 2, n) dual to y, of the accelerations of x_p, l0 t_p, x_q, l0 t_q."""
         y = np.zeros((4, 2, *v.shape[1:]), c.t.dtype)
         omega = v[2::3]
         turn = c.t * (omega * -omega)[:, None]
         if a is not None:
             y[0], y[2] = a[0:2], a[3:5]
-            assert c.normals is not None
             turn += c.normals * a[2::3, None]
-        np.multiply(turn, self.length, out=y[1::2])
-        return y
-
-    def _line_force(self, c: PlanarBeamConfiguration, v: Array, a: Array | None) -> Array:
-        """Force dual to y, (4, 2, n)."""
-        y = self._line_acceleration(c, v, a) * self.unit
-        return (CUBIC_MASS @ y.reshape(4, -1)).reshape(y.shape)
+        y[1::2] = turn * self.length
+        return np.asarray((CUBIC_MASS @ (y * self.unit).reshape(4, -1)).reshape(y.shape))
 
     def _project(self, c: PlanarBeamConfiguration, F: Array) -> Array:
         """Force dual to x, (6, n), of a force F (4, 2, n) dual to y."""
         out = np.empty((6, *F.shape[2:]), F.dtype)
         out[0:2], out[3:5] = F[0], F[2]
-        assert c.normals is not None
         moment = c.normals * F[1::2]
         np.multiply(moment[:, 0] + moment[:, 1], self.length, out=out[2::3])
         return out
@@ -315,11 +271,11 @@ class PlanarBeam(Family):
         return out
 
     def inertia_gradient(self, c: PlanarBeamConfiguration, v: Array, a: Array) -> tuple[Array, Array]:
-        assert c.normals is not None
         omega, spin = v[2::3, None], a[2::3, None]
         turned = -self.length * (c.t * spin + c.normals * omega**2)
         by_x = self._angle_columns(c, self._mass_columns(turned))
-        self._add_rotation(c, by_x, self._line_force(c, v, a))
+        # where Y turns with the ends: -l0 t.F on the diagonal of the angles
+        by_x[[2, 5], [2, 5]] -= self.length * (c.t * self._line_force(c, v, a)[1::2]).sum(1)
         by_v = self._angle_columns(c, self._mass_columns(-2.0 * self.length * c.t * omega))
         return by_x, by_v
 
@@ -332,15 +288,8 @@ class PlanarBeam(Family):
         out = np.zeros((6, 6, *F.shape[3:]), F.dtype)
         blocks = out.reshape(2, 3, 2, 3, *F.shape[3:])
         blocks[:, 0:2, :, 2] = F[0::2]
-        assert c.normals is not None
         blocks[:, 2, :, 2] = self.length * (c.normals[:, :, None] * F[1::2]).sum(1)
         return out
-
-    def _add_rotation(self, c: PlanarBeamConfiguration, by_x: Array, F: Array) -> None:
-        """The part of d(Y^T F)/dx where Y turns with the ends: -l0 t.F on the diagonal of the angles."""
-        turn = self.length * (c.t * F[1::2]).sum(1)
-        by_x[2, 2] -= turn[0]
-        by_x[5, 5] -= turn[1]
 
     # -- limits --------------------------------------------------------------------------------------------
     def troubles(self, c: PlanarBeamConfiguration, e: Array, sigma: Array) -> list[Trouble]:

@@ -89,17 +89,10 @@ class PlanarBelt(Family):
 
     def _span(self, d: Array) -> tuple[Array, Array, Array]:
         """l, u and n of the straight span."""
-        d0, d1 = d
-        square = d0 * d0 + d1 * d1
+        square = d[0] * d[0] + d[1] * d[1]
         l = np.sqrt(square - self.rho * self.rho)
-        along, across = l / square, self.rho / square
-        u = np.empty(d.shape, l.dtype)
-        u0 = u[0] = along * d0 + across * d1
-        u1 = u[1] = along * d1 - across * d0
-        n = np.empty_like(u)
-        np.negative(u1, out=n[0])
-        n[1] = u0
-        return l, u, n
+        u = (l * d - self.rho * chord.normal(d)) / square
+        return l, u, chord.normal(u)
 
     # -- deformations --------------------------------------------------------------------------------------
     def parameters(self) -> Array:
@@ -135,8 +128,7 @@ class PlanarBelt(Family):
         return (c.u * w).sum(0), (c.n * w).sum(0)
 
     def convective_strain(self, c: BeltConfiguration, v: Array, out: Array) -> None:
-        across = c.n * (v[3:5] - v[0:2])
-        k = across[0] + across[1]
+        _, k = self._rates(c, v)
         out[0] = k * k / c.l
 
     def gradient_rate(self, c: BeltConfiguration, v: Array, out: Array) -> None:
@@ -165,8 +157,7 @@ class PlanarBelt(Family):
 
     def _motion(self, c: BeltConfiguration, v: Array, a: Array | None) -> tuple[Array, Array, Array, Array]:
         """theta', r phi' (end, n), momenta P of the pulley ends and their rates P' (end, component, n)."""
-        across = c.n * (v[3:5] - v[0:2])
-        theta_rate = (across[0] + across[1]) / c.l
+        theta_rate = self._rates(c, v)[1] / c.l
         rim = self.radii * v[2::3]
         v_ends = v.reshape(2, 3, *v.shape[1:])[:, 0:2] - rim[:, None] * c.u
         a_ends = (rim * -theta_rate)[:, None] * c.n

@@ -61,7 +61,6 @@ class PlanarTube(CarriesFlow, PlanarBeam):
         F = super()._line_force(c, v, a)
         if not self.flows:
             return F
-        assert c.normals is not None
         y, rate = np.zeros_like(F), np.empty_like(F)
         y[1::2] = c.t * self.length
         y[2] = c.u * c.l  # positions relative to x_p: A has no part in a common translation
@@ -72,7 +71,6 @@ class PlanarTube(CarriesFlow, PlanarBeam):
     def inertia_gradient(self, c: PlanarBeamConfiguration, v: Array, a: Array) -> tuple[Array, Array]:
         by_x, by_v = super().inertia_gradient(c, v, a)
         if self.flows:
-            assert c.normals is not None
             swing = self.length * c.normals
             by_x += self._flow_columns(c, self._A, swing)
             by_x += self._flow_columns(c, self._D, -self.length * c.t * v[2::3, None], positions=False)

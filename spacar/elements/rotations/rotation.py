@@ -57,15 +57,6 @@ def director_tensor(c: Array) -> Array:
     return np.einsum("ijkm,m...->ijk...", _DIRECTOR, c)
 
 
-def relative_matrix(e: Array) -> Array:
-    """Z(e) (4, 4, n) = [0, e^T; -e, e~] (skew) of unit vectors e (3, n): mu_e = lam_p^T Z lam_q."""
-    Z = np.zeros((4, 4, *e.shape[1:]), e.dtype)
-    Z[0, 1:] = e
-    Z[1:, 0] = -e
-    Z[1:, 1:] = skew(e)
-    return Z
-
-
 def relative_parameters(frame_p: Array, frame_q: Array) -> Array:
     """F (4, 2, 4, 4, n): parameters of the frame at q relative to that at p, in components along the frame at p.
 
@@ -75,7 +66,7 @@ def relative_parameters(frame_p: Array, frame_q: Array) -> Array:
     n = frame_p.shape[-1]
     F = np.zeros((4, 2, 4, 4, n), np.result_type(frame_p, frame_q))
     F[0, 0] = np.eye(4)[..., None]
-    F[1:, 0] = relative_matrix(frame_p).transpose(2, 0, 1, 3)
+    F[1:, 0] = -body_dual(frame_p).transpose(2, 0, 1, 3)  # Z(e) = -K(e)
     if frame_p is not frame_q and not np.array_equal(frame_p, frame_q):
         F[:, 0] = _follow(F[:, 0], frame_p, frame_q)
     F[:, 1] = F[:, 0].swapaxes(1, 2)
@@ -85,16 +76,12 @@ def relative_parameters(frame_p: Array, frame_q: Array) -> Array:
 def _follow(F: Array, frame_p: Array, frame_q: Array) -> Array:
     """F with lam_q o lam_start for lam_q: at the start the frame at q is turned by frame_q frame_p^T."""
     vector = parameters_of_frame(np.einsum("ian,jan->ijn", frame_q, frame_p))
-    w, v = vector[0], vector[1:]
-    product = np.zeros((4, 4, len(w)), F.dtype)  # lam o lam_start = product lam
-    product[0, 0] = w
-    product[0, 1:] = -v
-    product[1:, 0] = v
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        product[1 + i, 1 + i] = w
-        product[1 + i, 1 + j] = v[k]
-        product[1 + i, 1 + k] = -v[j]
-    return np.asarray(np.einsum("aijn,jkn->aikn", F, product))
+    return np.asarray(np.einsum("aijn,jkn->aikn", F, right_product(vector)))
+
+
+def right_product(r: Array) -> Array:
+    """(4, 4, n): lam o r = right_product(r) lam for Euler parameters r (4, n)."""
+    return r[0] * np.eye(4)[..., None] + body_dual(r[1:])
 
 
 def parameters_of_frame(R: Array) -> Array:

@@ -31,7 +31,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.elements.rotations.rotation import _DIRECTOR
+from spacar.elements.rotations.rotation import _DIRECTOR, relative_parameters
 from spacar.elements.spatial.taylor import Taylor, angle, contracted, root, stacked
 
 SERIES = 0.2  # of 1 - c: below it the power series of G, above it the closed form (relative error of both below 1e-13)
@@ -53,17 +53,8 @@ def _series_coefficients() -> Array:
 _G = _series_coefficients()
 
 
-def _relative_forms() -> Array:
-    """Z (4, 4, 4): mu_a = L_p Z[a] L_q."""
-    Z = np.zeros((4, 4, 4))
-    Z[0] = np.eye(4)
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        Z[1 + i, 0, 1 + i], Z[1 + i, 1 + i, 0] = 1.0, -1.0
-        Z[1 + i, 1 + j, 1 + k], Z[1 + i, 1 + k, 1 + j] = -1.0, 1.0
-    return Z
-
-
-RELATIVE = _relative_forms()
+# (4, 4, 4): mu_a = L_p RELATIVE[a] L_q
+RELATIVE = relative_parameters(np.eye(3)[..., None], np.eye(3)[..., None])[:, 0, ..., 0]
 
 
 class AngleConstants(NamedTuple):

@@ -50,7 +50,7 @@ class SpatialBeamConfiguration(NamedTuple):
     """Deformation state and, if the group has mass, the inertia state."""
 
     strain: Any
-    line: LineState | None
+    line: Any
 
 
 class SpatialBeam(Family):
@@ -120,26 +120,17 @@ class SpatialBeam(Family):
         axis_p, axis_q = (frame[:, 0] for frame in self._frames)
         return line_constants(axis_p, axis_q, self.length, self._mass)
 
-    @property
-    def second(self) -> Array:
-        """(n,) factor of the second order terms with lengths in units of l0: 1, or 0 for LDEFORM."""
-        return self._nonlinear.astype(float)
-
-    @property
-    def unit(self) -> Array:
-        """(n,) mass/420 [kg], of which the coefficients of the inertia are multiples."""
-        return np.asarray(_UNIT * (self._mass * self.length))
-
     def parameters(self) -> Array:
         """Length, start frames at the ends, the turn between them, constants of strain, mass, shear; start values."""
-        rows = np.zeros((34, self.n), np.result_type(self.length, self.frame_p, self.data, self.unit, self.shear))
+        unit = _UNIT * (self._mass * self.length)
+        rows = np.zeros((34, self.n), np.result_type(self.length, self.frame_p, self.data, unit, self.shear))
         rows[0], rows[1:10], rows[10:19], rows[19] = self.length, self.frame_p.T, self.frame_q.T, 1.0
         own = np.flatnonzero((self.frame_p != self.frame_q).any(1))  # curved tubes
         if own.size:
             frames = (of[own].reshape(-1, 3, 3) for of in (self.frame_q, self.frame_p))
             turned = parameters_of_frame(np.einsum("nai,naj->ijn", *frames))
             rows[19:23, own] = np.where(turned[0] < 0.0, -turned, turned)
-        rows[23], rows[24], rows[25], rows[26:28] = self.data[:, 0], self.second, self.unit, self.shear
+        rows[23], rows[24], rows[25], rows[26:28] = self.data[:, 0], self._nonlinear, unit, self.shear
         if self.start is not None:
             rows[28:] = self.start
         return rows
@@ -190,13 +181,13 @@ class SpatialBeam(Family):
 
     # -- inertia -------------------------------------------------------------------------------------------
     def mass(self, c: SpatialBeamConfiguration, out: Array) -> None:
-        line_mass(_line(c), out)
+        line_mass(c.line, out)
 
     def inertia_force(self, c: SpatialBeamConfiguration, v: Array, a: Array | None) -> Array:
-        return line_force(_line(c), v, a)
+        return line_force(c.line, v, a)
 
     def inertia_gradient(self, c: SpatialBeamConfiguration, v: Array, a: Array) -> tuple[Array, Array]:
-        return line_gradient(_line(c), v, a)
+        return line_gradient(c.line, v, a)
 
     def orientation_inertia(self) -> tuple[tuple[int, Array], ...]:
         if not np.count_nonzero(self._section):
@@ -220,12 +211,6 @@ class SpatialBeam(Family):
                 text = f"{what} by {np.degrees(angle[k]):.0f} degrees, {limit}; use more elements"
                 found.append(Trouble(int(k), text, fatal))
         return found
-
-
-def _line(c: SpatialBeamConfiguration) -> LineState:
-    line = c.line
-    assert line is not None  # the contract: inertia is asked for only if `has_mass`
-    return line
 
 
 def statement_values(group: ElementGroup) -> tuple[list[tuple[float, ...] | None], Array]:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.elements.rotations.rotation import _DIRECTOR, parameters_of_frame
+from spacar.elements.rotations.rotation import _DIRECTOR, parameters_of_frame, right_product
 from spacar.elements.spatial.angle_measure import (
     RELATIVE,
     AngleConstants,
@@ -159,16 +159,9 @@ def _of_local(c: AngleState, H: Array, out: Array) -> None:
 
 def orientations(frame_p: Array, frame_q: Array) -> Array:
     """C (2, 4, 4, n): lam o r of the start frames (3, 3, n); r_q has the sign for which mu0 > 0 at the start."""
-    n = frame_p.shape[-1]
-    start = [parameters_of_frame(f) for f in (frame_p, frame_q)]
-    start[1] = start[1] * np.where((start[0] * start[1]).sum(0) < 0.0, -1.0, 1.0)
-    C = np.zeros((2, 4, 4, n), np.result_type(frame_p, frame_q))
-    for s, (r, *v) in enumerate(start):
-        C[s, range(4), range(4)] = r
-        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-            C[s, 0, 1 + i], C[s, 1 + i, 0] = -v[i], v[i]
-            C[s, 1 + i, 1 + j], C[s, 1 + i, 1 + k] = v[k], -v[j]
-    return C
+    r_p, r_q = parameters_of_frame(frame_p), parameters_of_frame(frame_q)
+    r_q = r_q * np.where((r_p * r_q).sum(0) < 0.0, -1.0, 1.0)
+    return np.stack((right_product(r_p), right_product(r_q)))
 
 
 def chord_of_arc(C: Array, x0: Array) -> Array:

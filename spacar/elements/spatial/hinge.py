@@ -12,7 +12,6 @@ mu. The screw uses the same functions.
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -44,12 +43,7 @@ class Turning:
     """e1, e2, e3 of frames (3, 3, n) at q relative to those at p and their derivatives, as `Family` has them."""
 
     def __init__(self, frame: Array) -> None:
-        self._frame = frame
-
-    @cached_property
-    def _relative(self) -> Array:
-        """Tensors of `relative_parameters`; a compiled run does not make them."""
-        return relative_parameters(self._frame, self._frame)
+        self._relative = relative_parameters(frame, frame)
 
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> HingeState:
         """e1 on the branch closest to branch[0]."""
@@ -59,8 +53,7 @@ class Turning:
         m0, m1 = mu[0], mu[1]
         half_r = 0.5 * (m0 * m0 + m1 * m1)
         f = np.zeros((3, *mu.shape), mu.dtype)
-        np.divide(-m1, half_r, out=f[0, 0])
-        np.divide(m0, half_r, out=f[0, 1])
+        f[0, 0], f[0, 1] = -m1 / half_r, m0 / half_r
         f[1:] = _einsum("eab,b...->ea...", _MISALIGNMENT, mu)
         e1 = 2.0 * arc_tangent(m1, m0)
         np.add(e1, _TURN * np.round((branch[0] - e1.real) / _TURN), out=e[0])
