@@ -79,7 +79,6 @@ class Dynamics(EquationsOfMotion):
 
     # -- frames -------------------------------------------------------------------------------------------------
     def frame(self, t: float, y: Array) -> Frame:
-        """Everything that is stored of a state."""
         return self.complete(t, self.accelerate(t, self.place(t, y)), self.convected)
 
     def complete(self, t: float, found: Accelerations, convected: Array) -> Frame:
@@ -106,20 +105,16 @@ class Dynamics(EquationsOfMotion):
     # -- where it stands, and checks there ----------------------------------------------------------------------
     @property
     def iterations(self) -> int:
-        """How many Newton iterations the last position took."""
         return self.kinematics.iterations
 
     def placement(self) -> Placement:
-        """Configuration and velocity of the last evaluated state."""
         k = self.kinematics
         return Placement(k.x, self.xd, k.e)
 
     def moving(self) -> Moving | None:
-        """The last evaluated state with its accelerations."""
         return None if self.last is None else Moving(*self.last, self.sweep.e.copy())
 
     def resume(self, at: Moving) -> None:
-        """Go on from a state with its accelerations."""
         self.kinematics.start_at(at.x, at.e)
         self.last, self.before = (at.t, at.x, at.xd, at.xdd), None
 

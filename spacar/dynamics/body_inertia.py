@@ -10,6 +10,7 @@ a + alpha x r + omega x (omega x r); Euler parameters (1, 0) have the rates (0, 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -119,13 +120,12 @@ class BodyInertia:
         return force[:n], moment[:n], extent
 
 
-def _basis(d: int, turns: int, of: object) -> Array:
+def _basis(d: int, turns: int, of: Callable[[Array, Array, Array], Array]) -> Array:
     """The vectors of(a, alpha, omega) for the unit vectors of z, as columns."""
     none, still, units = np.zeros(d), np.zeros(turns), np.eye(turns)
-    squares = [of(none, still, unit) for unit in units]  # type: ignore[operator]
-    found = [of(unit, still, still) for unit in np.eye(d)]  # type: ignore[operator]
-    found += [of(none, unit, still) for unit in units]  # type: ignore[operator]
-    products = [of(none, still, units[i] + units[j]) - squares[i] - squares[j] for i, j in PAIRS if turns == 3]  # type: ignore[operator]
+    squares = [of(none, still, unit) for unit in units]
+    found = [of(unit, still, still) for unit in np.eye(d)] + [of(none, unit, still) for unit in units]
+    products = [of(none, still, units[i] + units[j]) - squares[i] - squares[j] for i, j in PAIRS if turns == 3]
     return np.array([*found, *squares, *products]).T
 
 

@@ -6,7 +6,6 @@ its state; it can be read (`placement`) and handed on. An evaluator knows nothin
 or what is watched: the driver (`spacar.forward.driver`) does, and hands them over with every call.
 
     RightHandSide  F(t, y), the position solved to `within`: what the driver integrates; batches of cases have no more
-    InBlocks       many stages, steps or outputs in one call; without it they are asked one by one
     Following      where the evaluator stands, a second one beside it, and the NumPy evaluator there: for linearization,
                    transfer functions, diagnoses
     Outputs        everything that is stored of a state, and what is checked there
@@ -17,28 +16,13 @@ or what is watched: the driver (`spacar.forward.driver`) does, and hands them ov
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, Protocol
 
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, Placement
 from spacar.frame import Frame
-from spacar.integrators.problem import BlockEvaluator, Stepper
 from spacar.kinematics.regularity import PositionMatrix
-
-
-class InBlocks(BlockEvaluator, Protocol):
-    """Many evaluations in one call, by an evaluator that can; `within` as in `rhs`."""
-
-    @property
-    def stepper(self) -> Callable[..., Stepper]:
-        """`stepper(monitor, output_block)`, see `spacar.integrators.problem`."""
-
-    @property
-    def output_block(self) -> Callable[..., Any]:
-        """`output_block(times, ground, singular, far)` gives what evaluates many outputs in one call
-        (`spacar.compiled.output_block`)."""
 
 
 class RightHandSide(Protocol):
@@ -52,8 +36,10 @@ class RightHandSide(Protocol):
         """Time derivative of the state. `within`: largest scaled correction that ends Newton's iteration."""
 
     @property
-    def blocks(self) -> InBlocks | None:
-        """What makes many evaluations in one call."""
+    def blocks(self) -> Any:
+        """What makes many stages, steps or outputs in one call, None: they are asked one by one. A BlockEvaluator whose
+        `stepper(monitor, output_block)` is a Stepper, and whose `output_block(times, ground, singular, far)` evaluates
+        outputs (`spacar.compiled`)."""
 
     @property
     def by_case(self) -> tuple[int, int, int] | None:

@@ -48,20 +48,14 @@ class StressLaw:
 
     def __call__(self, e: Array, ed: Array) -> Array:
         sigma = self.preload.copy()
-        rows, columns, values = self.stiffness
-        if len(rows):
-            sigma += np.bincount(rows, values * e[columns], self.ne)
-        rows, columns, values = self.damping
-        if len(rows):
-            sigma += np.bincount(rows, values * ed[columns], self.ne)
+        for (rows, columns, values), of in ((self.stiffness, e), (self.damping, ed)):
+            sigma += np.bincount(rows, values * of[columns], self.ne)
         return sigma
 
 
 def active_entries(entries: tuple[Index, Index, Array], first: int) -> tuple[Index, Index, Array]:
     """Those whose row and column are not before the first active deformation; values (n,) or (n, cases)."""
     rows, columns, values = entries
-    if not len(rows):
-        return entries
     keep = (rows >= first) & (columns >= first)
     return rows[keep], columns[keep], values[keep]
 
@@ -79,9 +73,7 @@ class AppliedForces:
 
     def __call__(self, x: Array, user: UserForces | None) -> Array:
         """Applied forces except gravity on moving families, (nx,)."""
-        f = self.constant.copy()
-        if self.loads.moment_rows.size:
-            f += self.moments(x)
+        f = self.constant + self.moments(x)
         if user is not None:
             f += user.force
         return f
@@ -131,8 +123,7 @@ def constant_gravity(field: Array, masses: Iterable[tuple[Batch, Array]]) -> Arr
 def gravity_field(mechanism: Mechanism, loads: Loads) -> Array:
     """g at every position coordinate, zero elsewhere, (nx,) [m/s^2]."""
     field = np.zeros(mechanism.numbering.nx)
-    if np.count_nonzero(loads.gravity):
-        field.put(mechanism.numbering.positions, loads.gravity)  # again and again: of every node
+    field.put(mechanism.numbering.positions, loads.gravity)  # again and again: of every node
     return field
 
 

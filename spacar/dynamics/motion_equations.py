@@ -183,9 +183,7 @@ class EquationsOfMotion:
     def _solve(self, t: float, xdd: Array, sigma: Array, force: Array, strain: Array, convective: Array) -> None:
         """The saddle-point form: writes the free rows of xdd, whose others are given, and the multipliers in sigma."""
         sweep = self.sweep
-        if sigma.any():
-            force -= sweep.rate_transposed(sigma)
-        force -= self._coupling_force(xdd, convective) if self.coupling.present else 0.0
+        force -= sweep.rate_transposed(sigma) + self._coupling_force(xdd, convective)
         if self.xs["input"].stop > self.xs["input"].start:
             force -= sweep.mass_times(xdd)
             strain -= sweep.rate(xdd)

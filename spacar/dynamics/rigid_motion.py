@@ -62,7 +62,7 @@ class BodyMotion:
             c, s = np.cos(q[0]), np.sin(q[0])
             self.R, self.rates = np.array([[c, -s], [s, c]]), np.ones((1, 1, *q.shape[1:]))
         else:
-            self.R = np.stack([rotate(q, _unit(i, q)) for i in range(3)], 1)
+            self.R = np.stack([rotate(q, unit.reshape(3, 1, 1)) for unit in np.eye(3)], 1)
             self.rates = 2.0 * global_matrix(q)
         self.omega, self.alpha = (_einsum("ij...,j...->i...", self.rates, q1) for q1 in orientations[1:])
 
@@ -137,12 +137,6 @@ class Weight:
             own = q * own[0] + _einsum("ji...,j...->i...", body_matrix(q), own[1:])
         out[:, of.q] = own.transpose(1, 2, 0)
         return out
-
-
-def _unit(i: int, like: Array) -> Array:
-    c = np.zeros((3, *like.shape[1:]))
-    c[i] = 1.0
-    return c
 
 
 def _cross(omega: Array, v: Array) -> Array:

@@ -53,9 +53,9 @@ class SaddlePoint:
             self.coupled = np.flatnonzero((a >= 0) & (b >= 0))
             rows.append(a[self.coupled])
             columns.append(b[self.coupled])
-        self.system = assemble(nf + self.n_rows, np.concatenate(rows), np.concatenate(columns), kind, nf)
-        self.scale = self._scale(mechanism)
         i, j = np.concatenate(rows), np.concatenate(columns)
+        self.system = assemble(nf + self.n_rows, i, j, kind, nf)
+        self.scale = self._scale(mechanism)
         self.weights = self.scale[i] * self.scale[j]
         self.rhs = np.zeros(nf + self.n_rows)
 
