@@ -24,7 +24,7 @@ from scipy.optimize import brentq
 import spacar
 from spacar.arrays import Array
 from spacar.deck import Deck, parse_deck
-from spacar.integrators.collocation import radau
+from spacar.integrators.radau import radau
 
 ERRORS = tuple(10.0**-k for k in range(2, 8))
 STAGES = {553: 3, 595: 5}

@@ -15,7 +15,6 @@ from typing import Any, Protocol
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.compiled_model import CompiledModel, State
 from spacar.compiled.interface import INTEGER, NUMBER, POINTER, structure
 from spacar.compiled.library import WIDTH, address_of
 from spacar.compiled.methods_in_c import (
@@ -30,7 +29,7 @@ from spacar.compiled.methods_in_c import (
     vector,
 )
 from spacar.compiled.output_block import SUSPECT, BatchOutputBlock, OutputBlock, not_followed
-from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, STILL, Accepted, LoadedMechanism, Moving
+from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, STILL, Accepted, Moving
 from spacar.errors import AnalysisError
 from spacar.integrators.adams import Adams
 from spacar.integrators.failures import LAST_STRETCH, MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
@@ -38,7 +37,6 @@ from spacar.integrators.problem import Evaluation, IntegrationStatistics, Step
 from spacar.integrators.runge_kutta import ExplicitRungeKutta
 from spacar.kinematics.kinematics import LARGEST_JUMP
 from spacar.kinematics.regularity import HALF_TURN, HalfTurns
-from spacar.mechanism.numbering import Numbering
 
 MOST, COMPONENTS = 1000, 20_000  # steps in one call, and steps times components of x and e, so that Ctrl-C is heard
 
@@ -46,26 +44,16 @@ ASK = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER, POINTER)
 
 
 class StepMonitor(Protocol):
-    """Who looks at accepted steps (`spacar.forward.driver`).
+    """Who looks at accepted steps (`spacar.forward.driver`). Of determinants there are logarithms."""
 
-    look      which of them: NEVER, AT_DETERMINANTS, AT_VELOCITIES, ALWAYS
-    back      whether the state goes back to the last accepted step after a rejected one
-    half      logarithm: a minimum of the determinant below its last maximum that is looked at
-    inside    logarithm: the same of a state inside a step below both of its ends
-    wide      logarithm: the same of a state below the larger end of a step in which a coordinate goes beyond `far`
-    far       rad, or lengths of the model
-    capacity  how many steps are remembered
-    n         steps since the last output, which is counted on here
-    """
-
-    look: int
-    back: bool
-    half: float
-    inside: float
-    wide: float
-    far: float
-    capacity: int
-    n: int
+    look: int  # which of them: NEVER, AT_DETERMINANTS, AT_VELOCITIES, ALWAYS
+    back: bool  # whether the state goes back to the last accepted step after a rejected one
+    half: float  # a minimum of the determinant below its last maximum that is looked at
+    inside: float  # the same of a state inside a step below both of its ends
+    wide: float  # the same of a state below the larger end of a step in which a coordinate goes beyond `far`
+    far: float  # rad, or lengths of the model
+    capacity: int  # how many steps are remembered
+    n: int  # steps since the last output, which is counted on here
 
     def closer(
         self, t: float, y: Array, peak: float, before: list[Accepted] | None
@@ -82,23 +70,12 @@ class StepMonitor(Protocol):
         """Steps have been made; `last(k)` gives the last k of them, fewer if fewer are known."""
 
 
-class InC(Protocol):
-    """What is asked of the evaluator in C."""
-
-    solver: CompiledModel
-    state: State
-    numbering: Numbering
-    n_positions: int
-
-    @property
-    def model(self) -> LoadedMechanism: ...
-
-
 class CompiledStepper:
-    """The steps of one motion. `output_block`: outputs that are passed many at a time; None: a call ends at each."""
+    """The steps of one motion, by CompiledDynamics or InLanes. `output_block`: outputs that are passed many at a time;
+    None: a call ends at each."""
 
     def __init__(
-        self, evaluator: InC, monitor: StepMonitor, output_block: OutputBlock | BatchOutputBlock | None = None
+        self, evaluator: Any, monitor: StepMonitor, output_block: OutputBlock | BatchOutputBlock | None = None
     ) -> None:
         model = evaluator.solver
         self.lanes = lanes = model.cases
@@ -150,14 +127,9 @@ class CompiledStepper:
         )  # fmt: skip
         counted = evaluation.statistics
         output, status, first = evaluation.next_output(t), PAUSED, not c.recorded
-        block = output_block if method.passes_start and not counted.n_steps else None
-        if block is not None and (alone := block.start(by.y)):
-            yield Step(t, by.y, by.value, None, alone)
         try:
             begun = by.begin()
             if begun:
-                if output_block is not None and output_block.held:
-                    yield Step(t, by.y, by.value, None, output_block.outputs())
                 self._failed(NOT_EVALUATED if begun == 1 else INTERRUPTED, method, started=False)
             c.converged = within  # the start of the motion is solved to rounding
             if not (first and c.recorded):
@@ -175,7 +147,7 @@ class CompiledStepper:
                     output += output_block.c.done
                 by.taken(status)
                 known, failed = counted.counts(), status in (TOO_SMALL, NOT_EVALUATED, INTERRUPTED)
-                if failed and (output_block is None or not output_block.held + output_block.c.done):
+                if failed and (output_block is None or not output_block.c.done):
                     self._failed(status, method)
                 made = (c.n_steps, c.n_rhs, 0, c.n_rejected)
                 if failed and output_block is not None:

@@ -16,7 +16,7 @@ import ctypes
 from collections.abc import Iterator, Sequence
 from functools import partial
 from operator import add, sub
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -26,11 +26,10 @@ from spacar.compiled.interface import INTEGER, NUMBER, POINTER, constants, struc
 from spacar.compiled.library import WIDTH, address_of
 from spacar.elements.family import GUARD
 from spacar.errors import AnalysisError
-from spacar.frame import Frame, FramesInRows
+from spacar.frame import FramesInRows
 from spacar.integrators.problem import BlockOfOutputs, Counts
 from spacar.integrators.times import EvenTimes
 from spacar.kinematics.kinematics import LARGEST_JUMP
-from spacar.mechanism.numbering import Numbering
 
 HARMLESS, LOOKED_AT, NOT_SHOWN, SUSPECT = constants("HARMLESS", "LOOKED_AT", "NOT_SHOWN", "SUSPECT")
 LONGEST = 0.05  # s of one call, unless a single step takes longer
@@ -48,19 +47,6 @@ def counted(c: Any, begun: Counts = NONE) -> Counts:
     return Counts(*map(add, begun, c.counted))
 
 
-class OutputEvaluator(Protocol):
-    """What is asked of the evaluator of outputs. `largest_exact`: equations up to which C tells the exact condition."""
-
-    solver: CompiledModel
-    state: State
-    numbering: Numbering
-    n_positions: int
-    largest_exact: int
-
-    def frame_in_general(self, t: float, y: Array) -> Frame:
-        """That of a state that C could not do."""
-
-
 class OutputRows:
     """Outputs that the state `shown` evaluates, in rows of `width` numbers: `at` are the addresses of times, rows and
     counts, those of the next call begin with a place among them."""
@@ -72,7 +58,6 @@ class OutputRows:
         c.width, c.far, c.foreign = width, far, solver.slots.has_limits
         self.address = ctypes.addressof(c)
         self.at = 0, 0, 0
-        self.held = 0  # outputs of earlier calls that are handed on with those of the next one
 
     def _next(self, place: int, end: int, steps: float) -> None:
         """The next call has the places up to `end`; it ends at the first output behind so many steps."""
@@ -85,16 +70,14 @@ class OutputRows:
 
 
 class OutputBlock(OutputRows):
-    """Outputs at `times` that `shown` evaluates.
+    """Outputs at `times` that `shown` evaluates (CompiledDynamics).
 
     ground    rows of e whose stresses may press but not pull, and have to be looked at when they do
     singular  reciprocal condition of V[E, U] that has to be looked at
     far       steps since the last output beyond which the next one is evaluated from the begin of its step
     """
 
-    def __init__(
-        self, shown: OutputEvaluator, times: Sequence[float] | Array, ground: Index, singular: float, far: int
-    ) -> None:
+    def __init__(self, shown: Any, times: Sequence[float] | Array, ground: Index, singular: float, far: int) -> None:
         model, n = shown.solver, shown.numbering
         self.shown, self.times = shown, times
         self.sizes = n.nx, n.ne
@@ -115,42 +98,26 @@ class OutputBlock(OutputRows):
 
     def begin(self, output: int, steps: float = UNLIMITED) -> None:
         """The next call begins with this one of the outputs; it ends at the first one behind so many steps."""
-        begun = self.used + self.held
-        if begun == self.end or output != self.first + begun:
+        if self.used == self.end or output != self.first + self.used:
             n = min(len(self.times) - output, max(1, ROOM // self.width))
             self.first, self.used, self.end = output, 0, n
-            begun = 0
             self.rows, self.work = np.empty((n, self.width)), np.zeros((n, 5), np.int32)
             times = self.times
             self.t = (
                 times.part(output, output + n) if isinstance(times, EvenTimes) else np.array(times[output : output + n])
             )
             self.at = address_of(self.t), address_of(self.rows), address_of(self.work)
-        self._next(begun, self.end, steps)
-        if not self.held:
-            self.solver.slots.outputs.clear()
-
-    def start(self, y: Array) -> list[BlockOfOutputs]:
-        """Evaluate the first output, whose state is y: it goes on with those behind it, if these have room and nobody
-        has to look at it."""
-        self.begin(0)
-        self.c.n = 1
-        self.rows[0, self.of_y :] = y
-        self._show()
-        self.work[0] = 0  # the integrator has not begun
-        if self.c.last != HARMLESS or self.end == 1:
-            return self.outputs()
-        self.held, self.c.done = 1, 0
-        return []
+        self._next(self.used, self.end, steps)
+        self.solver.slots.outputs.clear()
 
     def outputs(self, begun: Counts = NONE) -> list[BlockOfOutputs]:
         """Those of the last call; `begun`: what the integrator had counted before it. The last one is on its own when
         it has to be looked at."""
-        first, n, now = self.used, self.held + self.c.done, counted(self.c, begun)
+        first, n, now = self.used, self.c.done, counted(self.c, begun)
         lost = self.solver.slots.outputs
         if lost:  # C asks for them when there have been any
             lost[:0] = [{}] * (n - (self.c.last == NOT_SHOWN) - len(lost))
-        self.used, self.held = first + n, 0
+        self.used = first + n
         if self.c.last in (HARMLESS, SUSPECT):
             return [self._passed(first, slice(0, n), begun, now)] if n else []
         before = Counts(*map(sub, now, self.work[first + n - 1].tolist()))
@@ -201,7 +168,7 @@ class BatchOutputBlock(OutputRows):
 
     def into(self, times: Array, rows: Array, far: int) -> None:
         """The outputs to come go there; behind more than `far` steps they are evaluated from the begin of a step."""
-        self.times, self.work, self.held = times, np.zeros((len(times), 5), np.int32), 0
+        self.times, self.work = times, np.zeros((len(times), 5), np.int32)
         self.at = address_of(times), address_of(rows), address_of(self.work)
         self.c.width, self.c.far = rows[0].size, far
 
@@ -214,20 +181,11 @@ class BatchOutputBlock(OutputRows):
         """Those of the last call; `begun`: what the integrator had counted before it. Raises AnalysisError, and what a
         user function raised."""
         self._check()
-        first, end = self.output - self.held, self.output + self.c.done
-        self.held = 0
+        first, end = self.output, self.output + self.c.done
         if first == end:
             return []
         work, now = self.work[first:end], counted(self.c, begun)
         return [BlockOfOutputs(float(self.times[end - 1]), self.y, work, begun, now, SHOWN)]
-
-    def start(self, y: Array) -> list[BlockOfOutputs]:
-        """The first output, whose state is y; it is handed on with those behind it. Raises as `outputs`."""
-        self.show(0, y)
-        self.work[0] = 0  # the integrator has not begun
-        self.output = self.held = 1
-        self.c.done = 0
-        return []
 
     def show(self, output: int, y: Array) -> None:
         """A single output, whose state is y. Raises as `outputs`."""

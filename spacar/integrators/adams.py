@@ -3,8 +3,7 @@
 Formulas: theory-system.md section 9.1; method of L. F. Shampine and M. K. Gordon, "Computer Solution of
 Ordinary Differential Equations: The Initial Value Problem", Freeman 1975, chapters 5, 6 and 10. The history
 is kept as modified divided differences phi_1 ... phi_{k+1}, rows of one array, so that prediction and
-predicted differences of all components come from a single small matrix product. Scalar coefficients are plain
-Python floats: for at most twelve terms that is faster than arrays.
+predicted differences of all components come from a single small matrix product.
 """
 
 from __future__ import annotations
@@ -39,15 +38,8 @@ def predictor_weights(alpha: list[float], k: int) -> list[float]:
     return g
 
 
-def _prediction_matrix(g: list[float], k: int) -> np.ndarray:
-    """(k+1, k): first row g, below it the summation phi_k + ... + phi_i, i = 1 ... k."""
-    return np.vstack([g[:k], np.triu(np.ones((k, k)))])
-
-
-_SUMMATION = tuple(_prediction_matrix([0.0] * k, k) for k in range(MAX_ORDER + 1))
-_CONSTANT_G = predictor_weights([1.0 / i for i in range(1, MAX_ORDER + 1)], MAX_ORDER)
-_CONSTANT_SIGMA = [1.0] * (MAX_ORDER + 1)
-_CONSTANT_MATRIX = tuple(_prediction_matrix(_CONSTANT_G, k) for k in range(MAX_ORDER + 1))
+# (k+1, k): below a row of ones the summation phi_k + ... + phi_i, i = 1 ... k
+_SUMMATION = tuple(np.vstack([np.ones(k), np.triu(np.ones((k, k)))]) for k in range(MAX_ORDER + 1))
 
 
 def step_coefficients(
@@ -58,10 +50,8 @@ def step_coefficients(
     `psi` are the sums of the last i steps at the start of the step. Returns the sums at its end, g_1 ... g_{k+1},
     sigma_1 ... sigma_{k+1} and the (k+1, k) matrix that maps phi to (sum g_i phi*_i, phi^e_1, ..., phi^e_k).
     """
-    psi_new = [h]
-    psi_new += [h + p for p in psi[:-1]]
-    if n_s >= k:
-        return psi_new, _CONSTANT_G, _CONSTANT_SIGMA, _CONSTANT_MATRIX[k]
+    psi_new = [h, *(h + p for p in psi[:-1])]
+    n_s = min(n_s, k)
     alpha = [1.0 / i for i in range(1, n_s + 1)]
     beta = [1.0] * n_s
     sigma = [1.0] * (n_s + 1)
@@ -110,8 +100,6 @@ def next_step_size(h: float, k: int, error: float) -> float:
 class Adams:
     """Work arrays and history for a state of n components."""
 
-    passes_start = True  # where a stepper passes outputs, the start is one of them
-
     def __init__(self, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
         self.evaluation = evaluation
         self.tolerance = tolerance
@@ -133,20 +121,11 @@ class Adams:
 
     def _norm(self, a: np.ndarray, b: np.ndarray | None = None) -> float:
         """Weighted norm of a, or of a + b."""
-        scaled = self.scaled
-        if b is None:
-            np.multiply(a, self.weight, scaled)
-        else:
-            np.add(a, b, scaled)
-            np.multiply(scaled, self.weight, scaled)
-        return sqrt(scaled.dot(scaled))
+        np.multiply(a if b is None else a + b, self.weight, self.scaled)
+        return sqrt(self.scaled.dot(self.scaled))
 
     def _set_weights(self) -> None:
-        weight = self.weight
-        np.abs(self.y, weight)
-        np.multiply(weight, self.tolerance.relative, weight)
-        np.add(weight, self.tolerance.absolute, weight)
-        np.reciprocal(weight, weight)
+        self.weight[:] = 1.0 / (np.abs(self.y) * self.tolerance.relative + self.tolerance.absolute)
 
     def steps(self, t: float, y: np.ndarray, t_end: float, h: float) -> Iterator[Step]:
         """Accepted steps from (t, y) to exactly t_end; h is the largest first step.

@@ -44,8 +44,6 @@ DIFFERENCE = 1e-7  # of positions and rates: far above what is left of a positio
 class Automatic:
     """Steps of code 0 and, where that pays, of 595."""
 
-    passes_start = Adams.passes_start
-
     def __init__(self, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
         self.evaluation, self.n, self.tolerance = evaluation, n, tolerance
         self.explicit = Adams(evaluation, n, tolerance)
@@ -61,11 +59,10 @@ class Automatic:
         while True:
             trying = self.choice.trying
             part = self._implicit(t, y, t_end, h) if trying else self._explicit(t, y, t_end, h)
-            end = Step(t, y, _nowhere)
             for step in part:
-                end = step
+                t, y = step.t, step.y
                 yield step
-            t, y, h = end.t, end.y.copy(), t_end - end.t
+            y, h = y.copy(), t_end - t
             if t >= t_end:
                 return
             if not self.choice.trying:
@@ -167,7 +164,3 @@ class Automatic:
 
 def norm(v: np.ndarray) -> float:
     return sqrt(float(v @ v))
-
-
-def _nowhere(t: float) -> np.ndarray:
-    raise AssertionError("no step yet")

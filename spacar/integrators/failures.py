@@ -27,15 +27,6 @@ def step_too_small(evaluation: Evaluation, t: float, h: float, error: float, com
     )  # fmt: skip
 
 
-def too_many_steps(t: float, h: float, limit: int) -> AnalysisError:
-    """More than `limit` steps between two outputs."""
-    return AnalysisError(
-        f"more than {limit} integration steps between two output times at t = {t:.9g} s "
-        f"(step size {h:.3g} s). {STIFF_ADVICE}",
-        "integrator.too-many-steps", t=t, step=h,
-    )  # fmt: skip
-
-
 def not_evaluated(cause: AnalysisError, t: float, h: float, reductions: int = 0) -> AnalysisError:
     """F failed in the step from `t`; keeps code and data of the cause and adds time, step and advice."""
     if reductions:
@@ -56,29 +47,6 @@ def not_evaluated(cause: AnalysisError, t: float, h: float, reductions: int = 0)
     )
 
 
-def newton_failed(
-    evaluation: Evaluation, t: float, h: float, change: float, component: int, limit: float
-) -> AnalysisError:
-    """The stage equations of an implicit code were not solved."""
-    return AnalysisError(
-        "the implicit integrator's Newton iteration did not converge in the step of "
-        f"{h:.3g} s from t = {t:.9g} s: last change {change:.3g} in {evaluation.name(component)}, "
-        f"required {limit:.3g}. Try a smaller step size (INTEGRAT position 2) or, when the change is at "
-        "rounding level, a larger absolute error (ERROR position 1)",
-        "integrator.newton", t=t, step=h, error=change,
-        component=component,
-    )  # fmt: skip
-
-
-def singular_iteration(t: float, h: float) -> AnalysisError:
-    """s of `resolvent` is an eigenvalue of the Jacobian; codes with variable steps try another size."""
-    return AnalysisError(
-        f"the iteration matrix of the implicit integrator is singular at t = {t:.9g} s with step size {h:.3g} s (an"
-        " unstable mode grows exactly with this step): change the step size (INTEGRAT position 2)",
-        "integrator.singular", t=t, step=h,
-    )  # fmt: skip
-
-
 def slow_newton(
     evaluation: Evaluation, t: float, h: float, change: float, contraction: float, component: int, limit: float
 ) -> AnalysisError:
@@ -89,14 +57,4 @@ def slow_newton(
         f"change before; its estimated error must fall below {limit:g} times the tolerance",
         "integrator.newton", t=t, step=h, error=change,
         component=component,
-    )  # fmt: skip
-
-
-def second_order_needed(code: int, n_positions: int, n_velocities: int) -> AnalysisError:
-    """Codes 220 and 225 on a system with kinematic coordinates."""
-    return AnalysisError(
-        f"INTEGRAT {code} needs as many velocities as positions, the model has {n_velocities} and "
-        f"{n_positions} (kinematic coordinates of non-holonomic constraints): use INTEGRAT 0, 155 or 140",
-        "integrator.second-order",
-        n_positions=n_positions, n_velocities=n_velocities,
     )  # fmt: skip

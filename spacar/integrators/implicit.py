@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from .failures import newton_failed
+from spacar.errors import AnalysisError
+
 from .problem import Evaluation, Tolerance
 from .resolvent import Resolvent, eliminated, resolvent
 
@@ -132,9 +133,14 @@ class SinglyDiagonallyImplicit(_FixedStep):
                 if not self._newton(solve, t_i, h, base, stages[i]):
                     change = np.abs(h * self.last_change)
                     worst = int(np.argmax(change))
-                    raise newton_failed(
-                        self.evaluation, t, h, float(change[worst]), worst, float(self.tolerance.absolute)
-                    )
+                    error, limit = float(change[worst]), float(self.tolerance.absolute)
+                    raise AnalysisError(
+                        "the implicit integrator's Newton iteration did not converge in the step of "
+                        f"{h:.3g} s from t = {t:.9g} s: last change {error:.3g} in {self.evaluation.name(worst)}, "
+                        f"required {limit:.3g}. Try a smaller step size (INTEGRAT position 2) or, when the change is "
+                        "at rounding level, a larger absolute error (ERROR position 1)",
+                        "integrator.newton", t=t, step=h, error=error, component=worst,
+                    )  # fmt: skip
         self.end(t + h, base + hg * stages[-1])
 
     def _newton(self, solve: Resolvent, t: float, h: float, base: np.ndarray, k: np.ndarray) -> bool:

@@ -23,7 +23,8 @@ from math import sqrt
 
 import numpy as np
 
-from .failures import second_order_needed
+from spacar.errors import AnalysisError
+
 from .problem import Evaluation, Tolerance
 from .runge_kutta import hermite, weights
 
@@ -39,9 +40,13 @@ class RungeKuttaNystrom:
     def __init__(self, code: int, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
         self.n = evaluation.problem.n_positions
         if n != 2 * self.n:
-            raise second_order_needed(code, self.n, n - self.n)
+            raise AnalysisError(
+                f"INTEGRAT {code} needs as many velocities as positions, the model has {n - self.n} and {self.n} "
+                "(kinematic coordinates of non-holonomic constraints): use INTEGRAT 0, 155 or 140",
+                "integrator.second-order", n_positions=self.n, n_velocities=n - self.n,
+            )  # fmt: skip
         self.evaluation, self.tolerance = evaluation, tolerance
-        self.y, self.y_new, self.f, self.f_new, self.work, self.scaled = np.zeros((6, n))
+        self.y, self.y_new, self.f, self.f_new, self.scaled = np.zeros((5, n))
         self.size = np.zeros(n)  # largest value of each component so far
         self.a1, self.before = np.zeros((2, self.n))
         self.t = self.h = self.h_before = 0.0
@@ -63,15 +68,11 @@ class RungeKuttaNystrom:
 
     def _step(self, t: float, h: float) -> None:
         """y_new from y and f."""
-        n, y, work = self.n, self.y, self.work
-        a0 = self.f[n:]
-        np.multiply(h, a0, work[n:])
-        np.add(y[n:], 0.5 * work[n:], work[:n])
-        work[:n] *= h
-        work += y
-        self.a1[:] = a1 = self.evaluation.rhs(t + h, work)[n:]
-        self.y_new[n:] = y[n:] + (0.5 * h) * (a0 + a1)
-        self.y_new[:n] = y[:n] + h * y[n:] + (h * h / 6.0) * (2.0 * a0 + a1)
+        n, a0 = self.n, self.f[self.n :]
+        q, v = self.y[:n], self.y[n:]
+        self.a1[:] = a1 = self.evaluation.rhs(t + h, np.append(q + h * (v + (0.5 * h) * a0), v + h * a0))[n:]
+        self.y_new[n:] = v + (0.5 * h) * (a0 + a1)
+        self.y_new[:n] = q + h * v + (h * h / 6.0) * (2.0 * a0 + a1)
 
     def fixed(self, t: float, h: float, y: np.ndarray) -> None:
         """One step from (t, y) into y_new."""
@@ -88,13 +89,9 @@ class RungeKuttaNystrom:
         missed, bend = self.f_new[n:] - self.a1, self._bend(h)
         self.scaled[n:] = (0.5 * h) * missed - (h**3 / 6.0) * bend
         self.scaled[:n] = (h * h / 6.0) * missed - (h**4 / 12.0) * bend
-        np.divide(self.scaled, self._allowed(), self.scaled)
-        return sqrt(self.scaled.dot(self.scaled) / len(self.scaled))
-
-    def _allowed(self) -> np.ndarray:
-        """Error of a step that keeps that of the result to the tolerance, shape (n,)."""
         weight = weights(self.tolerance, self.y, self.y_new)
-        return np.asarray(weight * np.sqrt(weight / np.maximum(self.size, weight)))
+        self.scaled /= weight * np.sqrt(weight / np.maximum(self.size, weight))
+        return sqrt(self.scaled.dot(self.scaled) / len(self.scaled))
 
     def _bend(self, h: float) -> np.ndarray:
         """Second divided difference of the accelerations, half their second derivative, shape (n,)."""

@@ -42,7 +42,7 @@ class BlockEvaluator(Protocol):
 
 class Stepper(Protocol):
     """Takes the steps of codes 0, 135, 155 and 853 itself, with what `accepted` and `rejected` do. `output_block`:
-    passes outputs too, many in a call, with code 0 also the start; None: a call ends at each."""
+    passes outputs too, many in a call; None: a call ends at each."""
 
     @property
     def output_block(self) -> Any: ...
@@ -61,7 +61,7 @@ class Problem:
     jacobian   (t, y) -> (dF/dy, dF/dt), shapes (n, n), or a sparse form (`resolvent`), and (n,); implicit codes need it
     by_case    the shape (blocks, components, lanes) of a state of many cases, each of which keeps the tolerance
                (Runge-Kutta codes)
-    may_jump   whether F may jump at times that are not told as `breaks` (`spacar.integrators.jumps`)
+    may_jump   whether F may jump at times that are not told as `breaks` (`Jumps` of `drive`)
     within     tolerance of iterations inside F, which `blocks` and `stepper` are given
     """
 
@@ -163,11 +163,6 @@ class Evaluation:
     `integrator.not-finite` when F has an infinite or undefined component.
     """
 
-    __slots__ = (
-        "blocks", "first", "halt", "jacobian_of", "last", "next", "problem", "rhs_of", "statistics", "stepper",
-        "suspect", "suspected", "times",
-    )  # fmt: skip
-
     def __init__(self, problem: Problem, first: float, last: float) -> None:
         self.problem = problem
         self.statistics = IntegrationStatistics()
@@ -175,7 +170,7 @@ class Evaluation:
         self.last = last
         self.rhs_of, self.jacobian_of = problem.rhs, problem.jacobian
         self.blocks, self.stepper = problem.blocks, problem.stepper
-        # `spacar.integrators.jumps`: difference above which a stepper does not pass an output, whether one was left
+        # `Jumps` of `drive`: difference above which a stepper does not pass an output, whether one was left
         self.suspect, self.suspected = 0.0, False
         self.times: Sequence[float] | np.ndarray = (first, last)
         # Accepted steps after which a stepper gives way at the next output, to whoever looks at the steps.
@@ -192,10 +187,7 @@ class Evaluation:
     def rhs(self, t: float, y: np.ndarray) -> np.ndarray:
         """F at the clipped time, shape (n,)."""
         self.statistics.n_rhs += 1
-        if t > self.last:
-            t = self.last
-        elif t < self.first:
-            t = self.first
+        t = min(max(t, self.first), self.last)
         f = self.rhs_of(t, y)
         # One dot product finds every inf and nan; only when it is not finite does the exact check run.
         if not isfinite(f.dot(f)) and not np.isfinite(f).all():

@@ -15,9 +15,7 @@ from .problem import Evaluation, Tolerance
 from .tableaus import Tableau
 
 
-def hermite(
-    t: float, h: float, y: np.ndarray, f: np.ndarray, y_new: np.ndarray, f_new: np.ndarray
-) -> np.ndarray:
+def hermite(t: float, h: float, y: np.ndarray, f: np.ndarray, y_new: np.ndarray, f_new: np.ndarray) -> np.ndarray:
     """Cubic through y, y_new with slopes f, f_new, at t from the step start; for y = (q, v) it uses accelerations."""
     s = t / h
     r = 1.0 - s
@@ -38,13 +36,11 @@ def _largest(value: float | np.ndarray) -> float:
 class ExplicitRungeKutta:
     """Fixed and variable steps with a tableau. `attempt` leaves y_new; `finish` leaves F(t + h, y_new)."""
 
-    passes_start = False  # it tries a step to know its size before it marches
-
     def __init__(self, tableau: Tableau, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
         self.tableau, self.evaluation, self.tolerance = tableau, evaluation, tolerance
         self.controller = tableau.controller
         self.stages = np.zeros((len(tableau.c) + 1, n))
-        self.y, self.y_new, self.work, self.scaled = np.zeros((4, n))
+        self.y, self.y_new, self.scaled = np.zeros((3, n))
         self.t = self.h = 0.0
 
     def start(self, t: float, y: np.ndarray) -> np.ndarray:
@@ -56,21 +52,16 @@ class ExplicitRungeKutta:
 
     def _stages(self, t: float, h: float, end: bool = False) -> bool:
         """All stages and y_new; whether F at the `end`, which is wanted next, is there too."""
-        stages, work, rhs, c = self.stages, self.work, self.evaluation.rhs, self.tableau.c
+        stages, rhs, c = self.stages, self.evaluation.rhs, self.tableau.c
         i = 1
         while i < len(c):
             if self.evaluation.blocks is not None:
                 i = self._together(i, t, h, end)
                 if i >= len(c):
                     break
-            np.matmul(self.tableau.rows[i], stages[:i], work)
-            np.multiply(work, h, work)
-            np.add(work, self.y, work)
-            stages[i] = rhs(t + c[i] * h, work)
+            stages[i] = rhs(t + c[i] * h, self.y + h * (self.tableau.a[i, :i] @ stages[:i]))
             i += 1
-        np.matmul(self.tableau.b, stages[:-1], work)
-        np.multiply(work, h, work)
-        np.add(work, self.y, self.y_new)
+        self.y_new[:] = self.y + h * (self.tableau.b @ stages[:-1])
         return i > len(c)
 
     def _together(self, done: int, t: float, h: float, end: bool) -> int:
@@ -78,7 +69,7 @@ class ExplicitRungeKutta:
         evaluation, tableau = self.evaluation, self.tableau
         assert evaluation.blocks is not None
         window, within = (evaluation.first, evaluation.last), evaluation.problem.within
-        c, a = (tableau.nodes, tableau.matrix) if end else (tableau.c, tableau.a)
+        c, a = tableau.evaluated if end else (tableau.c, tableau.a)
         reached = evaluation.blocks.stages(done, c, a, t, h, window, self.y, self.stages, within)
         evaluation.statistics.n_rhs += reached - done
         return reached
@@ -92,7 +83,7 @@ class ExplicitRungeKutta:
     def coefficients(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
         """c and A of the stages of a trial step, rows of its error estimates, by how much that is enlarged."""
         assert self.tableau.error is not None
-        return self.tableau.nodes, self.tableau.matrix, self.tableau.error[None], 1.0
+        return *self.tableau.evaluated, self.tableau.error[None], 1.0
 
     def taken(self, t: float, h: float) -> None:
         """A step of size h from t has been taken elsewhere; its stages and states are in place."""

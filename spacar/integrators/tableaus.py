@@ -7,7 +7,8 @@ S. P. Norsett, G. Wanner, "Solving Ordinary Differential Equations I", Springer 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -27,20 +28,14 @@ class Tableau:
     error: np.ndarray | None = None
     controller: tuple[float, float, float] = (3.0, 0.2, 5.0)
     dense: np.ndarray | None = None
-    rows: tuple[np.ndarray, ...] = field(init=False, repr=False)
-    # c and A of all rows that are evaluated: with F at the step end as a last stage where the error needs it
-    nodes: np.ndarray = field(init=False, repr=False)
-    matrix: np.ndarray = field(init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        s, more = len(self.c), int(self.error is not None)
-        nodes, matrix = np.ones(s + more), np.zeros((s + more, s + more))
-        nodes[:s], matrix[:s, :s] = self.c, self.a
-        if more:
-            matrix[s, :s] = self.b
-        object.__setattr__(self, "rows", tuple(self.a[i, :i].copy() for i in range(s)))
-        object.__setattr__(self, "nodes", nodes)
-        object.__setattr__(self, "matrix", matrix)
+    @cached_property
+    def evaluated(self) -> tuple[np.ndarray, np.ndarray]:
+        """c and A with F at the step end as a last stage."""
+        s = len(self.c)
+        matrix = np.zeros((s + 1, s + 1))
+        matrix[:s, :s], matrix[s, :s] = self.a, self.b
+        return np.append(self.c, 1.0), matrix
 
 
 def _lower(*rows: list[float]) -> np.ndarray:

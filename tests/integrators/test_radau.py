@@ -6,8 +6,8 @@ from scipy.linalg import expm
 
 from spacar.errors import AnalysisError
 from spacar.integrators import METHODS, Problem, integrate
-from spacar.integrators.collocation import radau
 from spacar.integrators.problem import Evaluation, Tolerance
+from spacar.integrators.radau import radau
 
 from .integrator_models import Linear, Pendulum, ProtheroRobinson
 
