@@ -6,17 +6,17 @@
    number j (3b + 1) + 2b + i - j. */
 typedef double quad __attribute__((vector_size(32), aligned(8), may_alias)); /* four right-hand sides side by side */
 
-typedef struct { int n, *start, *neighbour, *degree; } Graph;
+typedef struct { int n, *start, *neighbour, *degree; Memory memory; } Graph;
 
 /* The graph of the pairs (rows[k], columns[k]), k < count, both ways, those with a negative number left out. */
 static int graph_of(Graph *g, int n, const int *rows, const int *columns, int count)
 {
     g->n = n;
-    g->start = calloc(n + 2, sizeof(int));
-    g->degree = calloc(n + 1, sizeof(int));
-    g->neighbour = malloc((2 * (size_t)count + 1) * sizeof(int));
-    int *seen = malloc((n + 1) * sizeof(int));
-    if (!g->start || !g->degree || !g->neighbour || !seen) { free(seen); return NO_MEMORY; }
+    g->start = cleared(&g->memory, n + 2, sizeof(int));
+    g->degree = cleared(&g->memory, n + 1, sizeof(int));
+    g->neighbour = taken(&g->memory, 2 * (size_t)count + 1, sizeof(int));
+    int *seen = taken(&g->memory, n + 1, sizeof(int));
+    if (!g->start || !g->degree || !g->neighbour || !seen) return NO_MEMORY;
     for (int k = 0; k < count; k++) if (rows[k] >= 0 && columns[k] >= 0 && rows[k] != columns[k]) {
         g->start[rows[k] + 2]++;
         g->start[columns[k] + 2]++;
@@ -34,13 +34,7 @@ static int graph_of(Graph *g, int n, const int *rows, const int *columns, int co
             seen[j] = i;
             g->neighbour[g->start[i] + g->degree[i]++] = j;
         }
-    free(seen);
     return OK;
-}
-
-static void free_graph(Graph *g)
-{
-    free(g->start); free(g->neighbour); free(g->degree);
 }
 
 /* From `first` outwards: the part of the graph that hangs together goes to `order`, `level` counts from 0.
@@ -66,11 +60,11 @@ static int spread(const Graph *g, int first, int *order, int *level, int *depth)
 }
 
 /* The new place of every unknown. */
-static int band_order(const Graph *g, int *rank)
+static int band_order(Graph *g, int *rank)
 {
     const int n = g->n;
-    int *order = malloc((n + 1) * sizeof(int)), *level = malloc((n + 1) * sizeof(int)), done = 0;
-    if (!order || !level) { free(order); free(level); return NO_MEMORY; }
+    int *order = taken(&g->memory, 2 * (size_t)n + 1, sizeof(int)), *level = order + n, done = 0;
+    if (!order) return NO_MEMORY;
     for (int i = 0; i < n; i++) level[i] = -1;
     for (int i = 0; i < n; i++) {
         if (level[i] >= 0) continue;
@@ -87,8 +81,6 @@ static int band_order(const Graph *g, int *rank)
         done += count;
     }
     for (int k = 0; k < n; k++) rank[order[n - 1 - k]] = k;
-    free(order);
-    free(level);
     return OK;
 }
 

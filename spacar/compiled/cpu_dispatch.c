@@ -1,8 +1,7 @@
 /* What the library shows: the builds of the engine that this processor can run, chosen when it is loaded.
 
-   On x86-64 there are builds for three levels of the processor (x86-64 psABI, "micro-architecture levels"): all,
-   AVX2 with FMA (level 3), AVX-512 (level 4). Vectors of the level hold 2, 4 and 8 doubles, and as many cases are
-   evaluated at a time. A single case gains nothing from level 4. Elsewhere the compiler's own level serves. */
+   On x86-64 there are builds for all processors, AVX2 with FMA (level 3) and AVX-512 (level 4), whose vectors hold 2, 4
+   and 8 doubles: as many cases are evaluated at a time. A single case gains nothing from level 4. */
 #if defined(_WIN32)
 #define SHOWN __declspec(dllexport)
 #else

@@ -6,12 +6,11 @@ static int definite_pattern(const Equilibrium *q, Own *w)
     size_t squares = 0;
     for (int k = 0; k < q->n_groups; k++)
         squares += (size_t)q->groups[k].elements->nxe * q->groups[k].elements->nxe * q->groups[k].elements->n;
-    int *rows = malloc((squares + 1) * sizeof(int)), *columns = malloc((squares + 1) * sizeof(int)), count = 0,
-        status = NO_MEMORY;
-    int *rank = malloc((q->nf + 1) * sizeof(int));
     Graph graph = {0};
-    for (int k = 0; rows && columns && k < q->n_groups; k++) pairs_of(w, &q->groups[k], rows, columns, &count);
-    if (rows && columns && rank) status = graph_of(&graph, (int)q->nf, rows, columns, count);
+    int *rows = taken(&graph.memory, 2 * squares + q->nf + 1, sizeof(int)), *columns = rows + squares,
+        *rank = columns + squares, count = 0;
+    for (int k = 0; rows && k < q->n_groups; k++) pairs_of(w, &q->groups[k], rows, columns, &count);
+    int status = rows ? graph_of(&graph, (int)q->nf, rows, columns, count) : NO_MEMORY;
     if (status == OK) status = band_order(&graph, rank);
     if (status == OK) {
         const int b = w->definite_b = band_width(&graph, rank);
@@ -30,8 +29,7 @@ static int definite_pattern(const Equilibrium *q, Own *w)
             }
         }
     }
-    free_graph(&graph);
-    free(rows); free(columns); free(rank);
+    give_back(&graph.memory);
     return status;
 }
 

@@ -1,9 +1,6 @@
-/* What Python gives, a model, and its elements: strains, convective terms, inertia, guards.
-
-   The functions of the kinds, STRAIN, CONVECTIVE, INERTIA, FLOW, WHOLE_TURN, ANGLE and GUARD, are the tables at the
-   end of kernels.c. What has no function here is asked of Python, which shares the arrays of `Foreign` and answers
-   for all elements of a batch at once; so it is with user functions and prescribed motions that are no polynomials.
-   All vectors are in the order of the result files. V and M are lists of the entries of the elements. */
+/* What Python gives, a model, and its elements: strains, convective terms, inertia, guards. STRAIN, CONVECTIVE, ... are
+   the tables at the end of kernels.c; a batch without functions there is asked of Python (`Foreign`). All vectors are
+   in the order of the result files. V and M are lists of the entries of the elements. */
 
 typedef struct {
     int kind, n, nxe, nee, np, inertia; /* kind -1: foreign; inertia: M and h depend on x */

@@ -31,7 +31,6 @@ static const size_t SIZES[] = { STRUCTURES(SIZE) };
 #include "derivatives.c"
 #include "batches.c"
 #include "band.c"
-#include "dense.c"
 #include "equilibrium.c"
 #include "rest_equations.c"
 #include "rest_newton.c"

@@ -1,6 +1,4 @@
-/* What the engine and Python share: structures, functions. C includes this text; spacar/compiled/interface.py reads
-   the same text, and compares the sizes of the structures when the library is loaded. Structures hold numbers and
-   addresses only. */
+/* What the engine and Python share: structures of numbers and addresses, functions. interface.py reads this text. */
 typedef struct Model Model;
 enum { MAX_ORDER = 12, ORDERS = 13 };
 
@@ -172,7 +170,7 @@ typedef struct {
     double *y;                 /* of several cases: room for the state at an output */
     double *around;            /* (2, n of y) room for states beside an output */
     const int *rates;          /* (n of rates) places of the accelerations of the state in a row */
-    double suspect;            /* 0, or d of spacar/integrators/jumps.py from which on an output is not shown */
+    double suspect;            /* 0, or d of spacar/integrators/drive.py from which on an output is not shown */
     /* limits of a position, a jump, 1/condition, guards of elements; seconds */
     double exact, jump, singular, guard, longest;
     int n, done, width, since, far, n_exact, n_ground, foreign, steps, n_rates;

@@ -1,18 +1,17 @@
 /* What Python asks of the last evaluated state: V, its determinant and condition, the reduced mass matrix. */
 
-/* The entries of V: rows, columns and values, each with room for all of them (n); their number. Only this when row
-   is NULL. */
+/* The entries of V: rows, columns and values, each with room for all of them (n); their number. */
 static int spacar_gradient(Model *m, int *row, int *column, real *value)
 {
-    if (value) catch_up_matrices(m);
-    for (int r = 0; row && r < m->s.ne; r++)
-        for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) row[k] = r;
-    const int n = m->v_start[m->s.ne];
-    if (column) memcpy(column, m->v_column, sizeof(int) * n);
-    for (int k = 0; value && k < n; k++) value[k] = m->values[m->v_place[k]];
-    return n;
+    catch_up_matrices(m);
+    for (int r = 0; r < m->s.ne; r++)
+        for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) {
+            row[k] = r;
+            column[k] = m->v_column[k];
+            value[k] = m->values[m->v_place[k]];
+        }
+    return m->v_start[m->s.ne];
 }
-
 
 /* Of the inverse of the matrix of the velocities at the last evaluated state: mantissa 2^exponent. */
 static void spacar_determinant(Model *m, double *mantissa, double *exponent)

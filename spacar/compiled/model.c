@@ -191,55 +191,54 @@ static int takes_reduced_form(Model *m, int q)
         && operations < worth * (motion->row_at[motion->n] - motion->n);
 }
 
-/* V[E, U] of the positions, and the saddle-point matrix of the accelerations and multipliers. */
+/* Entries of a list at free coordinates, into the saddle-point matrix; `place` (nx): of coordinates in it, or -1. */
+static void put_free(Sparse *motion, const Entries *list, const int *place)
+{
+    for (int k = 0; k < list->n; k++) {
+        const int i = place[list->row[k]], j = place[list->column[k]];
+        if (i >= 0 && j >= 0) put(motion, i, j, list->source[k]);
+    }
+}
+
+/* V[E, U] of the positions, and the saddle-point matrix of the accelerations and multipliers. OK or NO_MEMORY. */
 static int assemble(Model *m)
 {
     const Spec *s = &m->s;
     const int n = s->n_equations, nc = s->n_position, first = s->n_fixed_x, nf = s->n_free, nr = s->n_rows;
-    const int entries = m->v_start[s->ne];
-    const int q = s->n_x_dynamic + s->n_e_dynamic;
-    m->width = (q + ROW) / ROW * ROW;
-    int *place = cleared(&m->memory, s->nx, sizeof(int)), status = place ? OK : NO_MEMORY;
-    if (!status) status = sparse_begin(&m->memory, &m->position, nc, entries);
-    if (!status && !m->holonomic) status = sparse_begin(&m->memory, &m->velocity, n, entries);
-    if (!status) status = entries_begin(&m->memory, &m->dynamic, entries);
+    const int entries = m->v_start[s->ne], q = s->n_x_dynamic + s->n_e_dynamic;
     const int with_motion = !s->prescribed && !m->tree;
-    if (!status && with_motion)
-        status = sparse_begin(&m->memory, &m->motion, nf + nr, m->mass.n + m->coupling.n + 2 * entries);
-    if (!status) status = entries_begin(&m->memory, &m->given, m->mass.n);
-    if (!status) {
-        for (int k = 0; k < m->mass.n; k++) {
-            const int j = m->mass.column[k];
-            const real field = s->field[j];
-            int known = j >= s->x_input && j < s->x_input + s->n_x_input;
-            EACH_LANE if (LANE(field, w) != 0.0) known = 1;
-            if (known) add(&m->given, m->mass.row[k], j, m->mass.source[k]);
-        }
-        m->position.n_entries = m->velocity.n_entries = m->motion.n_entries = 0;
-        for (int i = 0; i < nc; i++)
-            for (int r = s->position[i], k = m->v_start[r]; k < m->v_start[r + 1]; k++) {
-                const int j = m->v_column[k] - first, d = m->v_column[k] - s->x_dynamic;
-                if (j >= 0 && j < nc) put(&m->position, i, j, m->v_place[k]);
-                if (d >= 0 && d < s->n_x_dynamic) add(&m->dynamic, i, d, m->v_place[k]);
-            }
-        for (int r = 0; r < n && !m->holonomic; r++)
-            for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) {
-                const int j = m->v_column[k] - first, u = m->v_column[k] - s->x_kinematic;
-                if (j >= 0 && j < nc) put(&m->velocity, r, j, m->v_place[k]);
-                if (u >= 0 && u < s->n_x_kinematic) put(&m->velocity, r, nc + u, m->v_place[k]);
-            }
+    Memory *memory = &m->memory;
+    m->width = (q + ROW) / ROW * ROW;
+    int *place = cleared(memory, s->nx, sizeof(int));
+    if (!place || sparse_begin(memory, &m->position, nc, entries)
+        || (!m->holonomic && sparse_begin(memory, &m->velocity, n, entries))
+        || (with_motion && sparse_begin(memory, &m->motion, nf + nr, m->mass.n + m->coupling.n + 2 * entries))
+        || entries_begin(memory, &m->dynamic, entries) || entries_begin(memory, &m->given, m->mass.n))
+        return NO_MEMORY;
+    for (int k = 0; k < m->mass.n; k++) {
+        const int j = m->mass.column[k];
+        const real field = s->field[j];
+        int known = j >= s->x_input && j < s->x_input + s->n_x_input;
+        EACH_LANE if (LANE(field, w) != 0.0) known = 1;
+        if (known) add(&m->given, m->mass.row[k], j, m->mass.source[k]);
     }
-    if (!status && with_motion) {
+    for (int i = 0; i < nc; i++)
+        for (int r = s->position[i], k = m->v_start[r]; k < m->v_start[r + 1]; k++) {
+            const int j = m->v_column[k] - first, d = m->v_column[k] - s->x_dynamic;
+            if (j >= 0 && j < nc) put(&m->position, i, j, m->v_place[k]);
+            if (d >= 0 && d < s->n_x_dynamic) add(&m->dynamic, i, d, m->v_place[k]);
+        }
+    for (int r = 0; r < n && !m->holonomic; r++)
+        for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) {
+            const int j = m->v_column[k] - first, u = m->v_column[k] - s->x_kinematic;
+            if (j >= 0 && j < nc) put(&m->velocity, r, j, m->v_place[k]);
+            if (u >= 0 && u < s->n_x_kinematic) put(&m->velocity, r, nc + u, m->v_place[k]);
+        }
+    if (with_motion) {
         for (int i = 0; i < s->nx; i++) place[i] = -1;
         for (int i = 0; i < nf; i++) place[s->free[i]] = i;
-        for (int k = 0; k < m->mass.n; k++) {
-            const int i = place[m->mass.row[k]], j = place[m->mass.column[k]];
-            if (i >= 0 && j >= 0) put(&m->motion, i, j, m->mass.source[k]);
-        }
-        for (int k = 0; k < m->coupling.n; k++) {
-            const int i = place[m->coupling.row[k]], j = place[m->coupling.column[k]];
-            if (i >= 0 && j >= 0) put(&m->motion, i, j, m->coupling.source[k]);
-        }
+        put_free(&m->motion, &m->mass, place);
+        put_free(&m->motion, &m->coupling, place);
         for (int r = 0; r < nr; r++)
             for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) {
                 const int j = place[m->v_column[k]];
@@ -248,10 +247,10 @@ static int assemble(Model *m)
                 put(&m->motion, j, nf + r, m->v_place[k]);
             }
     }
-    if (!status && m->holonomic && !s->prescribed) m->reduced = m->tree || takes_reduced_form(m, q);
-    if (!status && m->reduced) status = sparse_widen(&m->memory, &m->position, m->width);
-    if (!status && m->reduced) status = sort_rows(&m->memory, &m->mass, s->nx, &m->m_start, &m->m_column, &m->m_place);
-    return status;
+    m->reduced = m->holonomic && !s->prescribed && (m->tree || takes_reduced_form(m, q));
+    if (!m->reduced) return OK;
+    m->position.work = cleared(memory, (size_t)nc * m->width, sizeof(real)); /* of so many right-hand sides */
+    return m->position.work ? sort_rows(memory, &m->mass, s->nx, &m->m_start, &m->m_column, &m->m_place) : NO_MEMORY;
 }
 
 static void spacar_end(Model *m)

@@ -1,13 +1,8 @@
-/* Many outputs of one motion in one call (`spacar.compiled.output_block`).
-
-   A state of its own is evaluated at every output time, as the driver (spacar/forward/driver.py) does it one by one:
-   from the output before, or from the begin of the last step when that was long ago. Its numbers go to a row. The
-   call ends where Python has to look at an output, and after some time, so that Ctrl-C is heard and outputs are
-   handed on.
-
-   Rows of several cases have all lanes of a number behind one another. */
+/* Many outputs of one motion in one call (`spacar.compiled.output_block`): a state of its own is evaluated at every
+   output time, from the output before, or from the begin of the last step when that was long ago. The call ends where
+   Python has to look at an output, and after some time, so that Ctrl-C is heard and outputs are handed on. Rows
+   of several cases have all lanes of a number behind one another. */
 #include <time.h>
-
 
 static double seconds(void)
 {
@@ -72,7 +67,7 @@ static void lead(Stepper *r, OutputBlock *p)
     p->since = 0;
 }
 
-/* Does F at the i-th output, which has been evaluated, tell other rates than the polynomial of the step (jumps.py)? */
+/* Does F at the i-th output, which has been evaluated, tell other rates than the polynomial of the step (drive.py)? */
 static int disagrees(const Stepper *r, const void *adams, const OutputBlock *p, int i)
 {
     const double h = r->sizes[0], t = p->t[i], low = fmax(r->t - h, t - 1e-4 * h), high = fmin(r->t, t + 1e-4 * h);

@@ -64,21 +64,14 @@ static void complete(Model *m, State *at)
 static int is_placed(const Model *m, const State *at)
 {
     const Spec *s = &m->s;
-    const real zero = EVERY(0.0);
+    const real zero = EVERY(0.0), allowed = s->criteria->converged + rounding(m, m->next_x, at->given_e);
     real sum = zero;
-    int near = 1;
     for (int r = 0; r < s->ne; r++) {
         const real difference = m->next_e[r] - at->given_e[r];
-        near &= largest_lane(lanes_larger(zero, difference)) <= s->criteria->converged * s->e_scale[r];
+        if (!(largest_lane(lanes_larger(zero, difference) - allowed * s->e_scale[r]) <= 0.0)) return 0;
         sum += difference;
     }
-    if (!isfinite(largest_lane(sum))) return 0;
-    if (near) return 1;
-    const real allowed = m->s.criteria->converged + rounding(m, m->next_x, at->given_e);
-    for (int r = 0; r < s->ne; r++)
-        if (!(largest_lane(lanes_larger(zero, m->next_e[r] - at->given_e[r]) - allowed * s->e_scale[r]) <= 0.0))
-            return 0;
-    return 1;
+    return isfinite(largest_lane(sum));
 }
 
 /* What an element adds to the force at its outer end, (n) of the link: in the axes of the frame, force and moment. */

@@ -1,9 +1,6 @@
-/* Questions to Python (spacar/compiled/python_callbacks.py).
-
-   The engine is not built against any version of Python: it is given the addresses of functions of Python's stable C
-   interface, and of a few types. The user function of a single case is called from here: an answer with the form of
-   an earlier one, almost every one of a run, is taken here; Python reads the others. Nothing that is raised passes
-   through C: it is handed to `keep`, and the evaluation ends. */
+/* Questions to Python (spacar/compiled/python_callbacks.py), through addresses of functions of its stable C interface,
+   so that the engine fits every version. Nothing that is raised passes through C: it is handed to `keep`, and the
+   evaluation ends. */
 
 /* Types live as long as the object. */
 static void *type_of(const Python *py, void *object)

@@ -86,6 +86,15 @@ static void give_point(const Equilibrium *q, const Own *w)
     memcpy(out, w->rounding, sizeof(double) * w->n);
 }
 
+/* The loads, and the state to begin with: x, sigma. */
+static void rest_begin(const Equilibrium *q, const Own *w)
+{
+    rest_loads(q, w);
+    memcpy(w->x, q->x, sizeof(double) * q->nx);
+    memcpy(w->sigma, q->sigma, sizeof(double) * q->ne);
+    memset(w->dx, 0, sizeof(double) * q->nx);
+}
+
 /* Newton's iteration from x, sigma; what `sizes` holds of corrections tells Python why it was broken off. */
 static int spacar_equilibrium_newton(Equilibrium *q)
 {
@@ -93,11 +102,8 @@ static int spacar_equilibrium_newton(Equilibrium *q)
     int prescribed = 0;
     q->iterations = 0;
     q->noise = 0.0;
-    rest_loads(q, w);
-    memcpy(w->x, q->x, sizeof(double) * q->nx);
-    memcpy(w->sigma, q->sigma, sizeof(double) * q->ne);
+    rest_begin(q, w);
     memcpy(w->before, q->branch, sizeof(double) * q->ne);
-    memset(w->dx, 0, sizeof(double) * q->nx);
     for (int i = (int)q->x_input; i < q->x_input + q->n_x_input; i++) {
         w->dx[i] = w->given_x[i] - w->x[i];
         if (w->dx[i] != 0.0) prescribed = 1;
@@ -142,9 +148,7 @@ static int spacar_equilibrium_newton(Equilibrium *q)
 static int spacar_equilibrium_point(Equilibrium *q)
 {
     Own *w = q->own;
-    rest_loads(q, w);
-    memcpy(w->x, q->x, sizeof(double) * q->nx);
-    memcpy(w->sigma, q->sigma, sizeof(double) * q->ne);
+    rest_begin(q, w);
     rest_residual(q, w, w->x, w->sigma);
     give_point(q, w);
     return OK;
@@ -162,10 +166,7 @@ static int spacar_equilibrium_factor(Equilibrium *q)
 {
     Own *w = q->own;
     double noise;
-    rest_loads(q, w);
-    memcpy(w->x, q->x, sizeof(double) * q->nx);
-    memcpy(w->sigma, q->sigma, sizeof(double) * q->ne);
-    memset(w->dx, 0, sizeof(double) * q->nx);
+    rest_begin(q, w);
     rest_residual(q, w, w->x, w->sigma);
     if (rest_factor(q, w, w->sigma) != OK || rest_correct(q, w, 0, &noise) != OK) return ANOTHER_WAY;
     q->sign = band_sign(w->band, w->n, w->b, w->pivots);

@@ -374,24 +374,21 @@ static int find_tree(Model *m)
     }
     Memory *memory = &m->tree_memory;
     struct Tree *T = m->tree = cleared(memory, 1, sizeof(struct Tree));
-    int *of = cleared(memory, s->nx, sizeof(int)), status = T && of ? OK : NO_MEMORY;
-    if (!status) {
-        T->frames = cleared(memory, 2 * n, sizeof(Frame));
-        T->orientations = cleared(memory, 2 * n, sizeof(Orientation));
-        T->points = cleared(memory, 2 * n, sizeof(Point));
-        T->arms = cleared(memory, n, sizeof(Arm));
-        T->pairs = cleared(memory, 6 * n + s->n_constant, sizeof(Pair));
-        T->parts = cleared(memory, n, sizeof(Part));
-        T->links = cleared(memory, n - n_of_nodes, sizeof(Link));
-        T->mass = cleared(memory, 6 * n, sizeof(real));
-        if (!T->links || !T->frames || !T->orientations || !T->points || !T->arms || !T->pairs || !T->parts || !T->mass)
-            status = NO_MEMORY;
-    }
-    if (!status) {
-        T->dimension = dimension;
-        T->turns = dimension == 2 ? 1 : 3;
-        if (is_tree(m, T, of)) { status = tree_rows(memory, T, q); T->rcond = bound_of_condition(m, T); }
-        else tree_end(m);
-    }
-    return status;
+    int *of = cleared(memory, s->nx, sizeof(int));
+    if (!T || !of) return NO_MEMORY;
+    T->frames = cleared(memory, 2 * n, sizeof(Frame));
+    T->orientations = cleared(memory, 2 * n, sizeof(Orientation));
+    T->points = cleared(memory, 2 * n, sizeof(Point));
+    T->arms = cleared(memory, n, sizeof(Arm));
+    T->pairs = cleared(memory, 6 * n + s->n_constant, sizeof(Pair));
+    T->parts = cleared(memory, n, sizeof(Part));
+    T->links = cleared(memory, n - n_of_nodes, sizeof(Link));
+    T->mass = cleared(memory, 6 * n, sizeof(real));
+    if (!T->links || !T->frames || !T->orientations || !T->points || !T->arms || !T->pairs || !T->parts || !T->mass)
+        return NO_MEMORY;
+    T->dimension = dimension;
+    T->turns = dimension == 2 ? 1 : 3;
+    if (!is_tree(m, T, of)) { tree_end(m); return OK; }
+    T->rcond = bound_of_condition(m, T);
+    return tree_rows(memory, T, q);
 }

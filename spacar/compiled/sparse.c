@@ -79,13 +79,13 @@ static int order_begin(Sparse *s)
         && s->upper_at ? OK : NO_MEMORY;
 }
 
-static int sparse_begin(Memory *memory, Sparse *s, int n, int n_entries)
+/* A matrix of n rows without entries yet, and room for so many, for one right-hand side. OK or NO_MEMORY. */
+static int sparse_begin(Memory *memory, Sparse *s, int n, int capacity)
 {
     s->n = n;
-    s->n_entries = n_entries;
-    s->row = taken(memory, n_entries, sizeof(int));
-    s->column = taken(memory, n_entries, sizeof(int));
-    s->source = taken(memory, n_entries, sizeof(int));
+    s->row = taken(memory, capacity, sizeof(int));
+    s->column = taken(memory, capacity, sizeof(int));
+    s->source = taken(memory, capacity, sizeof(int));
     s->inverse = cleared(memory, n, sizeof(real));
     s->work = cleared(memory, n, sizeof(real));
     return s->row && s->column && s->source && s->inverse && s->work ? OK : NO_MEMORY;
@@ -101,13 +101,6 @@ static void first_order(Sparse *s, Sparse *first)
         s->kept = 1;
         *first = *s;
     }
-}
-
-/* Room for `width` right-hand sides at a time; one until then. */
-static int sparse_widen(Memory *memory, Sparse *s, int width)
-{
-    s->work = cleared(memory, (size_t)s->n * width, sizeof(real));
-    return s->work ? OK : NO_MEMORY;
 }
 
 /* `first` as above. What `sparse_begin` has taken is not given back here. */

@@ -57,13 +57,6 @@ static int is_mass_doubtful(Model *m)
     return doubt;
 }
 
-/* Signs of the determinant of the position matrix as it is factored, lane by lane. */
-static void position_signs(const Model *m, double *sign)
-{
-    double exponent[LANES];
-    determinant(&m->position, sign, exponent);
-}
-
 /* Evaluate the start state y (its time derivative into out) from the configuration of `at`. A negative reason when
    that is not possible; FAR_AWAY when a coordinate moves by more than `farthest` of its size, or the determinant of
    the position matrix changes its sign, so that the path has to be followed; with `checked`, DOUBTFUL_MASS when the
@@ -73,15 +66,15 @@ static int spacar_start(Model *m, State *at, const real *y, real *out, double co
 {
     const Spec *s = &m->s;
     const real *x0 = s->x0;
-    double before[LANES], after[LANES];
+    double before[LANES], after[LANES], exponent[LANES];
     follow(m, at->x, at->e, m->branch);
     const int placed = !m->tree && !strain(m, at->x, m->branch, m->next_e) && !factor(&m->position, m->values);
-    if (placed) position_signs(m, before);
+    if (placed) determinant(&m->position, before, exponent);
     m->factored = 0;
     const int status = spacar_evaluate(m, at, 0.0, y, converged, jump);
     if (status < 0) return status;
     if (placed) {
-        position_signs(m, after);
+        determinant(&m->position, after, exponent);
         EACH_LANE if (before[w] * after[w] < 0.0) return FAR_AWAY;
     }
     rates_of_whole(m, at, out);

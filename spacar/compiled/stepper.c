@@ -1,9 +1,6 @@
-/* Steps of an integrator in one call, up to the next output (`spacar.compiled.compiled_stepper`).
-
-   The methods are those of spacar/integrators, on the same arrays and with the same coefficients, which Python
-   gives; only sums may be rounded in another order. Python is asked for derivatives that the model in C cannot give,
-   and told of accepted steps at which the watch of dead points (spacar/forward/continuity.py) has to look closer;
-   all others are told apart here.
+/* Steps of an integrator in one call, up to the next output (`spacar.compiled.compiled_stepper`), with the arrays and
+   coefficients of spacar/integrators. Python is asked for derivatives that the model in C cannot give, and told of
+   accepted steps at which the watch of dead points (spacar/forward/continuity.py) has to look closer.
 
    Several cases share their steps: n, and every array of the state, counts all lanes, a step has the largest error
    of a case, and where one of them would have to be asked or told about, the call ends: Python follows them alone. */

@@ -25,6 +25,7 @@ import sympy as sp
 from spacar.compiled.generator.generate import (
     Program,
     constant,
+    declared,
     forward,
     localized,
     made_of,
@@ -37,6 +38,7 @@ from spacar.compiled.generator.generate import (
     slope,
     straight,
     symbols_of,
+    table_of,
 )
 from spacar.elements import definitions
 from spacar.elements.definition_symbolic import Definition
@@ -65,12 +67,8 @@ def functions(definition: Definition) -> Iterator[str]:
 
 def tables() -> Iterator[str]:
     """C text of the tables by which the functions are found."""
-    for table, (what, vectors) in TABLES.items():
-        yield f"static void (*const {table.upper()}[N_KINDS])({arguments(vectors)}) = {{"
-        for definition in definitions():
-            if what in made_of(definition):
-                yield f"    [{definition.name.upper()}] = {owner(definition, what).name}_{table},"
-        yield "};"
+    for name, (what, vectors) in TABLES.items():
+        yield from table_of(what, name, arguments(vectors))
     yield "/* The kinds that have functions here: NumPy evaluates what was added to kernels.c alone. */"
     yield f'static const char DERIVED[] = "{" ".join(definition.name for definition in definitions())}";'
 
@@ -289,18 +287,10 @@ def function(definition: Definition, table: str) -> str:
     if not columns:
         return "\n".join([*lines, *(f"    (void){letter};" for letter in (*vectors, "D")), "}"])
     inside = used.union(*(v.free_symbols for v in (*factors.values(), *(v for _, v in scalars))))
-    for letter in vectors:
-        names = [k for k in range(99) if sp.Symbol(f"{letter}{k}", real=True) in inside]
-        lines += [f"    const real {letter}{k} = {letter}[{k}];" for k in names]
-        if not names:
-            lines.append(f"    (void){letter};")
+    lines += declared(list(vectors), inside)
     own = {name for name, _ in scalars}
-    lines += [f"    const real {name} = {constant(value)};" for name, value in scalars]
-    lines += [
-        f"    const real {name} = {constant(value)};"
-        for name, value in factors.items()
-        if sp.Symbol(name, real=True) not in own
-    ]
+    named_factors = [(name, value) for name, value in factors.items() if sp.Symbol(name, real=True) not in own]
+    lines += [f"    const real {name} = {constant(value)};" for name, value in [*scalars, *named_factors]]
     lines.append(f"    for (int j = 0; j < {len(by)}; j++) {{")
     lines += [
         f"        const real {seed} = EVERY(j == {k});" for k, s in enumerate(by) if (seed := tangent.of[s]) in used

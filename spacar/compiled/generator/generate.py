@@ -138,15 +138,25 @@ def tables() -> Iterator[str]:
     parameters = max(len(definition.parameters) for definition in types)
     yield f"enum {{ MAX_X = {largest}, MAX_E = {most}, MAX_GUARDS = {max(guards)}, MAX_P = {parameters} }};"
     for what, arguments in TABLES.items():
-        yield f"static void (*const {what.upper()}[N_KINDS])({arguments}) = {{"
-        for definition in types:
-            if what in made_of(definition):
-                yield f"    [{definition.name.upper()}] = {owner(definition, what).name}_{what},"
-        yield "};"
+        yield from table_of(what, what, arguments)
     yield f"static const int N_GUARDS[N_KINDS] = {{ {', '.join(map(str, guards))} }};"
     counts = " ".join(f"{d.name}/{len(d.parameters)}" for d in types)
     yield "/* Names of the kinds and numbers of their parameters: Python evaluates what is not here. */"
     yield f'static const char KINDS[] = "{counts}";'
+
+
+def table_of(what: str, name: str, arguments: str) -> Iterator[str]:
+    """C text of the table of the functions `name`, which types with `what` have."""
+    yield f"static void (*const {name.upper()}[N_KINDS])({arguments}) = {{"
+    for definition in definitions():
+        if what in made_of(definition):
+            yield f"    [{definition.name.upper()}] = {owner(definition, what).name}_{name},"
+    yield "};"
+
+
+def placed(array: str, values: Sequence[sp.Expr]) -> dict[str, sp.Expr]:
+    """Values by their places in an array."""
+    return {f"{array}[{i}]": value for i, value in enumerate(values)}
 
 
 def functions(definition: Definition) -> Iterator[str]:
@@ -156,29 +166,29 @@ def functions(definition: Definition) -> Iterator[str]:
     own = {what for what in made_of(definition) if owner(definition, what) is definition}
     if "strain" in own:
         program, e, V, h = strains(definition, x, v, p)
-        outputs = {f"e[{i}]": value for i, value in enumerate(e)}
-        yield function(definition, "strain", program, outputs | {f"V[{i * n + j}]": w for (i, j), w in V.items()})
-        yield function(definition, "convective", program, {f"h[{i}]": value for i, value in enumerate(h)})
+        outputs = placed("e", e) | {f"V[{i * n + j}]": w for (i, j), w in V.items()}
+        yield function(definition, "strain", program, outputs)
+        yield function(definition, "convective", program, placed("h", h))
     if "guard" in own:
         assert definition.guard is not None
         first, z = localized(definition, x, p)
         program, guards = straight(definition.guard(z, p), first)
-        yield function(definition, "guard", program, {f"g[{i}]": g for i, g in enumerate(guards)})
+        yield function(definition, "guard", program, placed("g", guards))
     if "inertia" in own:
         program, M, h = inertia(definition, x, v, p)
         outputs = {f"M[{i * n + j}]": M[i, j] for i in range(n) for j in range(n) if M[i, j] != 0}
-        yield function(definition, "inertia", program, outputs | {f"h[{i}]": value for i, value in enumerate(h)})
+        yield function(definition, "inertia", program, outputs | placed("h", h))
     if "flow" in own:
         program, h = flow(definition, x, v, p)
-        yield function(definition, "flow", program, {f"h[{i}]": value for i, value in enumerate(h)})
+        yield function(definition, "flow", program, placed("h", h))
     if "whole_turn" in own:
         assert definition.turn is not None
-        yield function(definition, "whole_turn", [], {f"s[{i}]": step for i, step in enumerate(definition.turn(p))})
+        yield function(definition, "whole_turn", [], placed("s", definition.turn(p)))
     if "angle" in own:
         assert definition.angle is not None
         e = list(sp.symbols(f"e:{sum(rows_of(definition))}", real=True))
         program, angle = straight([definition.angle(x, e, p)], [])
-        yield function(definition, "angle", program, {"a[0]": angle[0]})
+        yield function(definition, "angle", program, placed("a", angle))
 
 
 def strains(
@@ -222,9 +232,7 @@ def reverse(program: Program, results: list, x: list) -> tuple[list[list[sp.Expr
     return rows, statements
 
 
-def pull(
-    program: Program, seeds: dict[sp.Symbol, sp.Expr], x: list, prefix: str
-) -> tuple[list[sp.Expr], Program]:
+def pull(program: Program, seeds: dict[sp.Symbol, sp.Expr], x: list, prefix: str) -> tuple[list[sp.Expr], Program]:
     """Gradient of the sum of seeds times what they are of, and the program of adjoints it needs."""
     adjoint, statements = dict(seeds), []
     for symbol, expression in reversed(program):
@@ -368,14 +376,19 @@ def function(definition: Definition, what: str, program: Program, outputs: dict[
     program, outputs = shared(*needed(program, {k: sp.sympify(v) for k, v in outputs.items()}))
     used = set().union(*(v.free_symbols for v in (*outputs.values(), *(v for _, v in program))))
     lines = [f"static void {definition.name}_{what}({arguments})", "{"]
-    for letter in "xvep":
-        names = [k for k in range(99) if sp.Symbol(f"{letter}{k}", real=True) in used]
-        lines += [f"    const real {letter}{k} = {letter}[{k}];" for k in names]
-        if not names and f"const real *{letter}," in arguments:
-            lines.append(f"    (void){letter};")
+    lines += declared([letter for letter in "xvep" if f"const real *{letter}," in arguments], used)
     lines += [f"    const real {name} = {constant(value)};" for name, value in program]
     lines += [f"    {name} = {constant(value)};" for name, value in outputs.items()]
     return "\n".join([*lines, "}"])
+
+
+def declared(vectors: Sequence[str], used: set[sp.Symbol]) -> list[str]:
+    """C text of the constants that are the numbers of these vectors."""
+    lines = []
+    for letter in vectors:
+        names = [k for k in range(99) if sp.Symbol(f"{letter}{k}", real=True) in used]
+        lines += [f"    const real {letter}{k} = {letter}[{k}];" for k in names] or [f"    (void){letter};"]
+    return lines
 
 
 def needed(program: Program, outputs: dict[str, sp.Expr]) -> tuple[Program, dict[str, sp.Expr]]:
