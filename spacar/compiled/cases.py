@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.compiled.compiled_model import DOUBTFUL_MASS, FAR_AWAY, CompiledModel
+from spacar.compiled.compiled_model import DOUBTFUL_MASS, FAR_AWAY, CompiledModel, State
 from spacar.compiled.compiled_stepper import CompiledStepper
 from spacar.compiled.library import lanes_of_processor
 from spacar.compiled.numbers import Numbers
@@ -57,7 +57,7 @@ class InLanes:
         scales = scale, mechanism.deformation_scale
         self.solver = CompiledModel(self.numbering, numbers, scales, drives, users)
         self.breaks = tuple(t for law in (*drives, *users) for t in getattr(law, "breaks", ()))
-        self.state, self.shown = self.solver.state(), self.solver.state()
+        self.state, self.shown = State(self.solver), State(self.solver)
         self.y0 = np.ascontiguousarray(start.T).ravel()
         self.lambda0 = HalfTurns(self.numbering).lambda0
         self._scale = scale[:, None]
@@ -118,7 +118,8 @@ class InLanes:
             raise not_followed(0.0)
         self.rhs(0.0, self.y0)
         self.shown.resume(float(state.c.t), state.x, state.xd, state.xdd, state.e)
-        M, condition = self.solver.reduced_mass() if checked else None, self.solver.condition()
+        M, rcond = self.solver.reduced_mass() if checked else None, self.solver.rcond()
+        condition = 1.0 / rcond if rcond > 0.0 else float("inf")
         return M is not None and not any(
             is_doubtful(mechanism, M[:, :, lane], condition, placed.largest) for lane in range(self.by_case[2])
         )

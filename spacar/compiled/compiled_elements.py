@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 
 FACTS = (
     "n_coordinates", "n_deformations", "slips", "position_rows", "constant_gradient", "constant_mass", "has_mass",
-    "has_own_branch", "measure", "definition", "keyword", "numbers", "length", "data",
+    "has_own_branch", "measure", "definition", "keyword", "numbers", "length", "data", "frame_p", "frame_q",
+    "parameters", "branch", "orientation_inertia", "lumped_inertia",
 )  # fmt: skip
 DOUBLE = ctypes.c_double * 1
 
@@ -69,7 +70,7 @@ def band_inverse(system: BandedSystem) -> Array:
 def compiled_family(family: Family) -> Family:
     """The family with functions of the engine; itself where the engine has none for it."""
     name = family.definition
-    if isinstance(family, CompiledElements) or name not in element_functions().kinds:
+    if isinstance(family, CompiledElements) or name not in element_functions().text:
         return family
     kind, count = engine(1).kinds[name]
     parameters = family.parameters()
@@ -109,18 +110,6 @@ class CompiledElements(Family):
     def __reduce__(self) -> Any:
         return compiled_family, (self.general,)
 
-    def parameters(self) -> Array:
-        return self.general.parameters()
-
-    # made when result files ask for them
-    @property
-    def frame_p(self) -> Array | None:  # type: ignore[override]
-        return self.general.frame_p
-
-    @property
-    def frame_q(self) -> Array | None:  # type: ignore[override]
-        return self.general.frame_q
-
     # -- deformations -------------------------------------------------------------------------------------------
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> Configuration:
         if x.shape != self._shape or x.dtype != float or e.dtype != float:
@@ -130,37 +119,33 @@ class CompiledElements(Family):
             self._call.strain(self._at, _at(place.x), _at(place.branch), _at(e), _at(V))
         return place
 
-    def branch(self, x: Array, e: Array) -> Array:
-        return self.general.branch(x, e)
-
     def convective_strain(self, c: Configuration, v: Array, out: Array) -> None:
-        if not self._into(self._call.convective, c, v, out):
-            self.general.convective_strain(self._general(c), v, out)
+        self._write(self._call.convective, self.general.convective_strain, c, v, out)
 
     def gradient_rate(self, c: Configuration, v: Array, out: Array) -> None:
-        if not self._into(self._call.rates, c, v, out, 0):
-            self.general.gradient_rate(self._general(c), v, out)
+        self._write(self._call.rates, self.general.gradient_rate, c, v, out, 0)
 
     def gradient_transport(self, c: Configuration, v: Array, out: Array) -> None:
-        if not self.slips:
+        if self.slips:
+            self._write(self._call.transport, self.general.gradient_transport, c, v, out)
+        else:
             self.gradient_rate(c, v, out)
-        elif not self._into(self._call.transport, c, v, out):
-            self.general.gradient_transport(self._general(c), v, out)
 
     def rate_gradient(self, c: Configuration, v: Array, out: Array) -> None:
-        if not self._into(self._call.rates, c, v, out, 1):
-            self.general.rate_gradient(self._general(c), v, out)
+        self._write(self._call.rates, self.general.rate_gradient, c, v, out, 1)
 
     def geometric_stiffness(self, c: Configuration, sigma: Array, out: Array) -> None:
-        if not self._into(self._call.geometric, c, sigma, out):
-            self.general.geometric_stiffness(self._general(c), sigma, out)
+        self._write(self._call.geometric, self.general.geometric_stiffness, c, sigma, out)
 
-    def _into(self, in_c: Callable[..., None], c: Configuration, v: Array, out: Array, *which: int) -> bool:
-        """By C, where it can; could it?"""
-        here = self._here(c, v)
-        if here:
+    def _write(
+        self, in_c: Callable[..., None], general: Callable[..., None], c: Configuration, v: Array, out: Array,
+        *which: int,
+    ) -> None:  # fmt: skip
+        """By C where it can, else by the NumPy family."""
+        if self._here(c, v):
             in_c(self._at, _at(c.x), _at(v), *which, _at(out))
-        return here
+        else:
+            general(self._general(c), v, out)
 
     def internal(self, c: Configuration, sigma: Array) -> Internal | None:
         if type(self.general).internal is Family.internal:
@@ -190,12 +175,6 @@ class CompiledElements(Family):
         by_x, by_v = np.empty((2, self.n_coordinates, *self._shape))
         self._call.inertia_gradient(self._at, _at(c.x), _at(v), _at(a), _at(by_x), _at(by_v))
         return by_x, by_v
-
-    def orientation_inertia(self) -> tuple[tuple[int, Array], ...]:
-        return self.general.orientation_inertia()
-
-    def lumped_inertia(self) -> tuple[tuple[int, Array], ...]:
-        return self.general.lumped_inertia()
 
     # -- limits -------------------------------------------------------------------------------------------------
     def troubles(self, c: Configuration, e: Array, sigma: Array) -> list[Trouble]:

@@ -17,7 +17,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.compiled.compiled_elements import with_compiled_elements
-from spacar.compiled.compiled_model import DOUBTFUL_MASS, EXACT, FAR_AWAY, CompiledModel
+from spacar.compiled.compiled_model import DOUBTFUL_MASS, EXACT, FAR_AWAY, CompiledModel, State
 from spacar.compiled.compiled_stepper import CompiledStepper, StepMonitor
 from spacar.compiled.library import address_of
 from spacar.compiled.methods_in_c import Iterating
@@ -101,7 +101,7 @@ class CompiledDynamics:
     """An `Evaluator` (`spacar.dynamics.evaluator`) where `why_general` finds no reason for that of NumPy."""
 
     by_case = None
-    largest_exact = SMALL
+    largest_exact = SMALL  # equations up to which C tells the exact condition of outputs
 
     def __init__(self, mechanism: Mechanism, *, loads: Loads | None = None, drive: Drive | None = None) -> None:
         self.model = model = LoadedMechanism.of(mechanism, loads, drive)
@@ -113,7 +113,7 @@ class CompiledDynamics:
         scales = mechanism.scale, mechanism.deformation_scale
         users = () if mechanism.user_signal is None else (mechanism.user_signal,)
         self.solver = CompiledModel(n, of_one(model), scales, (model.drive,), users)
-        self.state = self.solver.state()
+        self.state = State(self.solver)
         self._y, self._out = shared = np.zeros((2, self.n_positions + n.nddof))
         first = address_of(shared)
         self._addresses = first, first + shared.nbytes // 2
@@ -190,7 +190,7 @@ class CompiledDynamics:
         else:
             other = object.__new__(type(self))
             vars(other).update(vars(self))
-            other.state = self.solver.state()
+            other.state = State(self.solver)
             other._iterating = None
             other.state.follow(self.state)
             return other
@@ -234,7 +234,7 @@ class CompiledDynamics:
         s, part = self.state, self.numbering.e_class["dynamic"]
         if self.solver.rhs(s, t, *self._addresses, CONVERGED) < 0:
             return False
-        if (n := part.stop - part.start):
+        if n := part.stop - part.start:
             s.ed[part, 0], s.edd[part, 0] = self._y[-n:], self._out[-n:]
         return True
 
@@ -282,9 +282,7 @@ class CompiledDynamics:
         if kept is None or kept[0] is not c or kept[1] is not y or kept[2] is not K:
             kept = self._step_of = c, y, K, (c.ctypes.data, a.ctypes.data, y.ctypes.data, K.ctypes.data)
         at_c, at_a, at_y, at_K = kept[3]
-        return self.solver.stages(
-            self.state, done, len(c), at_c, at_a, t, h, window, at_y, at_K, len(y), within
-        )
+        return self.solver.stages(self.state, done, len(c), at_c, at_a, t, h, window, at_y, at_K, len(y), within)
 
     def newton(self, method: Radau, h: float, within: float) -> tuple[bool, float, float] | None:
         """Newton iteration of a step of codes 553 and 595, see `spacar.integrators.problem.BlockEvaluator`."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -112,8 +111,8 @@ class CompiledModel:
     with the `drives` and `users` of all cases.
 
     All that C reads lies in two arrays, in the order of `read_spec` of model.c: whole numbers, and numbers of the
-    cases with the sizes behind them. Of these force, preload and the motions that are no polynomials may change later,
-    and all of them at once (`renew`).
+    cases with the sizes behind them. Of these force (nx, cases), preload (ne, cases) and the motions that are no
+    polynomials may change later, and all of them, with the reference configurations x0 (nx, cases), at once (`renew`).
     """
 
     def __init__(
@@ -126,8 +125,10 @@ class CompiledModel:
         self.engine = engine(cases)
         self._values = np.concatenate([a.ravel() for a in (*numbers.arrays(), *scales, CRITERIA)])
         x_end = 3 * cases * len(numbers.x_motion)
-        self._e_end = e_end = x_end + 3 * cases * len(numbers.e_motion)
+        e_end = x_end + 3 * cases * len(numbers.e_motion)
         motions = self._values[:x_end].reshape(-1, 3, cases), self._values[x_end:e_end].reshape(-1, 3, cases)
+        rows = self._values[e_end : e_end + (2 * n.nx + n.ne) * cases].reshape(-1, cases)
+        self.force, self.preload, self.x0 = np.split(rows, (n.nx, n.nx + n.ne))
         self.slots = slots = UserCallbacks(numbers.elements, drives, motions, users, (n.nx, n.ne, cases))
         self._called = slots.asking.calls(slots.answer) if slots.asking else ()  # C calls it
         self._whole = self._whole_numbers()
@@ -138,26 +139,6 @@ class CompiledModel:
         if not handle:
             raise MemoryError("no memory for the compiled model")
         self.handle, self._owner = handle, self.engine.owner(handle)
-
-    def _rows(self, begin: int, n: int) -> Array:
-        """The n rows (n, cases) of the numbers from row `begin` behind the motions on."""
-        first = self._e_end + self.cases * begin
-        return self._values[first : first + self.cases * n].reshape(n, self.cases)
-
-    @property
-    def force(self) -> Array:
-        """(nx, cases) constant nodal forces, which may change."""
-        return self._rows(0, self.numbering.nx)
-
-    @property
-    def preload(self) -> Array:
-        """(ne, cases), which may change."""
-        return self._rows(self.numbering.nx, self.numbering.ne)
-
-    @property
-    def x0(self) -> Array:
-        """(nx, cases) reference configurations."""
-        return self._rows(self.numbering.nx + self.numbering.ne, self.numbering.nx)
 
     def _whole_numbers(self) -> NDArray[np.int32]:
         """Counts and lists, as `read_spec` of model.c reads them."""
@@ -182,10 +163,6 @@ class CompiledModel:
             lists += b.x.T.ravel(), b.e.T.ravel()
         return np.concatenate([np.array(counts), *lists], dtype=np.int32)
 
-    def state(self) -> State:
-        """A new state, at the reference configuration."""
-        return State(self)
-
     def renew(self, values: Array, *states: State) -> None:
         """Other cases: their numbers in the order of `Numbers.arrays`, (n, cases). `states` begin at their reference
         configurations. Orders of pivots are those of the first call. Not where Python answers what a case asks."""
@@ -194,17 +171,11 @@ class CompiledModel:
         for state in states:
             self.engine.state(self.handle, state.address, state.x_address)
 
-    @cached_property
-    def _pushed(self) -> tuple[Array, Array, Array, Array]:
-        """Forces and preloads of active rows, in the memory of C and without inputs."""
-        first = self.numbering.e_class["input"].stop
-        return self.force, self.numbers.force, self.preload[first:], self.numbers.preload[first:]
-
     def push(self, sigma: Array, force: Array) -> None:
         """Stresses (ne,) on active rows and forces (nx,) besides those of the model."""
-        forces, own_forces, preloads, own_preloads = self._pushed
-        np.add(own_forces, force[:, None], forces)
-        np.add(own_preloads, sigma[len(sigma) - len(preloads) :, None], preloads)
+        first = self.numbering.e_class["input"].stop
+        np.add(self.numbers.force, force[:, None], self.force)
+        np.add(self.numbers.preload[first:], sigma[first:, None], self.preload[first:])
         self.engine.forget(self.handle)
 
     # -- calls; y, out, K are C-contiguous with the cases last ----------------------------------------------------
@@ -246,9 +217,8 @@ class CompiledModel:
 
         c, a, y and K are addresses.
         """
-        reached: int = self.engine.stages(
-            self.handle, state.address, done, n, c, a, t, h, *window, y, K, stride, converged, LARGEST_JUMP
-        )
+        at = self.handle, state.address
+        reached = int(self.engine.stages(*at, done, n, c, a, t, h, *window, y, K, stride, converged, LARGEST_JUMP))
         if reached < n:
             self.slots.interrupted()
         return reached
@@ -285,11 +255,6 @@ class CompiledModel:
     def rcond_everywhere(self) -> float:
         """A bound from below for `rcond` at all states, where the engine knows one (rigid trees); else 0."""
         return float(self.engine.rcond_everywhere(self.handle))
-
-    def condition(self) -> float:
-        """Largest condition of the cases' scaled V[E, U] at the last evaluated state, 1-norm."""
-        rcond = self.rcond()
-        return 1.0 / rcond if rcond > 0.0 else float("inf")
 
     def in_range(self, state: State) -> bool:
         """Whether all elements are surely in the range of their theory at a state."""

@@ -57,11 +57,3 @@ def functions(table: str) -> dict[str, tuple[Any, ...]]:
         types = [_type(a.replace("const ", "").split()[0], a) for a in arguments.split(",")]
         found[name] = (None if result == "void" else _type(result, result), *types)
     return found
-
-
-def size(structure: str) -> int:
-    """Bytes of a structure, as C counts them: every member at a multiple of its alignment, and the whole too."""
-    end = 0
-    for _, kind in fields(structure):
-        end += -end % ctypes.alignment(kind) + ctypes.sizeof(kind)
-    return end + -end % ctypes.alignment(NUMBER)

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spacar.arrays import Array
-from spacar.compiled.interface import POINTER, STRUCTURES, functions, size
+from spacar.compiled.interface import POINTER, STRUCTURES, functions, structure
 from spacar.errors import UsageError
 
 HERE = Path(__file__).parent
@@ -42,7 +42,8 @@ def address_of(array: Array) -> int:
 
 
 class BoundTable:
-    """Functions as attributes, by the table of engine.h. `kinds`, `sizes`, and then they, are at the addresses."""
+    """Functions as attributes, by the table of engine.h. `text` (names of types), `sizes`, and then they, are at the
+    addresses."""
 
     def __init__(self, table: str, addresses: Any) -> None:
         self.text = ctypes.string_at(addresses[0]).decode("ascii").split()
@@ -52,17 +53,6 @@ class BoundTable:
     if TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any: ...
-
-
-class ElementFunctions(BoundTable):
-    """The functions of batches of elements (batches.c), of the widest build for this processor that has them.
-
-    `kinds`: names of the types that have all of them.
-    """
-
-    def __init__(self, loaded: ctypes.CDLL) -> None:
-        super().__init__("ELEMENT_FUNCTIONS", loaded.spacar_element_functions())
-        self.kinds = frozenset(self.text)
 
 
 def _new_capsule() -> Callable[..., object] | None:
@@ -122,7 +112,7 @@ def _loaded() -> ctypes.CDLL | str:
             "the compiled engine was built from another C text or other element definitions: `make crank` or"
             " `python hatch_build.py` builds it"
         )
-    wrong = [name for k, name in enumerate(STRUCTURES) if sizes[k] != size(name)]
+    wrong = [name for k, name in enumerate(STRUCTURES) if sizes[k] != ctypes.sizeof(structure(name))]
     return f"the compiled engine and Python count the bytes of {wrong[0]} differently" if wrong else loaded
 
 
@@ -141,27 +131,21 @@ def unavailable() -> str | None:
     return found if isinstance(found, str) else None
 
 
-def switched_off() -> bool:
-    """Whether the environment asks for the general path."""
-    return os.environ.get(GENERAL, "") not in ("", "0")
-
-
 def why_off() -> str | None:
     """Why every run takes the general path here, or None."""
-    return f"the environment variable {GENERAL} asks for it" if switched_off() else unavailable()
+    switched_off = os.environ.get(GENERAL, "") not in ("", "0")
+    return f"the environment variable {GENERAL} asks for it" if switched_off else unavailable()
 
 
 @lru_cache
 def level() -> str:
     """Level of the processor, by which the build was chosen: 'x86-64-v3', ... Only where the engine is available."""
-    name: bytes = _ready().spacar_level()
-    return name.decode("ascii")
+    return str(_ready().spacar_level(), "ascii")
 
 
 def lanes_of_processor() -> int:
     """How many cases `engine` evaluates at a time at most."""
-    count: int = _ready().spacar_lanes()
-    return count
+    return int(_ready().spacar_lanes())
 
 
 @lru_cache
@@ -171,9 +155,10 @@ def engine(lanes: int = 1) -> Engine:
 
 
 @lru_cache
-def element_functions() -> ElementFunctions:
-    """Functions of batches of elements. Raises UsageError where the engine is not available."""
-    return ElementFunctions(_ready())
+def element_functions() -> BoundTable:
+    """Functions of batches of elements (batches.c), of the widest build for this processor that has them; `text`: names
+    of the types that have all of them. Raises UsageError where the engine is not available."""
+    return BoundTable("ELEMENT_FUNCTIONS", _ready().spacar_element_functions())
 
 
 def _ready() -> ctypes.CDLL:

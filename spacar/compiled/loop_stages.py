@@ -40,20 +40,16 @@ class LoopStages:
             len(self.read), len(self.load), n_given, n_states, CONVERGED, LARGEST_JUMP,
         )  # fmt: skip
         self.address = ctypes.addressof(self.c)
-        self._step_of: tuple[Array, Array, Array, Array, tuple[int, ...]] | None = None
 
     def __call__(
         self, done: int, c: Array, a: Array, t: float, h: float, window: tuple[float, float], given: Array, y: Array,
         K: Array,
     ) -> int:  # fmt: skip
         """Stages from `done` on, see `spacar.integrators.problem.Problem`; `given` (stages, n_given) at their times."""
-        kept = self._step_of  # an integrator keeps its arrays
-        if kept is None or kept[0] is not c or kept[1] is not a or kept[2] is not y or kept[3] is not K:
-            kept = self._step_of = c, a, y, K, tuple(v.ctypes.data for v in (c, a, y, K))
-        at_c, at_a, at_y, at_K = kept[4]
-        reached: int = self.engine.loop_stages(
-            self.address, done, len(c), at_c, at_a, t, h, *window, address_of(given), at_y, at_K, len(y), self.stage
-        )
+        at_c, at_a, at_given, at_y, at_K = map(address_of, (c, a, given, y, K))
+        reached = int(self.engine.loop_stages(
+            self.address, done, len(c), at_c, at_a, t, h, *window, at_given, at_y, at_K, len(y), self.stage
+        ))  # fmt: skip
         if reached < len(c):
             self.evaluator.solver.slots.interrupted()
         return reached

@@ -44,17 +44,14 @@ class AdamsInC:
 
     def begin(self) -> int:
         """0; 1 when F at the start could not be evaluated, 2 when all has to end."""
-        status: int = self.engine.adams_begin(self.to, self.at)
-        return status
+        return int(self.engine.adams_begin(self.to, self.at))
 
     def take_steps(self) -> int:
         """Steps up to the next output."""
-        status: int = self.engine.adams(self.to, self.at)
-        return status
+        return int(self.engine.adams(self.to, self.at))
 
     def take_steps_through(self, output_block: OutputBlock | BatchOutputBlock) -> int:
-        status: int = self.engine.pass_adams(self.to, self.at, output_block.address)
-        return status
+        return int(self.engine.pass_adams(self.to, self.at, output_block.address))
 
     def taken(self, status: int) -> None:
         """After a call: what the object has to know of it."""
@@ -96,13 +93,12 @@ class RungeKuttaInC:
 
     def take_steps(self) -> int:
         """Steps up to the next output."""
-        status: int = self.engine.runge_kutta(self.to, self.at)
-        return status
+        return int(self.engine.runge_kutta(self.to, self.at))
 
     def take_steps_through(self, output_block: OutputBlock | BatchOutputBlock) -> int:
         call = VALUE(self._value)
         output_block.c.value = address_of_call(call)
-        status: int = self.engine.pass_runge_kutta(self.to, self.at, output_block.address)
+        status = int(self.engine.pass_runge_kutta(self.to, self.at, output_block.address))
         output_block.c.value = None
         return status
 

@@ -16,7 +16,7 @@ from spacar.dynamics.loaded_mechanism import LoadedMechanism, StressLaw, gravity
 from spacar.elements.family import Family
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.lumped_inertia import LumpedMass
-from spacar.mechanism.mechanism import NO_ENTRIES, Drive, Loads, Mechanism, Polynomial
+from spacar.mechanism.mechanism import NO_ENTRIES, Drive, Mechanism, Polynomial
 
 Entries = tuple[Index, Index, Array]  # rows, columns, values (n, cases)
 
@@ -84,15 +84,10 @@ ARRAYS = "force", "field", "x0", "preload", "x_motion", "e_motion"
 def of_one(model: LoadedMechanism) -> Numbers:
     """The numbers of a mechanism with its loads and its drive."""
     m, loads, law, drive = model.mechanism, model.loads, model.law, model.drive
-
-    elements = []
-    for batch in evaluated(m):
-        kind, parameters = form_of(batch.family)
-        elements.append(elements_of(batch, kind, parameters.T[..., None]))
     return Numbers(
-        tuple(elements),
+        tuple([elements_of(batch, batch.family, 1) for batch in evaluated(m)]),
         _only(constant_mass(m)), _only(law.stiffness), _only(law.damping),
-        _only(moments(loads)), _only(m.deformation_inertia),
+        _only(moment_entries(loads.moment_rows, loads.moment)), _only(m.deformation_inertia),
         loads.force[:, None], gravity_field(m, loads)[:, None], m.x0[:, None], law.preload[:, None],
         motion(drive, "x")[..., None], motion(drive, "e")[..., None],
     )  # fmt: skip
@@ -107,10 +102,9 @@ def of_copies(one: Mechanism, together: Mechanism, x_of: Index, e_of: Index) -> 
     law = StressLaw.of(together, together.loads)
     elements = []
     for b, all_ in zip(evaluated(one), evaluated(together), strict=True):
-        kind, parameters = form_of(all_.family)
-        p = parameters.reshape(len(parameters), cases, b.family.n)  # elements are in the order of their numbers
+        # elements are in the order of their numbers
         assert np.array_equal(all_.x.reshape(len(b.x), cases, b.family.n), x_of[:, b.x].transpose(1, 0, 2))
-        elements.append(elements_of(b, kind, p.transpose(2, 0, 1)))
+        elements.append(elements_of(b, all_.family, cases))
     inputs, deformed = (c["input"] for c in (one.numbering.x_class, one.numbering.e_class))
     x_rows = x_of[:, inputs] - together.numbering.x_class["input"].start
     e_rows = e_of[:, deformed] - together.numbering.e_class["input"].start
@@ -119,7 +113,8 @@ def of_copies(one: Mechanism, together: Mechanism, x_of: Index, e_of: Index) -> 
     return Numbers(
         tuple(elements),
         _sorted(constant_mass(together), x_of), _sorted(law.stiffness, e_of), _sorted(law.damping, e_of),
-        _sorted(moments(together.loads), x_of), _sorted(together.deformation_inertia, e_of),
+        _sorted(moment_entries(together.loads.moment_rows, together.loads.moment), x_of),
+        _sorted(together.deformation_inertia, e_of),
         together.loads.force[x_of].T, field, together.x0[x_of].T, law.preload[e_of].T,
         x_motion.transpose(1, 2, 0), e_motion.transpose(1, 2, 0),
     )  # fmt: skip
@@ -149,16 +144,12 @@ def form_of(family: Family) -> tuple[int, Array]:
     return (kind, parameters) if count == len(parameters) else (FOREIGN, np.zeros((0, family.n)))
 
 
-def elements_of(batch: Batch, kind: int, parameters: Array) -> Elements:
-    """A batch with its parameters (n, np, cases)."""
-    family = batch.family
+def elements_of(batch: Batch, family: Family, cases: int) -> Elements:
+    """A batch; `family` has its elements of all cases, case after case."""
+    kind, parameters = form_of(family)
+    parameters = parameters.reshape(len(parameters), cases, batch.x.shape[1]).transpose(2, 0, 1)
     foreign = family if kind == FOREIGN else None
     return Elements(kind, _moving(family), batch.x.T, batch.e.T, parameters, foreign)
-
-
-def moments(loads: Loads) -> tuple[Index, Index, Array]:
-    """Constant global moments as entries (row, column, value) of forces that are linear in x."""
-    return moment_entries(loads.moment_rows, loads.moment)
 
 
 def _only(entries: Entries) -> Entries:
@@ -174,22 +165,17 @@ def motion(drive: Drive, what: str) -> Array:
 
 def constant_mass(mechanism: Mechanism) -> tuple[Index, Index, Array]:
     """Rows, columns and values of the mass matrices that do not depend on the position."""
-    rows, columns, values = [], [], []
+    parts = [NO_ENTRIES]
     for b in mechanism.batches:
         if isinstance(b.family, LumpedMass):
-            rows.append(b.x[0])
-            columns.append(b.x[0])
-            values.append(b.family.m)
+            parts.append((b.x[0], b.x[0], b.family.m))
         elif b.family.has_mass and b.family.constant_mass:
             M = np.zeros((len(b.x), *b.x.shape))
             b.family.mass(None, M)
             i, j, k = M.nonzero()
-            rows.append(b.x[i, k])
-            columns.append(b.x[j, k])
-            values.append(M[i, j, k])
-    if len(rows) == 1:
-        return rows[0], columns[0], values[0]
-    return (np.concatenate(rows), np.concatenate(columns), np.concatenate(values)) if rows else NO_ENTRIES
+            parts.append((b.x[i, k], b.x[j, k], M[i, j, k]))
+    rows, columns, values = map(np.concatenate, zip(*parts, strict=True))
+    return rows, columns, values
 
 
 def _sorted(entries: tuple[Index, Index, Array], places: Index) -> Entries:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.compiled.numbers import ENTRIES, FOREIGN, Elements, Entries, Numbers, elements_of, form_of, of_one
+from spacar.compiled.numbers import ENTRIES, FOREIGN, Elements, Entries, Numbers, elements_of, of_one
 from spacar.dynamics.loaded_mechanism import LoadedMechanism, active_entries
 from spacar.elements import Family, GeometryError
 from spacar.mechanism.element_batches import PlacedGroup, element_groups
@@ -128,21 +128,20 @@ def numbers_of_cases(corners: Sequence[Corner], weights: Array) -> Numbers | Non
     elements: list[Elements] = []
     for k, batch in enumerate(m.batches):
         if k < len(made):
-            kind, parameters = form_of(made[k].family)
-            own = elements_of(made[k], kind, _by_case(parameters, cases).transpose(2, 0, 1))
+            own = elements_of(made[k], made[k].family, cases)
         elif batch.family.n_deformations:
-            kind, parameters = form_of(batch.family)
-            own = elements_of(batch, kind, np.repeat(parameters.T[..., None], cases, axis=-1))
+            own = elements_of(batch, batch.family, 1)
+            own = own._replace(parameters=np.repeat(own.parameters, cases, axis=-1))
         elif batch.family.has_mass and not batch.family.constant_mass:
-            kind, parameters = form_of(_bodies(batch, made, m, first.nodes, tensors))
-            own = elements_of(batch, kind, _by_case(parameters, cases).transpose(2, 0, 1))
+            own = elements_of(batch, _bodies(batch, made, m, first.nodes, tensors), cases)
         else:
             continue
-        if kind == FOREIGN:
+        if own.kind == FOREIGN:
             return None
         elements.append(own)
     active = m.numbering.e_class["input"].stop
-    stiffness, damping = (_merged(parts, cases) for parts in zip(*(_laws(b, cases) for b in made), strict=True))
+    laws = [[_entries(S, b.e, b.e, cases) for S in b.family.stiffness()] for b in made]
+    stiffness, damping = (_merged(parts, cases) for parts in zip(*laws, strict=True))
     masses = [rest.mass, *(entries for b in made for entries in _masses(b, cases))]
     return rest._replace(
         elements=tuple(elements), mass=_merged(masses, cases),
@@ -183,12 +182,6 @@ def _entries(values: Array, rows: Index, columns: Index, cases: int) -> Entries:
     each = _by_case(values, cases)
     i, j, k = np.nonzero(each.any(axis=2))
     return rows[i, k], columns[j, k], each[i, j, :, k]
-
-
-def _laws(batch: Batch, cases: int) -> tuple[Entries, Entries]:
-    """Entries of S and S_d."""
-    stiffness, damping = (_entries(S, batch.e, batch.e, cases) for S in batch.family.stiffness())
-    return stiffness, damping
 
 
 def _masses(batch: Batch, cases: int) -> Iterator[Entries]:

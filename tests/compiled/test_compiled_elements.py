@@ -26,8 +26,8 @@ def in_c(form: str) -> tuple[CompiledElements, np.ndarray]:
 def several(family: CompiledElements, n: int) -> CompiledElements:
     """The first element n times, without a NumPy family."""
 
-    class Copies:
-        troubles = Family.troubles
+    class Copies(Family):
+        n = 0
 
     copies = Copies()
     for name, value in vars(family).items():
