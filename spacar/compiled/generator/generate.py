@@ -12,12 +12,8 @@ Up to seven functions per element type:
 
 D is first turned into a straight-line program (common subexpressions), behind the local coordinates that it is a
 function of. V comes from it in reverse, H(v,v) by carrying first and second derivatives along v forward, so the text
-stays small; nothing is expanded. What the statements then still share is named once more. A type that has a function of
-a type before it (`owner`) gets no second text.
-
-and at the end the tables by which the solver finds them: the numbers of the kinds in the order of `definitions`, the
-largest sizes, and one array for each function.
-
+stays small. What the statements then still share is named once more. A type that has a function of a type before it
+(`owner`) gets no second text. At the end stand the tables of the functions and the largest sizes.
 Numbers are of type `real`: one double, or LANES doubles of as many cases (lanes.c).
 """
 
@@ -169,8 +165,7 @@ def functions(definition: Definition) -> Iterator[str]:
         outputs = placed("e", e) | {f"V[{i * n + j}]": w for (i, j), w in V.items()}
         yield function(definition, "strain", program, outputs)
         yield function(definition, "convective", program, placed("h", h))
-    if "guard" in own:
-        assert definition.guard is not None
+    if definition.guard and "guard" in own:
         first, z = localized(definition, x, p)
         program, guards = straight(definition.guard(z, p), first)
         yield function(definition, "guard", program, placed("g", guards))
@@ -181,11 +176,9 @@ def functions(definition: Definition) -> Iterator[str]:
     if "flow" in own:
         program, h = flow(definition, x, v, p)
         yield function(definition, "flow", program, placed("h", h))
-    if "whole_turn" in own:
-        assert definition.turn is not None
+    if definition.turn and "whole_turn" in own:
         yield function(definition, "whole_turn", [], placed("s", definition.turn(p)))
-    if "angle" in own:
-        assert definition.angle is not None
+    if definition.angle and "angle" in own:
         e = list(sp.symbols(f"e:{sum(rows_of(definition))}", real=True))
         program, angle = straight([definition.angle(x, e, p)], [])
         yield function(definition, "angle", program, placed("a", angle))
