@@ -4,8 +4,6 @@ Watched are half turns of nodes, the charts of those that may pass them, and the
 points. Remembered are the steps from which outputs are placed and to which rejected steps go back.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from typing import NoReturn

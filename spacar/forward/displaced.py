@@ -20,8 +20,6 @@ to g: a random sample of the columns with t <= SHORT g tells whether they take t
 So g is found at the price of some dozen solutions, up to a factor of two or three, within which a unit may be chosen.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from spacar.arrays import Array, Index

@@ -6,8 +6,6 @@ each kind that the state contains, the largest span over the output times of a c
 state counts. A span below ROUNDED is rest.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 

@@ -6,8 +6,6 @@ differs. A fixed deformation has no such law; releasing it puts a hinge (or a sl
 fixed deformations hold it as well (`self_stress`): then the release frees nothing.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

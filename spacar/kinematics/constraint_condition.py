@@ -7,8 +7,6 @@ anyway: linear cost, and values that are too small by two thousandths at most wh
 scaled to be dimensionless.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

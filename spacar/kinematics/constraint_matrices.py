@@ -21,8 +21,6 @@ long chain s is small, n^-2, but c nearly vanishes, and every position is determ
 s <= n eps |D'|.
 """
 
-from __future__ import annotations
-
 from contextlib import suppress
 from functools import cached_property
 

@@ -13,8 +13,6 @@ from the deformations whose release keeps the physics as long as these can help,
 hold as well, at last from those that put a hinge into the model (`advice`).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Failures of the position problem, said so that a user can act: what, where, how far, what to try."""
 
-from __future__ import annotations
-
 from typing import Protocol
 
 import numpy as np
@@ -188,7 +186,6 @@ def _candidates(diagnosis: Diagnosis) -> str:
     if not parts and len(diagnosis.singular):
         parts.append(f"smallest singular value {diagnosis.singular[-1]:.3g} of {diagnosis.singular[0]:.3g}")
     return "; ".join(parts) or "no candidates"
-
 
 
 def other_release(mechanism: Mechanism, x: Array) -> str:

@@ -1,7 +1,5 @@
 """Mode 0: classification, condition and the diagnosis of over- and under-constraints in the start configuration."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

@@ -7,8 +7,6 @@ with all modes released and no coefficient at all), with USERSIG (its function m
 without a dynamics block.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
@@ -57,9 +55,7 @@ def _candidates(deck: Deck) -> dict[int, list[tuple[int, int]]]:
     if any(m.code == "input.skipped-block" and m.severity == "warning" for m in deck.messages):
         return {}  # mode 0 with a dynamics block that could not be read
     laws = {name: {s.integer(0): s for s in deck.of(name, block=2)} for name in ("ESTIFF", "EDAMP", "ESIG", "EM")}
-    releases = [
-        (k, s) for k, s in releases if not _is_whole(laws["ESTIFF"].get(s.integer(0)), keywords[s.integer(0)])
-    ]
+    releases = [(k, s) for k, s in releases if not _is_whole(laws["ESTIFF"].get(s.integer(0)), keywords[s.integer(0)])]
     modes_of: dict[int, set[int]] = {}
     for _, s in releases:
         modes_of.setdefault(s.integer(0), set()).update(_modes(s.integers(1), keywords[s.integer(0)]))

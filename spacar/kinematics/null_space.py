@@ -11,8 +11,6 @@ those below sqrt(eps) s_1 are told from the others as in a full decomposition (R
 Loan, Matrix Computations, Johns Hopkins 2013, section 8.2.4). The block grows until one value is not zero.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

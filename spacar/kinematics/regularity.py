@@ -90,9 +90,7 @@ class PositionMatrix:
         """Is the position a single root? Worth its cost only where `rcond` is below `zero`."""
         k = self.kinematics
         rounding = k.rounding(k.x, k.sweep.e[k.h])
-        return is_single_root(
-            k.sweep, k.velocity_system, k.E, k.U, self.rows, self.columns, self._norm(), rounding
-        )
+        return is_single_root(k.sweep, k.velocity_system, k.E, k.U, self.rows, self.columns, self._norm(), rounding)
 
     def _dense_norm(self, A: Array) -> float:
         return float((self.rows @ np.abs(A) * self.columns).max())

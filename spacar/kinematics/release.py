@@ -5,8 +5,6 @@ rest, and so on (`diagnosis.pick`); only dynamic deformations are taken. The tex
 the mode, RLSE gets it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from spacar.deck import Deck

@@ -5,8 +5,6 @@ steady motion, stay constant. So what a displaced start or a prescribed rate mak
 the last part, and with the ends exchanged in the part at the other end.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from spacar.mechanism.mechanism import Mechanism, Polynomial

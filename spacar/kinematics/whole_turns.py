@@ -7,8 +7,6 @@ to the slider). Two periods are followed, and compared in eight places a turn. T
 value or several of them: gears need some, and Euler parameters two, as they change their sign in one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

@@ -10,10 +10,10 @@ warning. The compliance of coordinate i is W_i K^-1 W_i^T with K = K0 + N0 + G0 
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.errors import AnalysisError, Report
@@ -78,42 +78,24 @@ def buckling_modes(K0: Array, G0: Array, report: Report) -> BucklingModes:
     load, least = -G0, n * backward_error.EPS  # a pivot that is rounding
     product = scale[:, None] * scale
     K, load = K0 * product, load * product
-    lower = None
+    lower = np.zeros((0, 0))
     if is_symmetric(K) and is_symmetric(load):
-        try:
+        with suppress(np.linalg.LinAlgError):
             lower = np.linalg.cholesky(K)
-            if float(np.minimum.reduce(lower.diagonal())) ** 2 <= least:
-                lower = None
-        except np.linalg.LinAlgError:
-            lower = None
-    if lower is not None:
+    if len(lower) and lower.diagonal().min() ** 2 > least:
         reduced = np.linalg.solve(lower, np.linalg.solve(lower, load).T)
         mu, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
         modes = np.linalg.solve(lower.T, vectors)
     else:
         mu, modes = _general(K, -load, report)
-    multipliers, finite = _multipliers(mu)
+    size = np.abs(mu)
+    finite = size > NOTHING * size[size < np.inf].max(initial=0.0)
+    multipliers = np.where(finite, 1.0 / np.where(finite, mu, 1.0), np.inf)
     pairs = multipliers[finite], modes[:, finite]
     backward_error.warn(report, backward_error.of_scaled_pencil(K, load, *pairs), pairs[0], "load multipliers")
-    return _ordered(multipliers, modes * scale[:, None])
-
-
-def _multipliers(mu: Array) -> tuple[Array, NDArray[np.bool_] | slice]:
-    """1/mu, and which of them are finite."""
-    size = np.abs(mu)
-    largest = float(np.maximum.reduce(size))
-    if largest == np.inf:
-        largest = float(size[size < np.inf].max(initial=0.0))
-    finite = size > NOTHING * largest
-    if finite.all():
-        return 1.0 / mu, slice(None)
-    return np.where(finite, 1.0 / np.where(finite, mu, 1.0), np.inf), finite
-
-
-def _ordered(multipliers: Array, modes: Array) -> BucklingModes:
     order = order_of(multipliers)
-    modes = modes[:, order]
-    return BucklingModes(multipliers[order], modes / backward_error.lengths(modes))
+    modes = (modes * scale[:, None])[:, order]
+    return BucklingModes(multipliers[order], modes / np.linalg.norm(modes, axis=0))
 
 
 def order_of(multipliers: Array) -> Index:
@@ -121,10 +103,7 @@ def order_of(multipliers: Array) -> Index:
     size = np.abs(multipliers)
     by_size = size.argsort(kind="stable")
     size = size[by_size]
-    larger = size[:-1] < (1.0 - PAIR) * size[1:]
-    if larger.all():
-        return by_size
-    group = np.concatenate(([0], np.cumsum(larger)))[: len(size)]
+    group = np.concatenate(([0], np.cumsum(size[:-1] < (1.0 - PAIR) * size[1:])))[: len(size)]
     return np.asarray(by_size[np.lexsort((multipliers[by_size] < 0.0, group))])
 
 
@@ -187,7 +166,7 @@ def _without(right: Array, left: Array, K: Array, G: Array, report: Report) -> t
 
 def _scale(K: Array) -> Array:
     d = np.sqrt(np.abs(K.diagonal()))
-    largest = float(np.maximum.reduce(d, initial=0.0))
+    largest = float(d.max(initial=0.0))
     return 1.0 / np.where(d > NEGLIGIBLE * largest, d, largest or 1.0)
 
 
@@ -203,14 +182,12 @@ def directional_compliances(L: Linearization, dynamic: Index, report: Report) ->
     except np.linalg.LinAlgError:
         own = np.full_like(K, np.inf)
     # at least s_1/s_n
-    if backward_error.norm(K) * backward_error.norm(own) < CERTAIN:
-        return np.asarray(np.add.reduce((Ws @ own) * Ws, axis=1))
-    s = np.linalg.svd(K, compute_uv=False)
-    if s[-1] > SINGULAR * s[0]:
-        return np.asarray((Ws.T * np.linalg.solve(K, Ws.T)).sum(axis=0))
+    if np.linalg.norm(K) * np.linalg.norm(own) < CERTAIN:
+        return np.asarray(((Ws @ own) * Ws).sum(axis=1))
     u, s, vt = np.linalg.svd(K)
     regular = s > SINGULAR * s[0]
-    report.add("the tangent stiffness is singular (critical load or rigid motion): some compliances are infinite")
+    if not regular.all():
+        report.add("the tangent stiffness is singular (critical load or rigid motion): some compliances are infinite")
     compliance = np.einsum("ia,a,ia->i", Ws @ vt[regular].T, 1.0 / s[regular], Ws @ u[:, regular])
-    moved = np.abs(Ws @ vt[~regular].T).max(axis=1) > 1e-8 * np.abs(Ws).max()
+    moved = np.abs(Ws @ vt[~regular].T).max(axis=1, initial=0.0) > 1e-8 * np.abs(Ws).max()
     return np.where(moved, np.inf, compliance)

@@ -8,16 +8,14 @@ s is a tenth of the wanted modulus within a factor of ten. Positions are multipl
 wanted modulus, so that both halves of the state compare. Doubtful pairs: `spacar.linear.lowest`.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
 from spacar.linear.eigenmodes import Modes, arranged
-from spacar.linear.lowest import lost_pairs
-from spacar.linear.subspace import SPARE, dominant, ends_with_half_a_pair, with_shift
+from spacar.linear.lowest import eigenvalues_of
+from spacar.linear.subspace import SPARE, with_shift
 from spacar.linearization.descriptor import MASSLESS, DescriptorSystem
 
 SHIFT = 0.1  # of the modulus of the highest wanted eigenvalue
@@ -40,11 +38,7 @@ def lowest_modes(system: DescriptorSystem, n_positions: int, nx: int, report: Re
         return max(SHIFT * float(modulus), 1e-12)
 
     _, inverse = with_shift(lambda s: _Inverse(system, n_positions, s), 1.0, better, start, count, n)
-    theta, z = dominant(inverse, start, count, n)
-    values = inverse.shift + 1.0 / theta
-    values[lost_pairs(inverse, theta, z, values, "eigenvalues", report)] = np.nan
-    if ends_with_half_a_pair(theta):
-        values[-1] = np.nan  # it keeps its place, as the number of values is the same at all steps
+    values, z = eigenvalues_of(inverse, inverse.shift, start, count, n, report)
     motions = inverse.motions(z, nx)
     z[:n_positions] /= inverse.size
     return arranged(values, z, n_positions, motions)

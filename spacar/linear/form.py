@@ -5,8 +5,6 @@ OUTLEVEL, MODES 0 or a large part of the modes is asked for. Work of order n^3 a
 220 degrees of freedom (chains, plane and space frames; modes 7, 8, 10 and `flexure`; benchmarks/NOTES.md): no jump.
 """
 
-from __future__ import annotations
-
 from spacar.mechanism.mechanism import SolverSettings
 
 LARGE = 200  # degrees of freedom above which no dense matrices are stored

@@ -14,8 +14,6 @@ stresses s1 beside the present ones, c = c0 + lambda c1:
     [ c0^T                k  ] + lambda [ c1^T                 0  ],       sums as above, G1 the stiffness of s1 alone
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -30,7 +30,7 @@ from spacar.linear.lowest import WANTED, lowest_vibration
 from spacar.linear.lowest_multipliers import lowest_buckling
 from spacar.linear.sparse_compliances import compliances_at_rest, compliances_in_motion
 from spacar.linear.steady_equations import require_steady
-from spacar.linear.stored_system import StoredSystem, buckling_motions, sparse_matrices, vibration_motions
+from spacar.linear.stored_system import StoredSystem, sparse_matrices, vibration_matrices
 from spacar.linear_systems import SingularMatrixError
 from spacar.linearization.coefficients import Coefficients, coefficients
 from spacar.linearization.matrices import Linearization, chosen_rows, linearize, selected
@@ -63,31 +63,19 @@ def forward(run: Run) -> Iterator[Sequence[Frame]]:
     run.report.lines.extend(store.idle.lines())
 
 
-def eigenvalues(run: Run) -> Iterator[Sequence[Frame]]:
-    """Mode 7: stationary solution, eigenvalues and eigenvectors."""
-    for solution in stationary(run):
-        _say_doubtful_inertia(run, solution)
-        _store_vibration(run, solution)
-        _store_tangent(solution)
-        yield (solution.frame,)
-
-
-def buckling(run: Run) -> Iterator[Sequence[Frame]]:
-    """Mode 8: stationary solution, load multipliers, buckling modes, directional compliances."""
-    for solution in stationary(run):
-        _store_compliances(run, solution)
-        _store_buckling(run, solution)
-        _store_tangent(solution)
-        yield (solution.frame,)
-
-
 def vibration_and_buckling(run: Run) -> Iterator[Sequence[Frame]]:
-    """Mode 10: modes 7 and 8 at every stored load step."""
+    """Modes 7, 8, 10: stationary solutions with eigenvalues and eigenvectors; with load multipliers, buckling modes and
+    directional compliances; with both."""
+    vibration, buckling = run.mode.linearized, run.mode.buckling
     for solution in stationary(run):
-        _say_doubtful_inertia(run, solution)
-        _store_compliances(run, solution)  # first, by the factors of Newton's iteration
-        _store_vibration(run, solution)
-        _store_buckling(run, solution, required=False)
+        if vibration:
+            _say_doubtful_inertia(run, solution)
+        if buckling:
+            _store_compliances(run, solution)  # first, by the factors of Newton's iteration
+        if vibration:
+            _store_vibration(run, solution)
+        if buckling:
+            _store_buckling(run, solution, required=not vibration)
         _store_tangent(solution)
         yield (solution.frame,)
 
@@ -227,8 +215,7 @@ def say_lost_digits(run: Run, reduced: bool) -> None:
 
 
 def _say_doubtful_inertia(run: Run, solution: LinearizedSolution) -> None:
-    """Warn of motions whose inertia is rounding of the reduced mass matrix, if modes come from it, at the first step.
-    """
+    """Warn of motions whose inertia is rounding of the reduced mass matrix, if modes come from it, at the first step."""
     L, dynamic = solution.L, run.mechanism.numbering.dynamic
     if L is None or not len(dynamic) or solution.frame.t:
         return
@@ -313,13 +300,9 @@ def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
                 saddle = SaddlePoint(run.mechanism, solution.dynamics.sweep)
                 require_regular_mass(run.mechanism, saddle, run.header["condition"])
             raise
-    store = solution.frame.matrices
-    if solution.reduced:
-        store.update(vibration_motions(modes))
-    elif solution.wanted < run.mechanism.numbering.nddof:
+    if not solution.reduced and solution.wanted < run.mechanism.numbering.nddof:
         modes = modes.lowest(solution.wanted)
-    store["eigval"] = np.column_stack((modes.values.real, modes.values.imag))
-    store["eigvre"], store["eigvim"] = modes.vectors.real, modes.vectors.imag
+    solution.frame.matrices.update(vibration_matrices(modes, modes.motions if solution.reduced else None))
 
 
 def _sparse_vibration(run: Run, tangent: SparseTangent, wanted: int) -> Modes:
@@ -347,7 +330,7 @@ def _store_compliances(run: Run, solution: LinearizedSolution) -> None:
         frame.xcompl = np.zeros(numbering.nx)
 
 
-def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = True) -> None:
+def _store_buckling(run: Run, solution: LinearizedSolution, required: bool) -> None:
     """Load multipliers and modes. Where there are no multipliers: AnalysisError if they are `required`, else they are
     nan, with a warning.
     """
@@ -373,5 +356,6 @@ def _store_buckling(run: Run, solution: LinearizedSolution, required: bool = Tru
         modes = BucklingModes(np.full(n, np.nan), np.full((len(dynamic), n), np.nan))
     modes = modes.filled(n)
     frame.matrices["lmult"], frame.matrices["bmode"] = modes.multipliers[:n], modes.modes[:, :n]
-    if solution.reduced:
-        frame.matrices.update(buckling_motions(modes, run.mechanism.numbering.nx))
+    if solution.reduced:  # nan where there are no modes
+        nothing = np.full((run.mechanism.numbering.nx, n), np.nan)
+        frame.matrices["bmodex"] = nothing if modes.motions is None else modes.motions

@@ -11,8 +11,6 @@ s^2 is a hundredth of the highest wanted omega^2 within a factor of ten. Pairs w
 known (theta is an eigenvalue of an operator that differs by that much): value and shape are nan, with the same warning.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
@@ -25,10 +23,10 @@ from spacar.linear.eigenmodes import Modes, arranged
 from spacar.linear.subspace import (
     SPARE,
     SUFFICIENT,
+    Complex,
     Operator,
     RefinedOperator,
     dominant,
-    ends_with_half_a_pair,
     real_vectors,
     with_shift,
 )
@@ -125,12 +123,21 @@ def _quadratic(tangent: SparseTangent, s: float, wanted: int, report: Report) ->
         return np.vstack((size * following, x + s * following))
 
     rank = 2 * tangent.dynamics.numbering.nddof
-    theta, z = dominant(operator, start_block(tangent, 2 * wanted, 2), 2 * wanted, rank)
-    values = s + 1.0 / theta
-    values[lost_pairs(operator, theta, z, values, "eigenvalues", report)] = np.nan
-    if ends_with_half_a_pair(theta):
-        values[-1] = np.nan  # it keeps its place, as the number of values is the same at all steps
+    values, z = eigenvalues_of(operator, s, start_block(tangent, 2 * wanted, 2), 2 * wanted, rank, report)
     return values, z[:n]
+
+
+def eigenvalues_of(
+    operator: Operator, shift: float, start: Array, wanted: int, rank: int, report: Report
+) -> tuple[Complex, Complex]:
+    """The `wanted` eigenvalues shift + 1/theta and vectors of a system, the rest as in `dominant`. One of which no
+    digit is known, or whose conjugate would be the next one, is nan and keeps its place."""
+    theta, z = dominant(operator, start, wanted, rank)
+    values = shift + 1.0 / theta
+    values[lost_pairs(operator, theta, z, values, "eigenvalues", report)] = np.nan
+    if theta[-1].imag and not np.any(np.isclose(theta[:-1], theta[-1].conj(), rtol=SUFFICIENT)):
+        values[-1] = np.nan
+    return values, z
 
 
 def rayleigh(x: Array, F: Array, Y: Array) -> Array:

@@ -10,8 +10,6 @@ sqrt(k/size), so that their stiffness has the size of the others. In the shifted
 warning. Doubtful pairs are treated as in `spacar.linear.lowest`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial

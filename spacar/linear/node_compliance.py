@@ -7,8 +7,6 @@ diag(R^T, 2 Lambda) along the axes of the body, Lambda_bar = [-l, l0 I + l~], La
 identity and diag(R^T, 1).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from spacar.arrays import Array

@@ -10,8 +10,6 @@ freedom (independent inputs). s_u = +1: an actuator input is the driving force t
 Outputs are linear in (ds, dqd, dqdd) and the inputs; reactions come from the linearized equilibrium (section 5.3).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -108,27 +106,25 @@ def _outputs(
     kinds = {signal.kind for signal in outputs}
     rows = {kind: maps[kind]() for kind in kinds if kind in maps}
     if kinds & {"OUTS", "OUTF"}:
-        reaction = _reactions(dynamics, L, ds, dqd, dqdd, maps, Ef, Es, nz)
-        rows["OUTS"], rows["OUTF"] = reaction
+        changes = [maps[kind]() for kind in maps]
+        rows["OUTS"], rows["OUTF"] = _reactions(dynamics, L, changes, Ef, Es, nz)
     table = np.array([rows[signal.kind][signal.index] for signal in outputs]).reshape(len(outputs), nz + nu)
     return table[:, :nz], table[:, nz:]
 
 
 def _reactions(
-    dynamics: Dynamics, L: Linearization, ds: Array, dqd: Array, dqdd: Array, maps: dict, Ef: Array, Es: Array, nz: int
-) -> tuple[Array, Array]:  # fmt: skip
-    """Variations of all stresses (ne, .) and of the total external forces fxtot (nx, .)."""
+    dynamics: Dynamics, L: Linearization, changes: list[Array], Ef: Array, Es: Array, nz: int
+) -> tuple[Array, Array]:
+    """Variations of all stresses (ne, .) and of the total external forces fxtot (nx, .) with those of x, e and rates."""
     k, n = dynamics.kinematics, dynamics.numbering
-    dx, dxd, dxdd = L.G @ ds, L.W @ dqd + L.Z @ ds, L.W @ dqdd + L.Yv @ dqd + L.Y @ ds
-    de, ded = L.Ge @ ds, L.We @ dqd + L.Ze @ ds
+    dx, dxd, dxdd, de, ded, dedd = changes
     free = np.arange(n.e_class["input"].stop, n.ne)
-    dsigma = np.zeros((n.ne, ds.shape[1]))
+    dsigma = np.zeros_like(de)
     dsigma[free] = (L.S @ de + L.Sd @ ded + L.stress_x @ dx + L.stress_v @ dxd)[free]
     dsigma[free, nz:] -= DRIVING_SIGN * Es[free]
     force = L.M @ dxdd + L.inertia_v @ dxd + L.inertia_x @ dx
     if dynamics.coupling.present:
         i, j, value = dynamics.coupling.table
-        dedd = L.We @ dqdd + L.Yev @ dqd + L.Ye @ ds
         stress = np.zeros_like(dedd)
         np.add.at(stress, i, value[:, None] * dedd[j])
         force += L.V.T @ stress

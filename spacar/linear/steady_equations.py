@@ -20,8 +20,6 @@ Where the mechanism can turn along with what is prescribed, degrees of freedom t
 Non-holonomic systems, which go on along their kinematic coordinates too, are not compared.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

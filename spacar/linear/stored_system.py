@@ -22,19 +22,17 @@ eigxre, eigxim  (nx, n): motions of all coordinates in the modes of vibration;  
 The pattern is the same at all steps; `spconvert(ktan)` of MATLAB and `coo_array((v, (i - 1, j - 1)))` of SciPy read it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.deck.rewrite.divide import stiffness_modes
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.frame import Frame
 from spacar.linear.backward_error import EPS
-from spacar.linear.buckling import BucklingModes
 from spacar.linear.descriptor_modes import lowest_modes
 from spacar.linear.eigenmodes import Modes
 from spacar.linear.state_space import state_space
@@ -82,9 +80,7 @@ class StoredSystem:
         if self.wanted:
             n = dynamics.numbering
             modes = modes or lowest_modes(system, n.nkddof, n.nx, self.run.report, min(self.wanted, n.nddof))
-            frame.matrices["eigval"] = np.column_stack((modes.values.real, modes.values.imag))
-            frame.matrices["eigvre"], frame.matrices["eigvim"] = modes.vectors.real, modes.vectors.imag
-            frame.matrices.update(vibration_motions(modes))
+            frame.matrices.update(vibration_matrices(modes, modes.motions))
 
     def add(self, frame: Frame, L: Linearization, dynamics: Dynamics) -> None:
         """A, B, C, D and the matrices of the same equations."""
@@ -205,16 +201,13 @@ def sparse_matrices(tangent: SparseTangent) -> dict[str, Array]:
     return {"ktan": _table(tangent.matrix(STATIC)), "mtan": _table(tangent.mass_matrix())}
 
 
-def vibration_motions(modes: Modes) -> dict[str, Array]:
-    """eigxre and eigxim."""
-    assert modes.motions is not None
-    return {"eigxre": modes.motions.real, "eigxim": modes.motions.imag}
-
-
-def buckling_motions(modes: BucklingModes, nx: int) -> dict[str, Array]:
-    """bmodex; nan where there are no modes."""
-    motions = modes.motions if modes.motions is not None else np.full((nx, len(modes.multipliers)), np.nan)
-    return {"bmodex": motions}
+def vibration_matrices(modes: Modes, motions: NDArray[np.complex128] | None) -> dict[str, Array]:
+    """eigval, eigvre, eigvim; of these motions eigxre and eigxim."""
+    found = {"eigval": np.column_stack((modes.values.real, modes.values.imag))}
+    for name, vectors in (("eigv", modes.vectors), ("eigx", motions)):
+        if vectors is not None:
+            found |= {f"{name}re": vectors.real, f"{name}im": vectors.imag}
+    return found
 
 
 def _table(A: Any) -> Array:

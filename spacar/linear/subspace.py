@@ -10,8 +10,6 @@ Values and vectors are those of Q^T op Q.
 Where a block of vectors contains the whole range of the operator its eigenvalues are those of a small matrix at once.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Protocol, TypeVar
 
@@ -133,11 +131,6 @@ def _ritz(Q: Array, image: Array, wanted: int) -> tuple[Complex, Complex]:
     theta, c = np.linalg.eig(Q.T @ image)
     chosen = np.lexsort((-theta.imag, -np.abs(theta)))[:wanted]
     return theta[chosen].astype(complex), (Q @ c[:, chosen]).astype(complex)
-
-
-def ends_with_half_a_pair(theta: Complex) -> bool:
-    """Would the conjugate of the last value of `dominant` be the next one?"""
-    return bool(theta[-1].imag) and not np.any(np.isclose(theta[:-1], theta[-1].conj(), rtol=SUFFICIENT))
 
 
 def real_vectors(theta: Complex, vectors: Complex) -> Array:

@@ -6,8 +6,6 @@ the other form: condensed where the matrix has the mixed form of structures (`co
 Measured in benchmarks/linear_systems.py; theory-system.md section 2.3 gives the rule.
 """
 
-from __future__ import annotations
-
 from math import sqrt
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Band storage, LAPACK gbtrf/gbtrs: linear cost for chains."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -20,8 +20,6 @@ as diag(w) + F has (the inertia of a bordered matrix, E. Haynsworth, Linear Alge
 Where a pivot is zero or the refinement does not converge the mixed matrix itself is factored.
 """
 
-from __future__ import annotations
-
 from typing import Any, cast
 
 import numpy as np

@@ -5,8 +5,6 @@ when small, else compressed rows; both understand `A @ B`, `A.T @ B` and `B @ A`
 sum or a product with a dense array is dense.
 """
 
-from __future__ import annotations
-
 from typing import Any, Protocol
 
 import numpy as np

@@ -13,8 +13,6 @@ where s and b are rounding: such a direction is an eigenvector with the eigenval
 no more directions wait than a block has columns. What is left behind the last block is zero too.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from spacar.arrays import Array, Index

@@ -5,8 +5,6 @@ reverse Cuthill-McKee order gives one order of the rows and one of the columns, 
 with a symmetric pattern and a zero-free diagonal is ordered symmetrically by its own graph.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -11,8 +11,6 @@ SIAM 2002, section 7.2), so it is known to A^-1 (eps |A| |z|): a measure of sing
 range of stiffness of a model as they are, where the size of z itself grows with both.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

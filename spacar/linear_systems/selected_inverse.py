@@ -19,8 +19,6 @@ from the last supernode to the first: the rows and columns I of Z are there by t
 closed. It costs about as much as the factorization.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import pairwise
 from typing import Any

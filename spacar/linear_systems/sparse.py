@@ -5,8 +5,6 @@ its column: a lattice of 520 beams in mixed form has 0.37 million entries in its
 which remains for other patterns and where exchanges have cost digits.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -9,8 +9,6 @@ PIVOT of its column. Refinement gives the digits back (`refined`); where it does
 column, in an order for such exchanges.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

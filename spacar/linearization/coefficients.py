@@ -13,8 +13,6 @@ load_x: gravity, constant moments and forces of the user, with e = D(x), ed = V 
 the user states of forces (column k), which is no load. S, Sd, stress_x, stress_v contain the stresses of the user.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 

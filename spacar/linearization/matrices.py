@@ -19,8 +19,6 @@ State z = (ds, dqd) with s = (q, k) and qd restricted to the chosen rows (dynami
     A = [Bk0, Ak0; -M^-1 K, -M^-1 C]                                                                           (15)
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """Inputs and outputs of the linearized equations: which there are says input-language.md section 8."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

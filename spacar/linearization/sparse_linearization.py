@@ -12,8 +12,6 @@ dxdd or a deformation d(edd)):
 Nothing is inverted and no degree of freedom appears in a product, so that relative coordinates cost no digits.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cached_property, partial
 from typing import Any

@@ -5,8 +5,6 @@ functions only; dF/dt is zero without them. It is a forward difference of order 
 Its steps are eps^(1/5) of the output interval: errors of the formula and of rounding are both near eps^(4/5) of F.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -26,9 +24,7 @@ LARGE = 300
 FORWARD = np.array((-25.0, 48.0, -36.0, 16.0, -3.0)) / 12.0  # weights of F at t, t + h, ..., of the order 4
 
 
-def state_jacobian(
-    evaluator: Evaluator, t: float, y: Array, within: float = CONVERGED
-) -> tuple[Any, Array]:
+def state_jacobian(evaluator: Evaluator, t: float, y: Array, within: float = CONVERGED) -> tuple[Any, Array]:
     """dF/dy (n, n), of more than LARGE degrees of freedom its sparse form, and dF/dt (n,) at the time t [s] and state
     y (n,); `within` as for `Evaluator.rhs`."""
     F_t = np.zeros(len(y))
