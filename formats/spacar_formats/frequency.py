@@ -4,8 +4,7 @@
 import numpy as np
 
 from spacar.errors import Report
-from spacar.linear.descriptor_modes import lowest_modes
-from spacar.linear.lowest import WANTED
+from spacar.linear.lowest import WANTED, lowest_modes
 from spacar.linearization.sparse_response import response
 from spacar_formats.getss import SparseStep, StateSpaceStep
 

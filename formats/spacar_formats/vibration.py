@@ -15,10 +15,8 @@ import numpy as np
 
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import Report, UsageError
-from spacar.linear.descriptor_modes import lowest_modes
-from spacar.linear.eigen import modes_of_matrices
-from spacar.linear.eigenmodes import Modes
-from spacar.linear.lowest import WANTED
+from spacar.linear.eigen import Modes, modes_of_matrices
+from spacar.linear.lowest import WANTED, lowest_modes
 from spacar_formats.locate import notes, open_result
 from spacar_formats.sbf import SbfFile
 from spacar_formats.sbf.record_layout import require

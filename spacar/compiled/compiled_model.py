@@ -15,13 +15,13 @@ from spacar.compiled.library import WIDTH, address_of, engine, level, why_off
 from spacar.compiled.numbers import Numbers, without_form
 from spacar.compiled.user_callbacks import UserCallbacks
 from spacar.elements.family import GUARD
+from spacar.kinematics.constraint_matrices import ROUNDING
 from spacar.kinematics.kinematics import (
     CONVERGED,
     FARTHEST_GUESS,
     GROWN,
     LARGEST_JUMP,
     MAX_ITERATIONS,
-    ROUNDING,
 )
 from spacar.mechanism.mechanism import Drive, Mechanism, UserSignal
 from spacar.mechanism.numbering import Numbering

@@ -14,7 +14,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
-from spacar.kinematics.regularity import Regularity
+from spacar.kinematics.regularity import PositionMatrix
 
 if TYPE_CHECKING:
     from spacar.dynamics.evaluator import Evaluator
@@ -35,14 +35,14 @@ class Limits:
         self.warned: set[int] = set()
 
     @cached_property
-    def regularity(self) -> Regularity:
-        """Its checks; outputs that are passed in C are looked at there first."""
-        return Regularity(self.evaluator.position_matrix())
+    def matrix(self) -> PositionMatrix:
+        """Outputs that are passed in C are looked at there first."""
+        return self.evaluator.position_matrix()
 
     def check(self, evaluator: Evaluator, frame: Frame) -> None:
         """Raises AnalysisError 'element.range' or 'element.lift-off' with element, time and advice."""
         try:
-            self.regularity.check(frame.t)
+            self.matrix.check(frame.t)
         except AnalysisError:
             self.check_elements(evaluator, frame)  # an element that has collapsed explains more
             raise

@@ -65,7 +65,6 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.evaluator import Evaluator
 from spacar.dynamics.loaded_mechanism import NOISE, Accepted, Moving, unexplained
 from spacar.errors import AnalysisError, Report
-from spacar.kinematics.constraint_matrices import fold
 from spacar.kinematics.regularity import PositionMatrix
 
 HALF, INSIDE, WIDE = float(np.log(0.5)), float(np.log(2.0 / 3.0)), float(np.log(0.8))
@@ -258,17 +257,18 @@ class Closer:
 
     def goes_on(self, a: Accepted, b: Accepted) -> bool:
         """Does the motion that is not determined at a dead point between both go on in its direction?"""
-        w = min((self._fold(p) for p in (a, b)), key=lambda found: found.s).w
-        U = self.d.kinematics.U
-        before, after = (float(w @ (p.at.xd / self.scale)[U]) for p in (a, b))
-        return before * after >= 0.0
+        before, after = self._along([a, b])
+        return bool(before * after >= 0.0)
 
     def turned_in_steps(self, steps: list[Accepted]) -> bool:
         """Did the motion that is not determined at the dead point turn in steps, or jump to its opposite in one?"""
-        w = min((self._fold(p) for p in (steps[0], steps[-1])), key=lambda found: found.s).w
-        U = self.d.kinematics.U
-        along = np.array([w @ (p.at.xd / self.scale)[U] for p in steps])
+        along = self._along(steps)
         return bool(np.abs(np.diff(along)).max() <= TURNING * np.abs(along).max())
+
+    def _along(self, steps: list[Accepted]) -> Array:
+        """Velocities (steps,) of the motion that is not determined between the first and the last of them."""
+        w = min((self._fold(p) for p in (steps[0], steps[-1])), key=lambda found: found.s).w
+        return np.array([w @ (p.at.xd / self.scale)[self.d.kinematics.U] for p in steps])
 
     def near(self, p: Accepted) -> bool:
         """Is the dead point nearer than the degrees of freedom are known?"""
@@ -369,10 +369,9 @@ class Closer:
         d = self.d
         self._derivative(p)
         k, n = d.kinematics, d.numbering
-        rows, columns = 1.0 / d.mechanism.deformation_scale[k.E], k.scale[k.U]
-        s, u, w, bend = fold(k.sweep, k.velocity_system, k.E, k.U, rows, columns)
+        s, u, w, bend = k.fold(k.of_velocity)
         sigma = np.zeros(n.ne)
-        sigma[k.E] = u * rows
+        sigma[k.E] = u / d.mechanism.deformation_scale[k.E]
         xs, es = n.x_class["dynamic"], n.e_class["dynamic"]
         force, m = k.sweep.rate_transposed(sigma)[xs], d.n_xm
         error = self.atol + self.rtol * np.abs(p.y[: n.nddof])
@@ -381,7 +380,7 @@ class Closer:
         rate = 0.0
         if speed > 0.0:
             along, v = np.zeros(n.nx), p.at.xd / speed
-            along[k.U] = w * columns
+            along[k.U] = w * k.scale[k.U]
             both = k.sweep.convective(v + along) - k.sweep.convective(v - along)
             rate = 0.25 * speed * float(sigma @ both)
         rounding = k.rounding(k.x, k.sweep.e[k.h])

@@ -27,7 +27,6 @@ from spacar.frame import Frame, FramesInRows
 from spacar.integrators import AUTOMATIC, METHODS, EvenTimes, integrate
 from spacar.integrators.problem import BlockOfOutputs, Jacobian, Problem, Stepper
 from spacar.kinematics.kinematics import CONVERGED
-from spacar.kinematics.regularity import nearly_singular
 from spacar.mechanism.mechanism import Polynomial, SolverSettings
 from spacar.stream import Run
 
@@ -153,7 +152,7 @@ def frames(
     if not model.mechanism.numbering.nkddof or len(times) == 1:
         limits = Limits(evaluator, report)
         if not standing and evaluator.blocks is not None:
-            block = evaluator.blocks.output_block(times, limits.wheels.rows, nearly_singular(model.mechanism))
+            block = evaluator.blocks.output_block(times, limits.wheels.rows, limits.matrix.zero)
             for at in block.prescribed(y):
                 placed = checked_frames(evaluator, at, limits)
                 iterations = at.work[:, 4:]
@@ -183,7 +182,7 @@ def frames(
     if evaluator.blocks is not None:
         one_by_one = may_jump and settings.integrator not in (0, AUTOMATIC)  # C looks for jumps in steps of Adams only
         if not (standing or one_by_one) and shown.blocks is not None:
-            output_block = shown.blocks.output_block(times, limits.wheels.rows, nearly_singular(model.mechanism), FAR)
+            output_block = shown.blocks.output_block(times, limits.wheels.rows, limits.matrix.zero, FAR)
         stepper = evaluator.blocks.stepper(trail, output_block)
     problem = Integrand(
         evaluator, trail, tolerances.position, stepper, trail=trail, jacobian=jacobian, report=report, may_jump=may_jump

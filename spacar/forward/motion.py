@@ -40,7 +40,7 @@ def forward(run: Run) -> Iterator[Sequence[Frame]]:
     """Frames of mode 1. Raises AnalysisError; frames that were computed before stay valid."""
     output = TransferOutput(run)
     for evaluator, block in motion(run, own=output.wanted):
-        yield [output.add(frame, evaluator.numpy_evaluator()) for frame in block] if output.wanted else block
+        yield [output.add(frame, evaluator.numpy_evaluator().kinematics) for frame in block] if output.wanted else block
 
 
 def motion(run: Run, own: bool = True) -> Iterator[tuple[Evaluator, Sequence[Frame]]]:

@@ -103,8 +103,9 @@ class Along:
             "NRBM": ndof - len(self.rigid), "DFT": 0, "X0": np.zeros(2 * ndof), "NYS": len(second),
         }  # fmt: skip
         q = self.mechanism.numbering.q_names
-        names = {"inputs": [s.name for s in self.signals], "states": [*q, *(f"d/dt {name}" for name in q)]}
-        return sizes | names | ({"NYSI": second + 1} if len(second) else {})
+        sizes |= {"states": [*q, *(f"d/dt {name}" for name in q)]}
+        sizes |= {"inputs": [s.name for s in self.signals], "outputs": [s.name for s in self.ports.outputs]}
+        return sizes | ({"NYSI": second + 1} if len(second) else {})
 
     def frame(self, k: int) -> Frame:
         """Step k (from 0): nominal frame, matrices, state space, set-points.
@@ -128,7 +129,7 @@ class Along:
         if k == 0:
             condition = condition_number(dynamics.kinematics)
             doubt = linearized_doubt(
-                self.mechanism, lambda: dynamics.sweep, L.M.diagonal(), L.m0, condition, everything=True
+                self.mechanism, lambda: dynamics.sweep, L.c.M.diagonal(), L.m0, condition, everything=True
             )
             if doubt:
                 self.report.add(f"warning: {doubt}")
@@ -238,7 +239,7 @@ class Along:
             tau, g = np.zeros(n.ne), np.zeros(n.nx)
             if signal.kind == "REFES":
                 tau[signal.index] = 1.0
-                g = L.V[signal.index]
+                g = L.c.V[signal.index]
             else:
                 g[signal.index] = 1.0
             tau[kinematics.E] -= kinematics.velocity_system.solve_transposed(g[kinematics.U])

@@ -38,7 +38,8 @@ def inverse(run: Run) -> Iterator[Sequence[Frame]]:
     ports = Ports.of(mechanism)
     output = TransferOutput(run)
     run.n_frames = len(work)
-    run.header.update(NNOM=len(ports.inputs), NU=len(ports.inputs), NY=len(ports.outputs), **_names(ports))
+    run.header.update(NNOM=len(ports.inputs), NU=len(ports.inputs), NY=len(ports.outputs))
+    run.header.update(inputs=[s.name for s in ports.inputs], outputs=[s.name for s in ports.outputs])
     nominal = NominalInputs(ports, mechanism, run.report, rigidified(mechanism, ports, work.rests))
     limits: Limits | None = None
     for dynamics, t in _placed(work, mechanism):
@@ -52,7 +53,7 @@ def inverse(run: Run) -> Iterator[Sequence[Frame]]:
         nominal.apply(dynamics, frame, u0)
         frame.state_space["u0"] = u0
         frame.state_space["y0"] = ports.reference(frame)
-        yield (output.add(frame, dynamics),)
+        yield (output.add(frame, dynamics.kinematics),)
     nominal.finish()
 
 
@@ -74,21 +75,17 @@ def along(run: Run) -> Iterator[Sequence[Frame]]:
     what = f"stationary solutions of mode {given.mode}" if given.stationary else "nominal motion"
     run.report.add(f"{what}: {given.name}, {len(given.t)} steps")
     work = Along(mechanism, given, run.report)
-    run.header.update(_names(work.ports) | work.header())
+    run.header.update(work.header())
     run.n_frames = len(given.t)
     output = TransferOutput(run)
     limits = Limits(work.dynamics, run.report)
     for k in range(len(given.t)):
         frame = work.frame(k)
         limits.check(work.dynamics, frame)
-        yield (output.add(frame, work.dynamics),)
+        yield (output.add(frame, work.dynamics.kinematics),)
         if k == 0:
             run.header["condition"] = condition_number(work.dynamics.kinematics)
     work.finish()
-
-
-def _names(ports: Ports) -> dict[str, list[str]]:
-    return {"inputs": [s.name for s in ports.inputs], "outputs": [s.name for s in ports.outputs]}
 
 
 def _require_prescribed(mechanism: Mechanism) -> None:

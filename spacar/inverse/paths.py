@@ -7,7 +7,6 @@ values, rates and accelerations for p, dp/dt, d2p/dt2. Lengths are in metres, an
 
 from dataclasses import dataclass
 from math import cos, sin
-from typing import Protocol
 
 import numpy as np
 
@@ -20,18 +19,6 @@ PARALLEL = 1e-9
 
 class BadPath(ValueError):
     """The numbers of a path statement do not describe a path."""
-
-
-class Path(Protocol):
-    """`rows` index the prescribed coordinates, or the prescribed deformations when `of_elements`."""
-
-    @property
-    def rows(self) -> Index: ...
-    @property
-    def length(self) -> float: ...
-    @property
-    def of_elements(self) -> bool: ...
-    def at(self, p: float, rate: float, acceleration: float) -> Values: ...
 
 
 @dataclass(frozen=True)
@@ -102,6 +89,9 @@ class TurnPath:
         size, phase = float(np.hypot(a, b)), float(np.arctan2(b, a))
         first, last = -phase, 0.5 * self.length - phase  # lambda0 = size cos(p/2 - phase)
         return -size if last >= np.pi else size * min(cos(first), cos(last))
+
+
+Path = StraightPath | ArcPath | TurnPath  # `rows` of the prescribed coordinates, or deformations when `of_elements`
 
 
 def straight(rows: Index, start: Array, end: Array) -> StraightPath:

@@ -21,22 +21,19 @@ from spacar.mechanism.mechanism import Mechanism
 # Effects of a release, best first.
 FLEXIBLE, FREE, NAMED, PART, REDUNDANT, ELASTIC, HINGE, PRESCRIBED, NONE = range(9)
 KEEPS = (FLEXIBLE, FREE)  # what may be released without being asked
-TEXT = {
-    FLEXIBLE: "flexible, a release keeps the physics",
-    FREE: "free without stiffness, a release keeps the physics",
-    NAMED: "flexible, but another statement needs it as DYNE",
-    PART: "flexible; of a divided beam the last part is released",
-    REDUNDANT: "rigid, but the rest holds it too: a release frees nothing",
-    ELASTIC: "changes the model: rigid becomes flexible (ESTIFF)",
-    HINGE: "changes the model: a hinge",
-    PRESCRIBED: "changes the model: it is no longer prescribed",
-    NONE: "",
-}
+WORD, TEXT = zip(
+    ("flexible", "flexible, a release keeps the physics"),
+    ("free", "free without stiffness, a release keeps the physics"),
+    ("named", "flexible, but another statement needs it as DYNE"),
+    ("part", "flexible; of a divided beam the last part is released"),
+    ("redundant", "rigid, but the rest holds it too: a release frees nothing"),
+    ("elastic", "changes the model: rigid becomes flexible (ESTIFF)"),
+    ("hinge", "changes the model: a hinge"),
+    ("prescribed", "changes the model: it is no longer prescribed"),
+    ("none", ""),
+    strict=True,
+)  # of each of them
 SLIDER = "changes the model: a hinge or slider"
-WORD = {
-    FLEXIBLE: "flexible", FREE: "free", NAMED: "named", PART: "part", REDUNDANT: "redundant", ELASTIC: "elastic",
-    HINGE: "hinge", PRESCRIBED: "prescribed", NONE: "none",
-}  # fmt: skip
 SMALL = 1e-6
 """Components of null vectors below this are rounding: their error is at most eps divided by the relative gap
 sqrt(eps) between the singular values that count as zero and the others (1.5e-8), times the root of some thousands of

@@ -23,6 +23,7 @@ s <= n eps |D'|.
 
 from contextlib import suppress
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,18 @@ from spacar.kinematics.element_sweep import ElementSweep
 from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
 from spacar.linear_systems.reciprocal_condition import smallest
 from spacar.mechanism.mechanism import Mechanism
+
+EPS = float(np.finfo(float).eps)
+ROUNDING = 64.0 * EPS  # of the scaled residual, per unit of the numbers that enter it
+
+
+class MatrixPart(NamedTuple):
+    """Rows and columns of V, where its entries are in the sweep, and their linear system."""
+
+    rows: Index
+    columns: Index
+    take: Index
+    system: LinearSystem
 
 
 class ConstraintMatrices:
@@ -44,6 +57,10 @@ class ConstraintMatrices:
         self.E, self.U = n.velocity_equations, n.velocity_unknowns
         self.h, self.c = n.position_equations, n.position_unknowns
         self.kind = kind
+        self.scale: Array = mechanism.scale
+        self.h_scale = mechanism.deformation_scale[self.h]
+        self.x = mechanism.x0.copy()
+        self.target = np.zeros(n.ne)  # given deformations of the last position that was looked for
         self.velocity_map_is_position_map = bool(n.holonomic)
         self._factored = self._waiting = False
 
@@ -51,41 +68,30 @@ class ConstraintMatrices:
     def velocity_system(self) -> LinearSystem:
         """V[E, U], factored where the position was found."""
         self.factor_waiting()
-        return self._velocity[0]
+        return self.of_velocity.system
 
     @property
     def position_system(self) -> LinearSystem:
         """D_h by the calculable coordinates, likewise."""
         self.factor_waiting()
-        return self._position[0]
-
-    @property
-    def velocity_take(self) -> Index:
-        """Where the entries of V[E, U] are in the sweep."""
-        return self._velocity[1]
-
-    @property
-    def position_take(self) -> Index:
-        """Where those of the position are."""
-        return self._position[1]
+        return self.of_position.system
 
     @cached_property
-    def _velocity(self) -> tuple[LinearSystem, Index]:
-        return self._system(self.E, self.U)
+    def of_velocity(self) -> MatrixPart:
+        return self._part(self.E, self.U)
 
     @cached_property
-    def _position(self) -> tuple[LinearSystem, Index]:
-        return self._velocity if self.velocity_map_is_position_map else self._system(self.h, self.c)
+    def of_position(self) -> MatrixPart:
+        return self.of_velocity if self.velocity_map_is_position_map else self._part(self.h, self.c)
 
-    def _system(self, rows: Index, columns: Index) -> tuple[LinearSystem, Index]:
-        """The part of V with these rows and columns as a linear system, and where its entries are in the sweep."""
+    def _part(self, rows: Index, columns: Index) -> MatrixPart:
         row_of = np.full(self.numbering.ne, -1)
         row_of[rows] = np.arange(len(rows))
         column_of = np.full(self.numbering.nx, -1)
         column_of[columns] = np.arange(len(columns))
         r, c = row_of[self.sweep.v_rows], column_of[self.sweep.v_columns]
         take = np.flatnonzero((r >= 0) & (c >= 0))
-        return assemble(len(rows), r[take], c[take], self.kind), take
+        return MatrixPart(rows, columns, take, assemble(len(rows), r[take], c[take], self.kind))
 
     @property
     def is_factored(self) -> bool:
@@ -108,17 +114,39 @@ class ConstraintMatrices:
 
     def _factor_position(self) -> None:
         self._waiting = False
-        system, take = self._position
-        system.factor(self.sweep.entries[take])
+        self.of_position.system.factor(self.sweep.entries[self.of_position.take])
 
     def _factor_velocity(self) -> None:
-        system, take = self._velocity
-        system.factor(self.sweep.entries[take])
+        self.of_velocity.system.factor(self.sweep.entries[self.of_velocity.take])
+
+    def rounding(self, x: Array, target: Array) -> float:
+        """How well the scaled residual of the position is known at x (nx,) for these given deformations (h,)."""
+        sizes = (np.abs(values).max(initial=0.0) for values in (x / self.scale, target / self.h_scale))
+        return ROUNDING * float(max(1.0, *sizes))
+
+    def norm(self, part: MatrixPart) -> float:
+        """1-norm of the scaled matrix from its entries; bounded from above where two add up."""
+        columns = self.sweep.v_columns[part.take]
+        weight = self.mechanism.scale[columns] / self.mechanism.deformation_scale[self.sweep.v_rows[part.take]]
+        return float(np.bincount(columns, np.abs(self.sweep.entries[part.take]) * weight).max(initial=0.0))
+
+    def is_single_root(self, part: MatrixPart, rounding: float) -> bool:
+        """At the configuration of the sweep; `rounding` is delta of the scaled residual."""
+        s, _, _, bend = self.fold(part)
+        return bool(s > len(part.rows) * EPS * self.norm(part) and s * s > 2.0 * abs(bend) * rounding)
+
+    def fold(self, part: MatrixPart) -> tuple[float, Array, Array, float]:
+        """s, u, w, c at the configuration of the sweep."""
+        self.factor_waiting()
+        row_scale, column_scale = 1.0 / self.mechanism.deformation_scale[part.rows], self.mechanism.scale[part.columns]
+        s, u, w = smallest(part.system, row_scale, column_scale)
+        v = np.zeros(self.sweep.nx)
+        v[part.columns] = w * column_scale
+        return s, u, w, float(u @ (self.sweep.convective(v)[part.rows] * row_scale))
 
 
 ZERO = float(np.sqrt(np.finfo(float).eps))  # singular values below this part of the largest count as zero
 Entries = tuple[Index | NDArray[np.int32], Index | NDArray[np.int32], Array]
-EPS = float(np.finfo(float).eps)
 
 
 def entries_of(sweep: ElementSweep) -> Entries:
@@ -137,24 +165,3 @@ def scaled_difference_matrix(mechanism: Mechanism, entries: Entries, E: Index, U
     scaled = values[part] * mechanism.scale[j] / mechanism.deformation_scale[i]
     D = np.bincount(row[i] * len(U) + column[j], scaled, len(E) * len(U))
     return np.asarray(D.reshape(len(E), len(U)))
-
-
-def is_single_root(
-    sweep: ElementSweep, system: LinearSystem, rows: Index, columns: Index, row_scale: Array, column_scale: Array,
-    norm: float, rounding: float,
-) -> bool:  # fmt: skip
-    """At the configuration of the sweep. `system` is D' with these rows of e and columns of x, factored; `norm` the
-    size of its scaled matrix, `rounding` delta of the scaled residual.
-    """
-    s, _, _, bend = fold(sweep, system, rows, columns, row_scale, column_scale)
-    return bool(s > len(rows) * EPS * norm and s * s > 2.0 * abs(bend) * rounding)
-
-
-def fold(
-    sweep: ElementSweep, system: LinearSystem, rows: Index, columns: Index, row_scale: Array, column_scale: Array
-) -> tuple[float, Array, Array, float]:
-    """s, u, w, c at the configuration of the sweep."""
-    s, u, w = smallest(system, row_scale, column_scale)
-    v = np.zeros(sweep.nx)
-    v[columns] = w * column_scale
-    return s, u, w, float(u @ (sweep.convective(v)[rows] * row_scale))

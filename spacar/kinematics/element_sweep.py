@@ -13,7 +13,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.elements.family import Configuration, Family
-from spacar.mechanism.layout import Batch, Layout, Place
+from spacar.mechanism.layout import Batch, Place
 from spacar.mechanism.mechanism import Mechanism
 
 
@@ -41,11 +41,8 @@ class ElementSweep:
         self.strained, self.massive = layout.strained, layout.massive
         self.moving, self.curved = layout.moving, layout.curved
         self.entries, self.e, self.branch = arrays or SweepArrays.of(mechanism)
-        self._allocate(layout)
         self.configuration: dict[int, Configuration] = {}
         self.count = 0  # evaluations of D, for the log and the benchmarks
-
-    def _allocate(self, layout: Layout) -> None:
         self.v_rows, self.v_columns = layout.v_rows, layout.v_columns
         self.m_rows, self.m_columns = layout.m_rows, layout.m_columns
         self.x_index, self.e_index, self.f_index = layout.x_index, layout.e_index, layout.f_index
@@ -59,17 +56,15 @@ class ElementSweep:
         self.x_of, self.v_of, self.a_of = (_views(u, layout.x) for u in (self._x, self._v, self._a))
         self.e_of, self.branch_of, self.h_of = (_views(u, layout.e) for u in (self._e, self._branch, self._h))
         self.f_of = _views(self._f, layout.f)
-        self.plan = [(b.family, b.index) for b in self.strained]
-        self.curved_plan = [(b.family, b.index) for b in self.curved]
-        self.moving_plan = [(b.family, b.index) for b in self.moving]
 
     # -- kinematics ---------------------------------------------------------------------------------------------
     def strain(self, x: Array) -> None:
         """D(x) into `e`, V into `entries`; keeps the configurations for the calls below."""
         np.take(x, self.x_index, out=self._x, mode="clip")
         np.take(self.branch, self.e_index, out=self._branch, mode="clip")
-        for family, key in self.plan:
-            self.configuration[key] = family.strain(self.x_of[key], self.branch_of[key], self.e_of[key], self.V[key])
+        for b in self.strained:
+            key = b.index
+            self.configuration[key] = b.family.strain(self.x_of[key], self.branch_of[key], self.e_of[key], self.V[key])
         self.e[self.e_index] = self._e
         self.count += 1
 
@@ -88,12 +83,11 @@ class ElementSweep:
     def convective(self, v: Array) -> Array:
         """H(v, v), (ne,): the part of the second time derivative of e that does not contain accelerations."""
         out = np.zeros(self.ne)
-        if self.curved_plan:
-            np.take(v, self.x_index, out=self._v, mode="clip")
-            self._h[:] = 0.0
-            for family, key in self.curved_plan:
-                family.convective_strain(self.configuration[key], self.v_of[key], self.h_of[key])
-            out[self.e_index] = self._h
+        np.take(v, self.x_index, out=self._v, mode="clip")
+        self._h[:] = 0.0
+        for b in self.curved:
+            b.family.convective_strain(self.configuration[b.index], self.v_of[b.index], self.h_of[b.index])
+        out[self.e_index] = self._h
         return out
 
     def gradient(self) -> Array:
@@ -115,8 +109,8 @@ class ElementSweep:
 
     def mass(self) -> None:
         """M of the configuration-dependent families into `entries`."""
-        for family, key in self.moving_plan:
-            family.mass(self.configured(family, key), self.M[key])
+        for b in self.moving:
+            b.family.mass(self.configured(b.family, b.index), self.M[b.index])
 
     def configured(self, family: Family, key: int) -> Configuration:
         """The configuration of a batch. Those without deformations are not in `strain`: theirs is made here."""
@@ -131,15 +125,25 @@ class ElementSweep:
 
     def inertia_force(self, v: Array, a: Array | None) -> Array:
         """M a + h of the configuration-dependent families, (nx,)."""
-        if not self.moving_plan:
+        if not self.moving:
             return np.zeros(self.nx)
         np.take(v, self.x_index, out=self._v, mode="clip")
         if a is not None:
             np.take(a, self.x_index, out=self._a, mode="clip")
-        for family, key in self.moving_plan:
-            acceleration = None if a is None else self.a_of[key]
-            self.f_of[key][...] = family.inertia_force(self.configured(family, key), self.v_of[key], acceleration)
+        for b in self.moving:
+            key, acceleration = b.index, None if a is None else self.a_of[b.index]
+            self.f_of[key][...] = b.family.inertia_force(self.configured(b.family, key), self.v_of[key], acceleration)
         return np.bincount(self.f_index, self._f, self.nx)
+
+
+def geometric_blocks(sweep: ElementSweep, sigma: Array) -> list[tuple[Batch, Array]]:
+    """Hs(sigma) per batch, (n_coordinates, n_coordinates, n) each."""
+    blocks = []
+    for b in sweep.curved:
+        block = np.zeros((len(b.x), len(b.x), b.family.n))
+        b.family.geometric_stiffness(sweep.configuration[b.index], sigma[b.e], block)
+        blocks.append((b, block))
+    return blocks
 
 
 def _views(buffer: Array, places: tuple[Place, ...]) -> dict[int, Array]:

@@ -1,19 +1,20 @@
 """Failures of the position problem, said so that a user can act: what, where, how far, what to try."""
 
-from typing import Protocol
+from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import AnalysisError
 from spacar.kinematics.advice import KEEPS
-from spacar.kinematics.constraint_matrices import ZERO, entries_of, scaled_difference_matrix
+from spacar.kinematics.constraint_matrices import ZERO, ConstraintMatrices, entries_of, scaled_difference_matrix
 from spacar.kinematics.diagnosis import Diagnosis, diagnose
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
-from spacar.mechanism.numbering import Numbering
 
 SHORT = 1e-6  # length over the undeformed one from which an element counts as collapsed
 # Smallest over largest singular value at the last iterate: one that was zero (below ZERO of `diagnosis`) at the
@@ -24,23 +25,7 @@ POOR = 1e-3  # least part of the stress of a row that is proposed for release
 LARGEST_DIAGNOSED = 1000  # unknowns; a singular value decomposition of more would take longer than the analysis
 
 
-class Position(Protocol):
-    """What a message needs to know of the position problem: see `Kinematics`."""
-
-    mechanism: Mechanism
-    numbering: Numbering
-    sweep: ElementSweep
-    c: Index
-    h: Index
-    E: Index
-    h_scale: Array
-    x: Array
-    target: Array
-
-    def rounding(self, x: Array, e: Array) -> float: ...
-
-
-def count_failure(kinematics: Position) -> AnalysisError:
+def count_failure(kinematics: ConstraintMatrices) -> AnalysisError:
     """Numbers of unknowns and equations differ."""
     mechanism = kinematics.mechanism
     kinematics.sweep.strain(mechanism.x0)
@@ -60,7 +45,12 @@ def count_failure(kinematics: Position) -> AnalysisError:
     return AnalysisError(text, "mechanism.count", diagnosis=diagnosis)
 
 
-def singular_failure(kinematics: Position, x: Array, error: SingularMatrixError) -> AnalysisError:
+def explained(kinematics: ConstraintMatrices, x: Array, *about: Any) -> AnalysisError:
+    """Of an `Unplaced`."""
+    return (position_failure if about[1:] else singular_failure)(kinematics, x, *about)
+
+
+def singular_failure(kinematics: ConstraintMatrices, x: Array, error: SingularMatrixError) -> AnalysisError:
     """The matrix of the position problem is singular at x."""
     diagnosis = diagnose(kinematics.mechanism, kinematics.sweep, x)
     text = (
@@ -71,7 +61,7 @@ def singular_failure(kinematics: Position, x: Array, error: SingularMatrixError)
 
 
 def position_failure(
-    kinematics: Position, x: Array, residual: Array, history: list[float], iteration: int
+    kinematics: ConstraintMatrices, x: Array, residual: Array, history: list[float], iteration: int
 ) -> AnalysisError:
     """Newton's iteration did not converge. residual (h,) belongs to x, or to the last trial after `history`.
 
@@ -118,7 +108,7 @@ def position_failure(
     return AnalysisError(text, "position.no-convergence", iterations=iteration, history=history)
 
 
-def _singular_choice(kinematics: Position, x: Array) -> str:
+def _singular_choice(kinematics: ConstraintMatrices, x: Array) -> str:
     """The cause in words, when the choice of degrees of freedom is singular at the reference configuration already;
     otherwise "".
     """
@@ -142,7 +132,7 @@ def _shown(history: list[float]) -> str:
     return " ".join(words if len(words) <= 6 else [*words[:3], "...", *words[-3:]])
 
 
-def collapse(kinematics: Position) -> str:
+def collapse(kinematics: ConstraintMatrices) -> str:
     """Which element has no length left, in words: one that is asked for a length of nearly zero or less, or whose
     deformations are no numbers at the last iterate. Empty when there is none."""
     sweep = kinematics.sweep

@@ -32,25 +32,20 @@ roots, end the iteration, as those that follow only wander in that range.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import suppress
-from functools import partial
-from typing import Any
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.errors import AnalysisError
-from spacar.kinematics.constraint_matrices import ConstraintMatrices, is_single_root
+from spacar.kinematics.constraint_matrices import ConstraintMatrices
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.kinematics.whole_turns import Period, followed
 from spacar.linear_systems import SingularMatrixError
-from spacar.linear_systems.linear_system import DENSE_LIMIT, matrix
+from spacar.linear_systems.linear_system import matrix
 from spacar.mechanism.mechanism import Mechanism
 
 CONVERGED = 1e-11  # largest scaled correction that ends Newton's iteration: the relative error of velocities
-ROUNDING = 64.0 * float(np.finfo(float).eps)  # of the scaled residual, per unit of the numbers that enter it
-MANY_RATES = 20_000  # rates at once from which one product with a sparse matrix is faster than a sum a column
 MAX_ITERATIONS = 20
 MAX_HALVINGS = 5
 MOST_FOLDED = 2  # iterates at a double root; a third one was not seen to leave it
@@ -66,13 +61,8 @@ MOST_PIECES = 50_000  # that are followed; a stage of a step that is much too lo
 
 
 class Unplaced(Exception):
-    """A Newton iteration that did not reach its target. Smaller steps may reach it; as an explanation costs more than
-    another trial, it is made only when somebody asks for it (`explain`).
-    """
-
-    def __init__(self, explain: Callable[[], AnalysisError]) -> None:
-        super().__init__()
-        self.explain = explain
+    """A Newton iteration that did not reach its target: x, residual, history, number of iterations, or x, error of a
+    singular matrix. As an explanation costs more than a trial with smaller steps, it is made only at the end."""
 
 
 class Kinematics(ConstraintMatrices):
@@ -88,12 +78,8 @@ class Kinematics(ConstraintMatrices):
             from spacar.kinematics.failure import count_failure
 
             raise count_failure(self)
-        self.scale: Array = mechanism.scale
-        self.h_scale = mechanism.deformation_scale[self.h]
-        self.x = mechanism.x0.copy()
         self.e = np.zeros(n.ne)  # there
         self.e_given = np.zeros(n.ne)
-        self.target = self.e_given  # of the last iteration
         self.iterations = 0  # Newton iterations of the last position
         self.period: Period | None = None  # of the given values
         self._sign = 0.0  # of the determinant at the reference configuration, until the first position is found
@@ -174,7 +160,9 @@ class Kinematics(ConstraintMatrices):
         except Unplaced as failure:
             still = self._distance(x_given, e_given - e_old) <= self.rounding(x_old, e_given[self.h])
             if depth == MAX_DEPTH or (guess is None and still):
-                raise failure.explain() from None
+                from spacar.kinematics.failure import explained
+
+                raise explained(self, *failure.args) from None
         self.x, self._factored = x_old, False
         self.sweep.follow(x_old, self.e)
         far = depth == 0 and self._distance(x_given, e_given - e_old) > LARGEST_JUMP
@@ -270,7 +258,7 @@ class Kinematics(ConstraintMatrices):
             grown = bool(history) and norm > 2.0 * history[-1]
             if not norm < np.inf or (grown and norm > max(GROWN, self.rounding(x, target))):
                 if halvings == MAX_HALVINGS:
-                    raise Unplaced(partial(_position_failure, self, x, residual, history, iteration))
+                    raise Unplaced(x, residual, history, iteration)
                 halvings += 1
                 correction *= 0.5
                 x[c] += correction
@@ -286,7 +274,7 @@ class Kinematics(ConstraintMatrices):
                 self._factor_position()
                 solution = self.position_system.solve(right)
             except SingularMatrixError as error:
-                raise Unplaced(partial(_singular_failure, self, x, error)) from None
+                raise Unplaced(x, error) from None
             correction = solution[:, 0] if together else solution
             x[c] -= correction
             size, before = largest(correction / scale), size
@@ -294,10 +282,10 @@ class Kinematics(ConstraintMatrices):
                 rounding = self.rounding(x, target)
             done = size <= within or before <= CONVERGED or before <= rounding
             if not done and len(history) > 1 and max(history[-2:]) <= rounding:
-                done = self._determined(rounding)
+                done = self.is_single_root(self.of_position, rounding)
                 folded += 1
                 if not done and folded == MOST_FOLDED:
-                    raise Unplaced(partial(_position_failure, self, x, residual, history, iteration))
+                    raise Unplaced(x, residual, history, iteration)
             if done:
                 self.x = x
                 self.iterations = iteration
@@ -309,20 +297,7 @@ class Kinematics(ConstraintMatrices):
                 v = v_given.copy()  # type: ignore[union-attr]
                 v[self.U] = solution[:, 1]
                 return v
-        raise Unplaced(partial(_position_failure, self, x, residual, history, MAX_ITERATIONS))
-
-    def rounding(self, x: Array, target: Array) -> float:
-        """How well the scaled residual of the position is known at x (nx,) for these given deformations (h,)."""
-        return ROUNDING * max(1.0, largest(x / self.scale), largest(target / self.h_scale))
-
-    def _determined(self, rounding: float) -> bool:
-        """Is the root that was found to rounding a single one? See the head of the module."""
-        c, take = self.c, self.position_take
-        rows, columns = self.sweep.v_rows[take], self.sweep.v_columns[take]
-        weight = np.abs(self.sweep.entries[take]) * self.scale[columns] / self.mechanism.deformation_scale[rows]
-        norm = largest(np.bincount(columns, weight))
-        scales = 1.0 / self.h_scale, self.scale[c]
-        return is_single_root(self.sweep, self.position_system, self.h, c, *scales, norm, rounding)
+        raise Unplaced(x, residual, history, MAX_ITERATIONS)
 
     def refresh(self) -> None:
         """x was changed from outside: evaluate and factor there."""
@@ -355,21 +330,14 @@ class Kinematics(ConstraintMatrices):
         """
         v = given.copy()
         right = e_rate[self.E]  # a copy
-        if v.ndim == 1:
-            right -= self.sweep.rate(v)[self.E]
-        else:
-            columns = np.flatnonzero(v.any(axis=0))
-            right[:, columns] -= self.sweep_rates(v[:, columns])[self.E]
+        right -= (self.sweep.rate(v) if v.ndim == 1 else self.sweep_rates(v))[self.E]
         v[self.U] = self.velocity_system.solve(right)
         return v
 
     def sweep_rates(self, v: Array) -> Array:
         """V v for several columns, (ne, k)."""
-        ne, nx = self.numbering.ne, self.numbering.nx
-        if v.shape[1] * ne > MANY_RATES and max(ne, nx) > DENSE_LIMIT:
-            rates = matrix(self.sweep.v_rows, self.sweep.v_columns, self.sweep.v_entries, (ne, nx)) @ v
-            return np.asarray(rates)
-        return np.column_stack([self.sweep.rate(column) for column in v.T]) if v.shape[1] else np.zeros((ne, 0))
+        shape = self.numbering.ne, self.numbering.nx
+        return np.asarray(matrix(self.sweep.v_rows, self.sweep.v_columns, self.sweep.v_entries, shape) @ v)
 
     def reactions(self, force: Array, sigma: Array) -> None:
         """Multipliers: write sigma[E] so that (force + V^T sigma) vanishes on U (theory-system.md (10)).
@@ -384,16 +352,3 @@ class Kinematics(ConstraintMatrices):
 def largest(values: Array) -> float:
     """max |values|, nan if any is; 0 when empty."""
     return float(np.abs(values).max()) if len(values) else 0.0
-
-
-# imported when an iteration has failed: a run that goes well does not need it
-def _position_failure(*about: Any) -> AnalysisError:
-    from spacar.kinematics.failure import position_failure
-
-    return position_failure(*about)
-
-
-def _singular_failure(*about: Any) -> AnalysisError:
-    from spacar.kinematics.failure import singular_failure
-
-    return singular_failure(*about)

@@ -9,7 +9,7 @@ without a dynamics block.
 
 import numpy as np
 
-from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.errors import Message
 from spacar.kinematics.advice import SMALL, coefficient, full_deck
 from spacar.kinematics.self_stress import redundancies
@@ -42,11 +42,9 @@ def lost_stiffness(deck: Deck, mechanism: Mechanism) -> list[Message]:
 
 def _candidates(deck: Deck) -> dict[int, list[tuple[int, int]]]:
     """Index of every RLSE on a beam -> its (element, mode) without a stress law."""
-    releases = [(k, s) for k, s in enumerate(deck.statements) if s.keyword == "RLSE" and s.block == 1]
-    if not releases:
-        return {}
     keywords = {s.integer(0): s.keyword for s in deck.of(*BEAMS, block=1)}
-    releases = [(k, s) for k, s in releases if s.integer(0) in keywords]
+    of_block = [(k, s) for k, s in enumerate(deck.statements) if s.keyword == "RLSE" and s.block == 1]
+    releases = [(k, s) for k, s in of_block if s.integer(0) in keywords]
     if not releases:
         return {}
     deck = full_deck(deck)
@@ -55,7 +53,6 @@ def _candidates(deck: Deck) -> dict[int, list[tuple[int, int]]]:
     if any(m.code == "input.skipped-block" and m.severity == "warning" for m in deck.messages):
         return {}  # mode 0 with a dynamics block that could not be read
     laws = {name: {s.integer(0): s for s in deck.of(name, block=2)} for name in ("ESTIFF", "EDAMP", "ESIG", "EM")}
-    releases = [(k, s) for k, s in releases if not _is_whole(laws["ESTIFF"].get(s.integer(0)), keywords[s.integer(0)])]
     modes_of: dict[int, set[int]] = {}
     for _, s in releases:
         modes_of.setdefault(s.integer(0), set()).update(_modes(s.integers(1), keywords[s.integer(0)]))
@@ -77,14 +74,6 @@ def _candidates(deck: Deck) -> dict[int, list[tuple[int, int]]]:
         if pairs:
             found[k] = pairs
     return found
-
-
-def _is_whole(stiff: Statement | None, keyword: str) -> bool:
-    """Does every deformation have stiffness? Frames have thousands of such elements."""
-    kind = ELEMENT_TYPES[keyword]
-    if stiff is None or len(kind.stiffness) < len(kind.modes) or len(stiff.values) < max(kind.stiffness):
-        return False
-    return all(stiff.values[p - 1] for p in kind.stiffness)
 
 
 def _modes(given: tuple[int, ...], keyword: str) -> tuple[int, ...]:

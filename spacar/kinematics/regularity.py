@@ -19,7 +19,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.errors import AnalysisError
-from spacar.kinematics.constraint_matrices import ZERO, entries_of, is_single_root, scaled_difference_matrix
+from spacar.kinematics.constraint_matrices import ZERO, entries_of, scaled_difference_matrix
 from spacar.linear_systems.linear_system import DenseSystem
 from spacar.linear_systems.reciprocal_condition import reciprocal_condition
 from spacar.mechanism.mechanism import Mechanism
@@ -28,12 +28,8 @@ from spacar.mechanism.numbering import Numbering
 if TYPE_CHECKING:
     from spacar.kinematics.kinematics import Kinematics
 
+MOST_NAMED = 3000  # unknowns whose singular vectors (time and memory of a full matrix) are worth names in a message
 HALF_TURN = 0.02  # smallest |lambda0| of a node whose lambda1..3 are dynamic: 177.7 degrees
-
-
-def nearly_singular(mechanism: Mechanism) -> float:
-    """A reciprocal condition of V[E, U] below which the position is looked at."""
-    return ZERO * sqrt(mechanism.distance)
 
 
 class PositionMatrix:
@@ -61,7 +57,7 @@ class PositionMatrix:
     @property
     def zero(self) -> float:
         """A reciprocal condition below which the position is looked at."""
-        return nearly_singular(self._mechanism)
+        return ZERO * sqrt(self._mechanism.distance)
 
     @property
     def kinematics(self) -> Kinematics:
@@ -74,8 +70,11 @@ class PositionMatrix:
 
     def rcond(self) -> float:
         """Reciprocal condition of the scaled matrix that was factored last."""
-        system = self.kinematics.velocity_system
-        norm = self._dense_norm(system.A) if isinstance(system, DenseSystem) else self._norm()
+        k = self.kinematics
+        system = k.velocity_system
+        norm = k.norm(k.of_velocity)
+        if isinstance(system, DenseSystem):
+            norm = float((self.rows @ np.abs(system.A) * self.columns).max())
         return reciprocal_condition(system, norm, self.rows, self.columns)
 
     def surely_regular(self) -> bool:
@@ -89,19 +88,7 @@ class PositionMatrix:
     def determined(self) -> bool:
         """Is the position a single root? Worth its cost only where `rcond` is below `zero`."""
         k = self.kinematics
-        rounding = k.rounding(k.x, k.sweep.e[k.h])
-        return is_single_root(k.sweep, k.velocity_system, k.E, k.U, self.rows, self.columns, self._norm(), rounding)
-
-    def _dense_norm(self, A: Array) -> float:
-        return float((self.rows @ np.abs(A) * self.columns).max())
-
-    def _norm(self) -> float:
-        """1-norm of the scaled matrix from its entries; bounded from above where two add up."""
-        k, sweep = self.kinematics, self.kinematics.sweep
-        take = k.velocity_take
-        columns = sweep.v_columns[take]
-        weight = k.scale[columns] / k.mechanism.deformation_scale[sweep.v_rows[take]]
-        return float(np.bincount(columns, np.abs(sweep.entries[take]) * weight).max())
+        return k.is_single_root(k.of_velocity, k.rounding(k.x, k.sweep.e[k.h]))
 
     def undetermined(self) -> str:
         """Names of the coordinates that move most in the motion that is not determined."""
@@ -113,25 +100,14 @@ class PositionMatrix:
         order = np.argsort(-motion, kind="stable")[:3]
         return ", ".join(k.numbering.x_name(int(k.U[i])) for i in order if motion[i] > 0.1)
 
-
-MOST_NAMED = 3000
-"""Unknown positions whose singular vectors (time and memory of a full matrix) are worth the names in a message."""
-
-
-class Regularity:
-    """Checks one evaluator at its present configuration."""
-
-    def __init__(self, matrix: PositionMatrix) -> None:
-        self.matrix = matrix
-
     def check(self, t: float) -> None:
         """Raises AnalysisError 'position.singular' that names the motion which is not determined."""
-        if self.matrix.is_empty or self.matrix.surely_regular() or self.matrix.determined():
+        if self.is_empty or self.surely_regular() or self.determined():
             return
-        rcond = self.matrix.rcond()
+        rcond = self.rcond()
         raise AnalysisError(
             f"singular position at t = {t:.9g}: the degrees of freedom do not determine the motion of"
-            f" {self.matrix.undetermined()} (reciprocal condition {rcond:.2g}); a dead point: choose other degrees of"
+            f" {self.undetermined()} (reciprocal condition {rcond:.2g}); a dead point: choose other degrees of"
             " freedom, or output times that do not fall on it",
             "position.singular",
             t=t,

@@ -8,7 +8,8 @@ stiffness. Along a true redundancy all e of the rows stay zero, so D2e_i(v, v) +
     sum_i c_i D2e_i(v, v) = -c R a = 0          for all v with R v = 0,
 
 which is the test, to the second order: those self-stresses mean a redundancy whose geometric stiffness vanishes on the
-null space of R.
+null space of R. It does when v^T K(c) v is zero for some random motions v, more of them than there are stresses (with
+probability one).
 """
 
 from __future__ import annotations
@@ -19,9 +20,8 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.kinematics.constraint_matrices import entries_of, scaled_difference_matrix
-from spacar.kinematics.element_sweep import ElementSweep
+from spacar.kinematics.element_sweep import ElementSweep, geometric_blocks
 from spacar.kinematics.null_space import LARGEST_DECOMPOSED, norm_estimate, null_space, on_null_space
-from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import Mechanism
 
 if TYPE_CHECKING:
@@ -41,25 +41,36 @@ def redundancies(mechanism: Mechanism, rows: Index, x: Array | None = None) -> A
     sweep = ElementSweep(mechanism)
     sweep.strain(mechanism.x0 if x is None else x)
     moving = np.arange(n.x_class["fixed"].stop, n.nx)
-    if max(len(rows), len(moving)) > LARGEST_DECOMPOSED:
-        return _of_large(mechanism, sweep, rows, moving)
-    row_scale, scale = mechanism.deformation_scale[rows], mechanism.scale[moving]
-    R = scaled_difference_matrix(mechanism, entries_of(sweep), rows, moving)
-    if not R.size:
-        return np.zeros((len(rows), 0))
-    left, s, right = np.linalg.svd(R)
-    rank = int(np.sum(s > ZERO * s[0]))
-    stresses, motions = left[:, rank:], right[rank:].T
-    if not stresses.shape[1] or not motions.shape[1] or not n.holonomic:
+    large = max(len(rows), len(moving)) > LARGEST_DECOMPOSED
+    if large:
+        R = scaled_part(mechanism, sweep, rows, moving)
+        norm = norm_estimate(R)
+        stresses = null_space(R.T.tocsr(), norm, ZERO)[0]
+    else:
+        D = scaled_difference_matrix(mechanism, entries_of(sweep), rows, moving)
+        if not D.size:
+            return np.zeros((len(rows), 0))
+        left, s, right = np.linalg.svd(D)
+        rank = int(np.sum(s > ZERO * s[0]))
+        stresses = left[:, rank:]
+    count = stresses.shape[1]
+    if not count or not n.holonomic:
         return np.asarray(stresses)
-    columns, size = [], 0.0
-    for c in stresses.T:
+    v = np.zeros((n.nx, count + MORE_MOTIONS))
+    any_motions = np.random.default_rng(1).standard_normal((len(moving), v.shape[1]))
+    v[moving] = on_null_space(R, norm, any_motions) if large else right[rank:].T @ (right[rank:] @ any_motions)
+    v *= mechanism.scale[:, None]
+    work, size = np.zeros((v.shape[1], count)), 0.0
+    for j, c in enumerate(stresses.T):
         sigma = np.zeros(n.ne)
-        sigma[rows] = c / row_scale
-        K = _geometric_stiffness(sweep, sigma)[np.ix_(moving, moving)] * scale * scale[:, None]
-        size = max(size, float(np.linalg.norm(K)))
-        columns.append((motions.T @ K @ motions).ravel())
-    _, s, right = np.linalg.svd(np.linalg.qr(np.array(columns).T, mode="r"), full_matrices=True)
+        sigma[rows] = c / mechanism.deformation_scale[rows]
+        square = 0.0
+        for b, block in geometric_blocks(sweep, sigma):
+            part, scale = v[b.x], mechanism.scale[b.x]
+            work[:, j] += np.einsum("ink,ijn,jnk->k", part, block, part, optimize=True)
+            square += float(np.sum((block * scale[:, None] * scale[None]) ** 2))
+        size = max(size, float(np.sqrt(square)))
+    _, s, right = np.linalg.svd(work, full_matrices=True)
     resisting = int(np.sum(s > ZERO * size))
     return np.asarray(stresses @ right[resisting:].T)
 
@@ -71,47 +82,3 @@ def scaled_part(mechanism: Mechanism, sweep: ElementSweep, rows: Index, columns:
     scaled = sweep.v_entries * mechanism.scale[sweep.v_columns] / mechanism.deformation_scale[sweep.v_rows]
     V = coo_array((scaled, (sweep.v_rows, sweep.v_columns)), (sweep.ne, sweep.nx)).tocsr()
     return V[rows][:, columns]
-
-
-def _of_large(mechanism: Mechanism, sweep: ElementSweep, rows: Index, moving: Index) -> Array:
-    """The same without dense matrices. The geometric stiffness of a stress c vanishes on the motions when v^T K(c) v is
-    zero for some random motions v, more of them than there are stresses (with probability one)."""
-    n = mechanism.numbering
-    R = scaled_part(mechanism, sweep, rows, moving)
-    norm = norm_estimate(R)
-    stresses = null_space(R.T.tocsr(), norm, ZERO)[0]
-    count = stresses.shape[1]
-    if not count or not n.holonomic:
-        return stresses
-    v = np.zeros((n.nx, count + MORE_MOTIONS))
-    v[moving] = on_null_space(R, norm, np.random.default_rng(1).standard_normal((len(moving), v.shape[1])))
-    v *= mechanism.scale[:, None]
-    work, size = np.zeros((v.shape[1], count)), 0.0
-    for j, c in enumerate(stresses.T):
-        sigma = np.zeros(n.ne)
-        sigma[rows] = c / mechanism.deformation_scale[rows]
-        square = 0.0
-        for b in sweep.curved:
-            block = _block(sweep, b, sigma)
-            part, scale = v[b.x], mechanism.scale[b.x]
-            work[:, j] += np.einsum("ink,ijn,jnk->k", part, block, part, optimize=True)
-            square += float(np.sum((block * scale[:, None] * scale[None]) ** 2))
-        size = max(size, float(np.sqrt(square)))
-    _, s, right = np.linalg.svd(work, full_matrices=True)
-    resisting = int(np.sum(s > ZERO * size))
-    return np.asarray(stresses @ right[resisting:].T)
-
-
-def _block(sweep: ElementSweep, b: Batch, sigma: Array) -> Array:
-    """Sum of sigma_i times the second derivatives of e_i, element by element (n_coordinates, n_coordinates, n)."""
-    block = np.zeros((len(b.x), len(b.x), b.family.n))
-    b.family.geometric_stiffness(sweep.configuration[b.index], sigma[b.e], block)
-    return block
-
-
-def _geometric_stiffness(sweep: ElementSweep, sigma: Array) -> Array:
-    """The same of all elements, (nx, nx)."""
-    out = np.zeros((sweep.nx, sweep.nx))
-    for b in sweep.curved:
-        np.add.at(out, (b.x[:, None, :], b.x[None, :, :]), _block(sweep, b, sigma))
-    return out

@@ -14,13 +14,13 @@ The element families give T(v)[e,j] = D3D(v, v, unit_j); polarization gives D3D(
 
 from __future__ import annotations
 
-from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.frame import Frame
+from spacar.kinematics.element_sweep import geometric_blocks
 from spacar.kinematics.kinematics import Kinematics
 from spacar.linear_systems.linear_system import Matrix
 
@@ -97,16 +97,13 @@ def gradient_tensor(k: Kinematics) -> Array:
     """H as a full (ne, nx, nx) array; only for output, from unit stresses."""
     sweep = k.sweep
     H = np.zeros((sweep.ne, sweep.nx, sweep.nx))
-    for batch in sweep.curved:
-        nee, nxe, n = len(batch.e), len(batch.x), batch.family.n
-        for row in range(nee):
-            sigma = np.zeros((nee, n))
-            sigma[row] = 1.0
-            block = np.zeros((nxe, nxe, n))
-            batch.family.geometric_stiffness(sweep.configuration[batch.index], sigma, block)
-            for element in range(n):
-                x = batch.x[:, element]
-                H[np.ix_([batch.e[row, element]], x, x)] += block[None, :, :, element]
+    for row in range(max((len(b.e) for b in sweep.curved), default=0)):
+        sigma = np.zeros(sweep.ne)
+        for b in sweep.curved:
+            sigma[b.e[row : row + 1]] = 1.0
+        for b, block in geometric_blocks(sweep, sigma):
+            if row < len(b.e):
+                np.add.at(H, (b.e[row], b.x[:, None], b.x[None]), block)
     return H
 
 
@@ -148,41 +145,22 @@ THIRD, GLOBAL_DEFORMATION = 4, 8
 LARGEST_THIRD = 10_000_000  # numbers of a third order tensor; larger ones are refused
 
 
-class FirstOrder(Protocol):
+class Transfer(NamedTuple):
     """Transfer functions of the degrees of freedom, (nx, n) and (ne, n): W and We of rates, G and Ge of the
     configuration."""
 
-    @property
-    def W(self) -> Array: ...
-    @property
-    def We(self) -> Array: ...
-    @property
-    def G(self) -> Array: ...
-    @property
-    def Ge(self) -> Array: ...
+    W: Array
+    We: Array
+    G: Array
+    Ge: Array
 
-
-class Placed(Protocol):
-    """What is at a configuration, such as an evaluator."""
-
-    @property
-    def kinematics(self) -> Kinematics: ...
-
-
-class _Transfer:
-    """Those of the present configuration."""
-
-    def __init__(self, k: Kinematics) -> None:
-        self._k, self.W = k, velocity_transfer(k)
-        self.G = configuration_transfer(k, self.W)
-
-    @cached_property
-    def We(self) -> Array:
-        return self._k.sweep_rates(self.W)
-
-    @cached_property
-    def Ge(self) -> Array:
-        return self._k.sweep_rates(self.G)
+    @classmethod
+    def of(cls, k: Kinematics) -> Transfer:
+        """Those of the present configuration."""
+        W = velocity_transfer(k)
+        G = configuration_transfer(k, W)
+        We = k.sweep_rates(W)
+        return cls(W, We, G, We if G is W else k.sweep_rates(G))
 
 
 class TransferOutput:
@@ -212,22 +190,18 @@ class TransferOutput:
         """Whether anything is added."""
         return bool(self.level or self.log & (FIRST | SECOND | THIRD | GLOBAL_DEFORMATION))
 
-    def add(self, frame: Frame, placed: Placed, known: FirstOrder | None = None) -> Frame:
+    def add(self, frame: Frame, k: Kinematics, known: Transfer | None = None) -> Frame:
         """The same frame with the transfer functions of the present configuration; `known` of a linearization there."""
         if self.log & GLOBAL_DEFORMATION:
-            frame.log["bigd"] = placed.kinematics.sweep.gradient()
+            frame.log["bigd"] = k.sweep.gradient()
         if not self.level and not self.log & (FIRST | SECOND | THIRD):
             return frame
-        if known is None:
-            known = _Transfer(placed.kinematics)
-        W, G = known.W, known.G
+        W, We, G, Ge = known or Transfer.of(k)
         if (self.level | self.log) & FIRST:
-            frame.log["dx"], frame.log["de"] = G, known.Ge
+            frame.log["dx"], frame.log["de"] = G, Ge
         if self.level & FIRST:
-            frame.dx, frame.de = G, known.Ge
-            frame.dxc, frame.dec = W, frame.de if G is W else known.We
+            frame.dx, frame.de, frame.dxc, frame.dec = G, Ge, W, Ge if G is W else We
         if self.level & SECOND or self.log & (SECOND | THIRD):
-            k = placed.kinematics
             d2x, d2e = second_order_transfer(k, G)
             flat = [A.reshape(len(A), -1, order="F") for A in (d2x, d2e)]
             if self.level & SECOND:

@@ -9,7 +9,10 @@ imaginary part first.
 Every returned pair is checked (`spacar.linear.backward_error`); a doubtful one is kept, with a warning.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +20,6 @@ from numpy.typing import NDArray
 from spacar.arrays import Array, Index
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
-from spacar.linear.eigenmodes import Modes, arranged
 from spacar.linear.graded import EPS, TEN_DIGITS, Factors, eigenvalues, graded_modes, keeps_digits
 from spacar.linear_systems import DENSE_LIMIT
 from spacar.linearization.matrices import MASSLESS, Linearization, assembled_state_matrix, require_mass, selected
@@ -32,6 +34,64 @@ ROUNDING = 1e-12  # omega^2 below this fraction of the largest may be rigid moti
 SPREAD = 1e-5  # of omega^2, from which on the entries of K have too few digits for the lowest
 SINGULAR = 1e3  # of M, row and column scaled, from which on its entries have too few digits for the highest
 MOST_GRADED = 200  # degrees of freedom: 60 ms
+
+
+@dataclass(frozen=True)
+class Modes:
+    """values (n,), vectors (n_state, n): eigenvalues [rad/s] and state eigenvectors; n_positions rows are positions.
+
+    motions (nx, n): displacements of the coordinates, where they are computed without transfer functions.
+    """
+
+    values: Complex
+    vectors: Complex
+    n_positions: int
+    motions: Complex | None = None
+
+    def stored(self, motions: bool) -> dict[str, Array]:
+        """eigval, eigvre, eigvim; with the motions eigxre and eigxim."""
+        found = {"eigval": np.column_stack((self.values.real, self.values.imag))}
+        for name, vectors in (("eigv", self.vectors), ("eigx", self.motions if motions else None)):
+            if vectors is not None:
+                found |= {f"{name}re": vectors.real, f"{name}im": vectors.imag}
+        return found
+
+    def lowest(self, pairs: int) -> Modes:
+        """The last `pairs` pairs, conjugates never divided."""
+        first = max(len(self.values) - 2 * pairs, 0)
+        if first and self.values[first].imag < 0.0 and self.values[first - 1] == self.values[first].conj():
+            first -= 1
+        return Modes(self.values[first:], self.vectors[:, first:], self.n_positions)
+
+    @property
+    def zero(self) -> NDArray[np.bool_]:
+        """Eigenvalues that are zero to working precision: below sqrt(eps) times the largest."""
+        return is_zero(self.values)
+
+
+def is_zero(values: Complex) -> NDArray[np.bool_]:
+    """Below sqrt(eps) times the largest modulus: a multiple zero eigenvalue cannot be computed more accurately."""
+    largest = float(np.max(np.abs(values), initial=0.0))
+    return np.asarray(np.abs(values) <= np.sqrt(np.finfo(float).eps) * largest)
+
+
+def arranged(values: Complex, vectors: Complex, n_positions: int, motions: Complex | None = None) -> Modes:
+    """Norm 1, real largest position component, decreasing modulus, conjugates together; motions (nx, n) alike. What
+    belongs to values that are nan is nan."""
+    n, every = len(vectors), vectors if motions is None else np.vstack((vectors, motions))
+    every = every / np.linalg.norm(vectors, axis=0)
+    if n_positions:
+        largest = np.argmax(np.abs(every[:n_positions]), axis=0)
+        pivot = every[largest, np.arange(len(values))]
+        every *= np.where(pivot != 0.0, np.abs(pivot) / np.where(pivot != 0.0, pivot, 1.0), 1.0)
+    every[:, np.isnan(values)] = np.nan
+    modulus = np.abs(values)
+    # conjugates have equal moduli up to rounding: compare with fewer digits, then by imaginary part
+    size = 10.0 ** np.floor(np.log10(np.where(modulus > 0.0, modulus, 1.0)))
+    rounded = np.round(modulus / size, 10) * size
+    order = np.lexsort((-values.imag, -np.abs(values.imag), -rounded))
+    every = every[:, order]
+    return Modes(values[order], every[:n], n_positions, None if motions is None else every[n:])
 
 
 def vibration_modes(

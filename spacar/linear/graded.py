@@ -50,7 +50,7 @@ class Factors:
     @classmethod
     def of_linearization(cls, L: Linearization, q: Index) -> Factors | None:
         """None where stiffness or mass contain more than elements and nodes give, or one is not definite."""
-        A, B = factor(dense(L.S)), factor(dense(L.M))
+        A, B = factor(dense(L.c.S)), factor(dense(L.c.M))
         if A is None or B is None:
             return None
         A, B = A @ L.We[:, q], B @ L.W[:, q]

@@ -25,8 +25,6 @@ from spacar.elements.family import Family
 from spacar.linearization.coefficients import geometric_rounding
 from spacar.linearization.matrices import Linearization, selected
 
-EPS = float(np.finfo(float).eps)
-
 
 class ElementUnknowns(NamedTuple):
     """Unknowns of one batch: rows (n, m) of the coordinates of the m elements that have one, coupling (n, m), stiffness
@@ -80,12 +78,8 @@ def joined(unknowns: list[ElementUnknowns], nx: int) -> tuple[Array, Array, Arra
 def buckling_matrices(dynamics: Dynamics, L: Linearization, dynamic: Index) -> tuple[Array, Array]:
     """K0 and G0 of the dynamic degrees of freedom, then of the unknowns inside elements. A G0 of rounding is zero."""
     W, K0, G0 = L.W[:, dynamic], *(selected(A, dynamic, dynamic) for A in (L.k0, L.g0))
-    unknowns = element_unknowns(dynamics, L.sigma)
-    scale, size = dynamics.mechanism.scale, np.abs(G0)
-    most = 8.0 * EPS * L.geometric_terms * float(np.abs(W / scale[:, None]).max(initial=0.0)) ** 2
-    # the bound of the bounds is asked first
-    doubtful = not float(size.max(initial=0.0)) > most
-    if doubtful and (size <= geometric_rounding(dynamics.sweep, L.sigma, scale, W)).all():
+    unknowns = element_unknowns(dynamics, L.c.sigma)
+    if (np.abs(G0) <= geometric_rounding(dynamics.sweep, L.c.sigma, dynamics.mechanism.scale, W)).all():
         G0 = np.zeros_like(G0)
     if not unknowns:
         return K0, G0
@@ -104,8 +98,8 @@ def extra_load_matrices(
 ) -> tuple[Array, Array]:
     """K of the present state and G1 of the extra stresses s1 (ne,), both (n, n) over the degrees of freedom `rows`,
     with the unknowns inside elements."""
-    c0, k, eliminated = internal_unknowns(dynamics, L.sigma, s1)
-    c1 = internal_unknowns(dynamics, s1, L.sigma)[0]
+    c0, k, eliminated = internal_unknowns(dynamics, L.c.sigma, s1)
+    c1 = internal_unknowns(dynamics, s1, L.c.sigma)[0]
     W, part = L.W[:, rows].T, eliminated / k
     return _bordered(K, W @ c0, part, k), _bordered(G1, W @ c1, part, np.zeros(len(k)))
 

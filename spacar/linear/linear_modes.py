@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.dynamics.mass_check import linearized_doubt, require_regular_mass
@@ -18,24 +16,26 @@ from spacar.errors import AnalysisError
 from spacar.forward.motion import motion
 from spacar.frame import Frame
 from spacar.kinematics.constraint_condition import condition_number
-from spacar.kinematics.regularity import Regularity
-from spacar.kinematics.transfer import TransferOutput
+from spacar.kinematics.transfer import Transfer, TransferOutput
 from spacar.linear import form
-from spacar.linear.buckling import NO_STRESS, BucklingModes, buckling_modes, directional_compliances
-from spacar.linear.descriptor_modes import lowest_modes
-from spacar.linear.eigen import vibration_modes
-from spacar.linear.eigenmodes import Modes
+from spacar.linear.buckling import (
+    NO_STRESS,
+    BucklingModes,
+    buckling_modes,
+    compliances_at_rest,
+    compliances_in_motion,
+    directional_compliances,
+)
+from spacar.linear.eigen import Modes, vibration_modes
 from spacar.linear.internal_unknowns import buckling_matrices
-from spacar.linear.lowest import WANTED, lowest_vibration
+from spacar.linear.lowest import WANTED, lowest_modes, lowest_vibration
 from spacar.linear.lowest_multipliers import lowest_buckling
-from spacar.linear.sparse_compliances import compliances_at_rest, compliances_in_motion
 from spacar.linear.steady_equations import require_steady
-from spacar.linear.stored_system import StoredSystem, sparse_matrices, vibration_matrices
+from spacar.linear.stored_system import StoredSystem, sparse_matrices
 from spacar.linear_systems import SingularMatrixError
 from spacar.linearization.coefficients import Coefficients, coefficients
 from spacar.linearization.matrices import Linearization, chosen_rows, linearize, selected
 from spacar.linearization.sparse_linearization import SparseLinearization
-from spacar.mechanism.numbering import Numbering
 from spacar.stationary import LoadLevel, LoadProgram, StationarySolver
 from spacar.stationary.tangent import SparseTangent
 from spacar.stream import Run
@@ -59,7 +59,7 @@ def forward(run: Run) -> Iterator[Sequence[Frame]]:
         frame.lost = {**frame.lost, **_doubts(L)}
         _store_matrices(frame, L, dynamics)
         store.add(frame, L, dynamics)
-        yield (output.add(frame, dynamics, L),)
+        yield (output.add(frame, dynamics.kinematics, L.transfer),)
     run.report.lines.extend(store.idle.lines())
 
 
@@ -184,7 +184,8 @@ def stationary(
             tangent.sigma, tangent.last_step = state.sigma, stored + 1 == settings.stored_levels
             if not reduced:
                 _store_matrices(frame, None, dynamics)
-                frame = output.add(frame, dynamics, Unknown.of(n))
+                sizes = [(rows, columns) for columns in (n.ndof, n.nkdof) for rows in (n.nx, n.ne)]
+                frame = output.add(frame, dynamics.kinematics, Transfer(*(np.full(size, np.nan) for size in sizes)))
             yield LinearizedSolution(frame, dynamics, None, tangent, wanted, reduced)
             continue
         L = linearize(dynamics, state.xdd, state.sigma)
@@ -192,7 +193,7 @@ def stationary(
             require_steady(L, dynamics, solver.y, level, run.report)
         frame.lost = {**frame.lost, **_doubts(L)}
         _store_matrices(frame, L, dynamics)
-        frame = output.add(frame, dynamics, L)
+        frame = output.add(frame, dynamics.kinematics, L.transfer)
         yield LinearizedSolution(frame, dynamics, L, None, wanted, reduced)
     if reduced and not moving:
         run.report.add(f"storage of the sparse tangent: {solver.sparse_tangent().storage}")
@@ -215,12 +216,12 @@ def say_lost_digits(run: Run, reduced: bool) -> None:
 
 
 def _say_doubtful_inertia(run: Run, solution: LinearizedSolution) -> None:
-    """Warn of motions whose inertia is rounding of the reduced mass matrix, if modes come from it, at the first step."""
+    """At the first step: warn of motions whose inertia is rounding of the reduced mass matrix that modes come from."""
     L, dynamic = solution.L, run.mechanism.numbering.dynamic
     if L is None or not len(dynamic) or solution.frame.t:
         return
     M = selected(L.m0, dynamic, dynamic)
-    masses = L.M.diagonal()
+    masses = L.c.M.diagonal()
     doubt = linearized_doubt(run.mechanism, lambda: solution.dynamics.sweep, masses, M, run.header["condition"])
     if doubt:
         run.report.add(f"warning: {doubt}")
@@ -234,7 +235,7 @@ def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: floa
     if not len(matrix.columns) or (solver.determined and matrix.rcond() > matrix.zero):
         return False
     if not (reducible and solver.sparse):
-        Regularity(matrix).check(t)
+        matrix.check(t)
         return False  # doubtful but not singular; the warning was given where the state was found
     run.report.add(
         f"warning: at {level} the degrees of freedom do not determine the motion of {matrix.undetermined()} (a dead"
@@ -245,7 +246,7 @@ def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: floa
 
 def _doubts(L: Linearization) -> dict[int, str]:
     """Sentences about derivatives that a user function states, for `Frame.lost`, where rows of e are not negative."""
-    return {-1 - i: sentence for i, sentence in enumerate(L.doubts)}
+    return {-1 - i: sentence for i, sentence in enumerate(L.c.doubts)}
 
 
 def _store_matrices(frame: Frame, L: Linearization | None, dynamics: Dynamics) -> None:
@@ -257,19 +258,6 @@ def _store_matrices(frame: Frame, L: Linearization | None, dynamics: Dynamics) -
         for name in names:
             nothing = np.full((len(rows), len(columns)), np.nan)
             frame.matrices[name] = nothing if L is None else selected(getattr(L, name), rows, columns)
-
-
-class Unknown(NamedTuple):
-    """Transfer functions at a dead point, nan."""
-
-    W: Array
-    We: Array
-    G: Array
-    Ge: Array
-
-    @classmethod
-    def of(cls, n: Numbering) -> Unknown:
-        return cls(*(np.full((rows, columns), np.nan) for columns in (n.ndof, n.nkdof) for rows in (n.nx, n.ne)))
 
 
 def _store_tangent(solution: LinearizedSolution) -> None:
@@ -302,7 +290,7 @@ def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
             raise
     if not solution.reduced and solution.wanted < run.mechanism.numbering.nddof:
         modes = modes.lowest(solution.wanted)
-    solution.frame.matrices.update(vibration_matrices(modes, modes.motions if solution.reduced else None))
+    solution.frame.matrices.update(modes.stored(solution.reduced))
 
 
 def _sparse_vibration(run: Run, tangent: SparseTangent, wanted: int) -> Modes:

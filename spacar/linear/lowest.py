@@ -9,6 +9,11 @@ that is the negative shift -s^2 for omega^2, Q = K_x + s C + s^2 M is regular al
 s^2 is a hundredth of the highest wanted omega^2 within a factor of ten. Pairs with
 |op(z) - theta z| > 1e-8 |theta| |z| are kept, with a warning. Where it exceeds 0.1 |theta| |z| no digit of theta is
 known (theta is an eigenvalue of an operator that differs by that much): value and shape are nan, with the same warning.
+
+Descriptor systems E dz/dt = A z (theory-system.md 5.7), with one factorization: with the real shift s > 0, on the far
+side of zero so that rigid motions do no harm, and positions multiplied by the wanted modulus,
+
+    op z = the state part of (A - s E)^-1 (z, 0),      theta = 1/(lambda - s)
 """
 
 from functools import partial
@@ -19,7 +24,7 @@ from numpy.typing import NDArray
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
-from spacar.linear.eigenmodes import Modes, arranged
+from spacar.linear.eigen import Modes, arranged
 from spacar.linear.subspace import (
     SPARE,
     SUFFICIENT,
@@ -30,10 +35,12 @@ from spacar.linear.subspace import (
     real_vectors,
     with_shift,
 )
+from spacar.linearization.descriptor import MASSLESS, DescriptorSystem
 from spacar.stationary.tangent import STATIC, SparseTangent
 
 WANTED = 20  # modes
 SHIFT = 1e-2  # s^2 as a fraction of the highest wanted omega^2
+OF_MODULUS = 0.1  # s of a descriptor system as a fraction of the highest wanted modulus
 LOADING = ("geometric", "load", "moment")
 RIGID = 1e-10  # least s^2 M of rods without springs: below 1e-14 a matrix counts as singular; omega^2 loses nothing
 SYMMETRIC = 1e-9  # relative asymmetry of the loading that is rounding
@@ -195,3 +202,58 @@ def lost_pairs(
         advice += f"; {int(lost[found].sum())} of which no digit is known are nan"
     backward_error.warn(report, residual[found], values[found], what, SUFFICIENT, advice)
     return np.asarray(lost)
+
+
+# -- descriptor systems -----------------------------------------------------------------------------------------------
+def lowest_modes(system: DescriptorSystem, n_positions: int, nx: int, report: Report, wanted: int) -> Modes:
+    """The 2 `wanted` eigenvalues of smallest modulus with the motions of the coordinates (nx, 2 wanted). An eigenvalue
+    whose conjugate would be the next one is nan.
+
+    n_positions   rows of the state that are positions
+
+    Raises AnalysisError where the accelerations are not unique.
+    """
+    n = system.n_states
+    count = min(2 * wanted, n)
+    start = np.random.default_rng(1).standard_normal((n, min(count + SPARE, n)))
+
+    def better(theta: NDArray[np.complex128], shift: float) -> float:
+        modulus = np.max(np.abs(shift + 1.0 / np.where(theta != 0.0, theta, 1e-300)))
+        return max(OF_MODULUS * float(modulus), 1e-12)
+
+    _, inverse = with_shift(lambda s: _Inverse(system, n_positions, s), 1.0, better, start, count, n)
+    values, z = eigenvalues_of(inverse, inverse.shift, start, count, n, report)
+    motions = inverse.motions(z, nx)
+    z[:n_positions] /= inverse.size
+    return arranged(values, z, n_positions, motions)
+
+
+class _Inverse:
+    """The operator op of a descriptor system, for states with their positions multiplied by `size`."""
+
+    def __init__(self, system: DescriptorSystem, n_positions: int, shift: float) -> None:
+        from spacar.linear_systems.sparse_factors import SparseFactors
+
+        self.system, self.shift, self.size = system, shift, shift / OF_MODULUS
+        self.scale = np.ones(system.n_states)
+        self.scale[:n_positions] = self.size
+        try:
+            self.factors = SparseFactors(system.shifted(shift))
+        except RuntimeError:
+            raise AnalysisError(MASSLESS, "dynamics.singular-mass") from None
+
+    def everything(self, z: Array) -> Array:
+        """All unknowns of (A - s E)^-1 (z, 0)."""
+        right = np.zeros((self.system.A.shape[0], z.shape[1]))
+        right[: len(z)] = z / self.scale[:, None]
+        return np.asarray(self.factors.solve(right))
+
+    def __call__(self, z: Array) -> Array:
+        return self.scale[:, None] * self.everything(z)[: len(z)]
+
+    def motions(self, z: NDArray[np.complex128], nx: int) -> NDArray[np.complex128]:
+        """dx (nx, k) of the vectors z (scaled) with op z = theta z, norm of z without the scale kept."""
+        n = self.system.n_states
+        image = self.everything(z.real) + 1j * self.everything(z.imag)
+        factor = np.sum((image[:n] * self.scale[:, None]) * z.conj(), axis=0) / np.sum(np.abs(z) ** 2, axis=0)
+        return np.asarray(image[n + nx : n + 2 * nx] / factor)

@@ -17,8 +17,9 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
+from spacar.linearization.coefficients import Coefficients
 from spacar.linearization.matrices import Linearization, chosen_rows, require_mass, solve_mass, state_matrix
-from spacar.linearization.signals import DRIVING_SIGN, Signal
+from spacar.linearization.signals import DRIVING_SIGN, ORDER, Signal
 
 
 @dataclass(frozen=True)
@@ -73,11 +74,10 @@ def _prescribed(dynamics: Dynamics, inputs: Sequence[Signal]) -> tuple[Array, Ar
     row_x = {int(i): k for k, i in enumerate(n.q_x)}
     row_e = {int(i): len(n.q_x) + k for k, i in enumerate(n.q_e)}
     P = tuple(np.zeros((n.ndof, len(inputs))) for _ in range(3))
-    order = {"INX": 0, "INE": 0, "INXP": 1, "INEP": 1, "INXDP": 2, "INEDP": 2}
     for j, signal in enumerate(inputs):
-        if signal.kind in order:
+        if signal.kind in ORDER:
             row = row_x if signal.kind.startswith("INX") else row_e
-            P[order[signal.kind]][row[signal.index], j] = 1.0
+            P[ORDER[signal.kind]][row[signal.index], j] = 1.0
     return P  # type: ignore[return-value]
 
 
@@ -107,34 +107,34 @@ def _outputs(
     rows = {kind: maps[kind]() for kind in kinds if kind in maps}
     if kinds & {"OUTS", "OUTF"}:
         changes = [maps[kind]() for kind in maps]
-        rows["OUTS"], rows["OUTF"] = _reactions(dynamics, L, changes, Ef, Es, nz)
+        rows["OUTS"], rows["OUTF"] = _reactions(dynamics, L.c, changes, Ef, Es, nz)
     table = np.array([rows[signal.kind][signal.index] for signal in outputs]).reshape(len(outputs), nz + nu)
     return table[:, :nz], table[:, nz:]
 
 
 def _reactions(
-    dynamics: Dynamics, L: Linearization, changes: list[Array], Ef: Array, Es: Array, nz: int
+    dynamics: Dynamics, c: Coefficients, changes: list[Array], Ef: Array, Es: Array, nz: int
 ) -> tuple[Array, Array]:
-    """Variations of all stresses (ne, .) and of the total external forces fxtot (nx, .) with those of x, e and rates."""
+    """Changes of all stresses (ne, .) and of the total external forces fxtot (nx, .) with those of x, e and rates."""
     k, n = dynamics.kinematics, dynamics.numbering
     dx, dxd, dxdd, de, ded, dedd = changes
     free = np.arange(n.e_class["input"].stop, n.ne)
     dsigma = np.zeros_like(de)
-    dsigma[free] = (L.S @ de + L.Sd @ ded + L.stress_x @ dx + L.stress_v @ dxd)[free]
+    dsigma[free] = (c.S @ de + c.Sd @ ded + c.stress_x @ dx + c.stress_v @ dxd)[free]
     dsigma[free, nz:] -= DRIVING_SIGN * Es[free]
-    force = L.M @ dxdd + L.inertia_v @ dxd + L.inertia_x @ dx
+    force = c.M @ dxdd + c.inertia_v @ dxd + (c.inertia_x + c.geometric) @ dx
     if dynamics.coupling.present:
         i, j, value = dynamics.coupling.table
         stress = np.zeros_like(dedd)
         np.add.at(stress, i, value[:, None] * dedd[j])
-        force += L.V.T @ stress
+        force += c.V.T @ stress
     applied = np.zeros_like(force)
     applied[:, nz:] = Ef
     multipliers = dsigma.copy()
     multipliers[k.E] = 0.0
-    residual = force + L.load_x @ dx + L.load_v @ dxd - applied + L.V.T @ multipliers
+    residual = force + (c.load_x + c.user_x) @ dx + c.user_v @ dxd - applied + c.V.T @ multipliers
     multipliers[k.E] = k.velocity_system.solve_transposed(-residual[k.U])
-    total = force + L.V.T @ multipliers
+    total = force + c.V.T @ multipliers
     constrained = np.arange(n.e_class["input"].stop)
     dsigma[constrained] = multipliers[constrained]
     return dsigma, total

@@ -26,15 +26,14 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.deck.rewrite.divide import stiffness_modes
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.frame import Frame
 from spacar.linear.backward_error import EPS
-from spacar.linear.descriptor_modes import lowest_modes
-from spacar.linear.eigenmodes import Modes
+from spacar.linear.eigen import Modes
+from spacar.linear.lowest import lowest_modes
 from spacar.linear.state_space import state_space
 from spacar.linearization.coefficients import coefficients
 from spacar.linearization.descriptor import DescriptorSystem
@@ -80,7 +79,7 @@ class StoredSystem:
         if self.wanted:
             n = dynamics.numbering
             modes = modes or lowest_modes(system, n.nkddof, n.nx, self.run.report, min(self.wanted, n.nddof))
-            frame.matrices.update(vibration_matrices(modes, modes.motions))
+            frame.matrices.update(modes.stored(True))
 
     def add(self, frame: Frame, L: Linearization, dynamics: Dynamics) -> None:
         """A, B, C, D and the matrices of the same equations."""
@@ -199,15 +198,6 @@ def _couples(X: Array, q: Index, r: int) -> bool:
 def sparse_matrices(tangent: SparseTangent) -> dict[str, Array]:
     """ktan and mtan of the present state, by columns; entries that happen to be zero stay."""
     return {"ktan": _table(tangent.matrix(STATIC)), "mtan": _table(tangent.mass_matrix())}
-
-
-def vibration_matrices(modes: Modes, motions: NDArray[np.complex128] | None) -> dict[str, Array]:
-    """eigval, eigvre, eigvim; of these motions eigxre and eigxim."""
-    found = {"eigval": np.column_stack((modes.values.real, modes.values.imag))}
-    for name, vectors in (("eigv", modes.vectors), ("eigx", motions)):
-        if vectors is not None:
-            found |= {f"{name}re": vectors.real, f"{name}im": vectors.imag}
-    return found
 
 
 def _table(A: Any) -> Array:

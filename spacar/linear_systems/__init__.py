@@ -40,26 +40,19 @@ def assemble(
 
     nf   the matrix has the mixed form of `spacar.linear_systems.condensed`, and so many unknowns x
     """
-    if kind is None and is_dense(n):
-        kind = "dense"
-    if kind == "dense":
+    if kind == "dense" or (kind is None and is_dense(n)):
         return DenseSystem(n, rows, columns)
     from spacar.linear_systems.banded import BandedSystem
     from spacar.linear_systems.ordering import bandwidths, order
     from spacar.linear_systems.sparse import SparseSystem
 
-    if kind == "condensed" and nf is not None:
-        return _condensed(n, rows, columns, nf)
-    if kind == "sparse":
+    if kind in (None, "banded"):
+        row_rank, column_rank = order(n, rows, columns)
+        lower, upper = bandwidths(row_rank[rows], column_rank[columns])
+        if kind == "banded" or 2 * lower + upper + 1 < widest_band(n, nf is not None):
+            return BandedSystem(n, row_rank, column_rank, rows, columns, lower, upper)
+    if kind == "sparse" or nf is None:
         return SparseSystem(n, rows, columns)
-    row_rank, column_rank = order(n, rows, columns)
-    lower, upper = bandwidths(row_rank[rows], column_rank[columns])
-    if kind == "banded" or 2 * lower + upper + 1 < widest_band(n, nf is not None):
-        return BandedSystem(n, row_rank, column_rank, rows, columns, lower, upper)
-    return SparseSystem(n, rows, columns) if nf is None else _condensed(n, rows, columns, nf)
-
-
-def _condensed(n: int, rows: NDArray[np.int64], columns: NDArray[np.int64], nf: int) -> LinearSystem:
     from spacar.linear_systems.condensed import CondensedSystem
 
     return CondensedSystem(n, rows, columns, nf)

@@ -60,7 +60,7 @@ class CondensedSystem:
     def forget(self) -> None:
         """What depends on the entries: two of them would take twice the memory."""
         self._entries = np.zeros(0)
-        self._mixed, self._known = False, False
+        self._mixed = False
         self.A = self.lu = self.R = self.N = self._NT = self._G = self._K = self._V = self._SV = self._pivots = None
 
     def factor(self, entries: Array) -> None:
@@ -246,11 +246,6 @@ class CondensedSystem:
 
     def negative(self) -> int | None:
         """Negative eigenvalues of the symmetric matrix, of which none is zero; None where rounding may decide."""
-        if not self._known:
-            self._negative, self._known = self._counted(), True
-        return self._negative
-
-    def _counted(self) -> int | None:
         if self._mixed or not self._symmetric() or not self._lost() < CLEAR:
             return None
         negative = int(np.count_nonzero(self.pivots < 0.0))

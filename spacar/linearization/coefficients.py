@@ -22,7 +22,7 @@ from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import StressLaw, moment_entries
 from spacar.elements.family import Family
-from spacar.kinematics.element_sweep import ElementSweep
+from spacar.kinematics.element_sweep import ElementSweep, geometric_blocks
 from spacar.linear_systems.linear_system import Matrix, diagonal_matrix, matrix, zero_matrix
 from spacar.linearization.user_derivatives import user_derivatives
 from spacar.mechanism.layout import Batch
@@ -61,16 +61,6 @@ def gradient_transport(sweep: ElementSweep, v: Array) -> Matrix:
 def rate_gradient(sweep: ElementSweep, v: Array) -> Matrix:
     """T(v), (ne, nx)."""
     return _by_rows(sweep, lambda b, out: b.family.rate_gradient(sweep.configuration[b.index], v[b.x], out))
-
-
-def geometric_blocks(sweep: ElementSweep, sigma: Array) -> list[tuple[Batch, Array]]:
-    """Hs(sigma) per batch, (n_coordinates, n_coordinates, n) each."""
-    blocks = []
-    for b in sweep.curved:
-        block = np.zeros((len(b.x), len(b.x), b.family.n))
-        b.family.geometric_stiffness(sweep.configuration[b.index], sigma[b.e], block)
-        blocks.append((b, block))
-    return blocks
 
 
 def scatter(nx: int, blocks: list[tuple[Batch, Array]]) -> Matrix:

@@ -28,7 +28,7 @@ from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import StressLaw
 from spacar.errors import AnalysisError
-from spacar.kinematics.transfer import configuration_transfer, deformation_transfer, velocity_transfer
+from spacar.kinematics.transfer import Transfer, configuration_transfer, deformation_transfer, velocity_transfer
 from spacar.linear_systems.linear_system import Matrix, dense, is_zero_matrix, zero_matrix
 from spacar.linearization.coefficients import Coefficients, coefficients
 from spacar.mechanism.numbering import Numbering
@@ -42,14 +42,7 @@ class Linearization:
     m0, c0, d0 (ndof, ndof); k0, n0, g0 (ndof, nkdof); ak0 (nkdof, ndof); bk0 (nkdof, nkdof)
     W, We   velocity transfer;  G, Ge   configuration transfer
     Z, Ze   d(xd, ed)/ds;  Y, Ye  d(xdd, edd)/ds;  Yv, Yev  d(xdd, edd)/d(qd)
-    sigma   (ne,) stresses used in g0;  V (ne, nx);  M (nx, nx)
-    inertia_x, inertia_v  (nx, nx) d(M a + h + V^T sigma)/dx at fixed sigma, dh/dv
-    load_x, load_v        (nx, nx) -df/dx, -df/dv
-    S, Sd   (ne, ne) constitutive matrices of the active rows, by which stresses of the user change with e, ed included
-    stress_x, stress_v  (ne, nx) what these change with x, xd beside that
-    geometric_terms  sum over the elements of the largest entry of their Hs in the sizes of the coordinates [N m];
-            infinite when it has not been asked for
-    doubts  sentences about derivatives that a user function states
+    c       of coordinates, rates, accelerations and stresses; its sigma (ne,) is that of g0
 
     Those of type Matrix are sparse when the model is large, but Z to Yev only at rest, where they vanish; in motion
     these are dense.
@@ -73,19 +66,11 @@ class Linearization:
     Ye: Matrix
     Yv: Matrix
     Yev: Matrix
-    sigma: Array
-    V: Matrix
-    M: Matrix
-    inertia_x: Matrix
-    inertia_v: Matrix
-    load_x: Matrix
-    load_v: Matrix
-    S: Matrix
-    Sd: Matrix
-    stress_x: Matrix
-    stress_v: Matrix
-    geometric_terms: float = np.inf
-    doubts: tuple[str, ...] = ()
+    c: Coefficients
+
+    @property
+    def transfer(self) -> Transfer:
+        return Transfer(self.W, self.We, self.G, self.Ge)
 
     @cached_property
     def stiffness(self) -> Array:
@@ -109,17 +94,10 @@ def linearize(
     k = dynamics.kinematics
     c = coefficients(dynamics, xdd, sigma, law=law, t=t)
     W = velocity_transfer(k)
-    return reduced(dynamics, c, W, deformation_transfer(k, W, c.V), configuration_transfer(k, W))
-
-
-def reduced(
-    dynamics: Dynamics, c: Coefficients, W: Array, We: Array, G: Array, geometric_terms: float = np.inf
-) -> Linearization:
-    """The linearized equations of these coefficients and transfer functions; G is W itself for holonomic systems."""
-    n, M, Me = dynamics.numbering, c.M, c.deformation_inertia
+    We, G = deformation_transfer(k, W, c.V), configuration_transfer(k, W)
     Ge = We if G is W else c.V @ G
-    rates = _rates(dynamics, c, W, G) if c.moving else no_rates(n.ne, n.nx, n.ndof, n.nkdof)
-    Z, Ze, Y, Ye, Yv, Yev = rates
+    M, Me = c.M, c.deformation_inertia
+    Z, Ze, Y, Ye, Yv, Yev = _rates(dynamics, c, W, G)
     ak0, bk0 = _kinematic(dynamics, W, We, Z, Ze)
     m0, c0 = _between((W, M, W), (We, Me, We)), _between((W, c.inertia_v, W))
     d0, n0 = _between((We, c.Sd, We), (We, c.stress_v, W), (W, c.user_v, W)), _between((W, c.inertia_x, G))
@@ -132,10 +110,7 @@ def reduced(
         k0=_between((We, c.S, Ge), (We, c.stress_x, G), (W, c.user_x, G)),
         n0=n0,
         g0=_between((W, c.geometric + c.load_x, G)),
-        ak0=ak0, bk0=bk0, W=W, We=We, G=G, Ge=Ge, Z=Z, Ze=Ze, Y=Y, Ye=Ye, Yv=Yv, Yev=Yev,
-        sigma=c.sigma, V=c.V, M=M, inertia_x=c.inertia_x + c.geometric, inertia_v=c.inertia_v,
-        load_x=c.load_x + c.user_x, load_v=c.user_v, S=c.S, Sd=c.Sd,
-        stress_x=c.stress_x, stress_v=c.stress_v, geometric_terms=geometric_terms, doubts=c.doubts,
+        ak0=ak0, bk0=bk0, W=W, We=We, G=G, Ge=Ge, Z=Z, Ze=Ze, Y=Y, Ye=Ye, Yv=Yv, Yev=Yev, c=c,
     )  # fmt: skip
 
 
@@ -146,8 +121,12 @@ def _between(*terms: tuple[Array, Matrix, Array]) -> Array:
     return sum(products[1:], products[0]) if products else np.zeros((left.shape[1], right.shape[1]))
 
 
-def _rates(dynamics: Dynamics, c: Coefficients, W: Array, G: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
+def _rates(dynamics: Dynamics, c: Coefficients, W: Array, G: Array) -> tuple[Matrix, ...]:
+    """Z, Ze, Y, Ye, Yv, Yev, which vanish at rest."""
     k, V = dynamics.kinematics, c.V
+    if not c.moving:
+        xs, es = zero_matrix(G.shape), zero_matrix((len(c.sigma), G.shape[1]))
+        return xs, es, xs, es, zero_matrix(W.shape), zero_matrix((len(c.sigma), W.shape[1]))
     zero_x = np.zeros_like
     Z = k.dependent(zero_x(G), -c.rate_x @ G)
     Ze = V @ Z + c.rate_x @ G
@@ -157,12 +136,6 @@ def _rates(dynamics: Dynamics, c: Coefficients, W: Array, G: Array) -> tuple[Arr
     swept = c.second_v @ W
     Yv = k.dependent(zero_x(W), -swept)
     return Z, Ze, Y, Ye, Yv, V @ Yv + swept
-
-
-def no_rates(ne: int, nx: int, ndof: int, nkdof: int) -> tuple[Matrix, ...]:
-    """At rest Z, Y and Yv vanish."""
-    xs, es = zero_matrix((nx, nkdof)), zero_matrix((ne, nkdof))
-    return xs, es, xs, es, zero_matrix((nx, ndof)), zero_matrix((ne, ndof))
 
 
 def _kinematic(dynamics: Dynamics, W: Array, We: Array, Z: Matrix, Ze: Matrix) -> tuple[Array, Array]:
@@ -197,16 +170,10 @@ def require_mass(L: Linearization, q: Index) -> None:
     The sign of that rounding decides nothing: W^T M W is known to eps times nx times the sum of the sizes of its terms.
     Masses that overflow are not told here.
     """
-    diagonal, size = L.m0.diagonal()[q], abs(L.M)
-    W = L.W[:, q]
-    rounding = EPS * len(W)
+    diagonal, W = L.m0.diagonal()[q], np.abs(L.W[:, q])
     with np.errstate(over="ignore", invalid="ignore"):
-        # 2 |w_i w_j| <= w_i^2 + w_j^2: a bound that costs little and tells what is known of ordinary masses
-        if (diagonal > rounding * (np.asarray(size.sum(1)).ravel() @ np.square(W))).all():
-            return
-        W = np.abs(W)
-        terms = (W * np.asarray(size @ W)).sum(0)
-    if np.any((diagonal <= rounding * terms) & (terms > 0.0) & np.isfinite(terms)):
+        terms = (W * np.asarray(abs(L.c.M) @ W)).sum(0)
+    if np.any((diagonal <= EPS * len(W) * terms) & (terms > 0.0) & np.isfinite(terms)):
         raise AnalysisError(MASSLESS, "dynamics.singular-mass")
 
 

@@ -9,9 +9,7 @@ DRIVING_SIGN = 1.0  # s_u of theory-system.md 5.1
 
 INPUT_KINDS = ("INPUTS", "INPUTF", "INE", "INEP", "INEDP", "INX", "INXP", "INXDP")
 OUTPUT_KINDS = ("OUTS", "OUTE", "OUTEP", "OUTEDP", "OUTF", "OUTX", "OUTXP", "OUTXDP")
-OF_NODES = (
-    "INPUTF", "INX", "INXP", "INXDP", "OUTF", "OUTX", "OUTXP", "OUTXDP", "NOMF", "REFX", "REFXP", "REFXDP", "REFXS",
-)  # fmt: skip
+ORDER = {"INX": 0, "INE": 0, "INXP": 1, "INEP": 1, "INXDP": 2, "INEDP": 2}  # value, rate, acceleration
 
 
 @dataclass(frozen=True)
@@ -42,13 +40,9 @@ def signals(mechanism: Mechanism, kinds: tuple[str, ...]) -> list[Signal]:
     found: dict[int, Signal] = {}
     for s in deck.of(*kinds, block=3):
         place, a, b = (int(v) for v in s.values[:3])
-        if s.keyword in OF_NODES:
-            index = n.x_index(a, b)
-            name = n.x_name(index)
-        else:
-            index = n.e_index(a, b)
-            name = n.e_name(index)
-        found[place] = Signal(s.keyword, index, f"{s.keyword} {name}")
+        of_node = "X" in s.keyword or s.keyword.endswith("F")  # a coordinate, a force
+        index = n.x_index(a, b) if of_node else n.e_index(a, b)
+        found[place] = Signal(s.keyword, index, f"{s.keyword} {n.x_name(index) if of_node else n.e_name(index)}")
     return [found[k] for k in sorted(found)]
 
 

@@ -24,10 +24,8 @@ from spacar.dynamics.loaded_mechanism import StressLaw
 from spacar.errors import AnalysisError
 from spacar.linearization.coefficients import Coefficients, structure
 from spacar.linearization.descriptor import DescriptorSystem
-from spacar.linearization.signals import DRIVING_SIGN, Signal
+from spacar.linearization.signals import DRIVING_SIGN, ORDER, Signal
 from spacar.mechanism.numbering import Numbering
-
-ORDER = {"INX": 0, "INE": 0, "INXP": 1, "INEP": 1, "INXDP": 2, "INEDP": 2}
 
 
 class _Places:

@@ -10,8 +10,7 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.expressions.frequencies import frequency_order
 from spacar.linear.buckling import BucklingModes, buckling_modes, directional_compliances
-from spacar.linear.eigen import is_symmetric, matters, vibration_modes
-from spacar.linear.eigenmodes import Modes, is_zero
+from spacar.linear.eigen import Modes, is_symmetric, is_zero, matters, vibration_modes
 from spacar.linear.internal_unknowns import buckling_matrices
 from spacar.linearization.matrices import Linearization
 from spacar.sensitivities.pencil_derivatives import PencilDerivatives, null_vectors, together

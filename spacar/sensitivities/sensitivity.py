@@ -29,7 +29,6 @@ from spacar.errors import UsageError
 from spacar.expressions import Dimensions, unit_text
 from spacar.expressions.grammar import ALIASES, indices, parse
 from spacar.kinematics.constraint_condition import condition_number
-from spacar.kinematics.regularity import Regularity
 from spacar.linear.linear_modes import say_lost_digits
 from spacar.linearization.matrices import linearize
 from spacar.mechanism import Mechanism
@@ -268,7 +267,7 @@ class _Analysis:
             say_lost_digits(self.prepared, reduced=False)
         matrix = d.position_matrix()
         if len(matrix.columns):
-            Regularity(matrix).check(float(step))
+            matrix.check(float(step))
 
     def _walk(self) -> None:
         from spacar.compiled import mechanism_of

@@ -116,36 +116,20 @@ class Group:
 
 
 def components(needs: dict[str, list[str]]) -> list[list[str]]:
-    """Strongly connected components (Tarjan), each after those it needs."""
-    index: dict[str, int] = {}
-    low: dict[str, int] = {}
-    stack: list[str] = []
-    found: list[list[str]] = []
+    """Strongly connected components, each after those it needs: the blocks of one reach the same blocks, and more than
+    those of the components that it needs."""
+    reach: dict[str, frozenset[str]] = {}
     for root in needs:
-        if root in index:
-            continue
-        work = [(root, iter(needs[root]))]
-        index[root] = low[root] = len(index)
-        stack.append(root)
-        while work:
-            name, rest = work[-1]
-            for other in rest:
-                if other not in index:
-                    index[other] = low[other] = len(index)
-                    stack.append(other)
-                    work.append((other, iter(needs[other])))
-                    break
-                if other in stack:
-                    low[name] = min(low[name], index[other])
-            else:
-                work.pop()
-                if work:
-                    low[work[-1][0]] = min(low[work[-1][0]], low[name])
-                if low[name] == index[name]:
-                    k = stack.index(name)
-                    found.append(stack[k:])
-                    del stack[k:]
-    return found
+        seen, stack = {root}, [root]
+        while stack:
+            more = [other for other in needs[stack.pop()] if other not in seen]
+            seen.update(more)
+            stack += more
+        reach[root] = frozenset(seen)
+    found: dict[frozenset[str], list[str]] = {}
+    for name in sorted(needs, key=lambda name: len(reach[name])):
+        found.setdefault(reach[name], []).append(name)
+    return list(found.values())
 
 
 def one_loop(needs: dict[str, list[str]], members: list[str]) -> list[str]:

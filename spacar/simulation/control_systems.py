@@ -24,18 +24,18 @@ def as_control(block: Block, numbered: bool = False) -> Any:
     except ImportError:
         text = "python-control is not installed: pip install 'spacar[control]'"
         raise UsageError(text, "simulation.control-missing") from None
-    if block.period is not None:
-        text = f"{block.name} is sampled: write it as a discrete-time system of python-control itself"
-        raise UsageError(text, "simulation.control-sampled")
-    if block.lag:
-        text = f"{block.name} remembers its input, which python-control cannot: use its pade() for a delay"
-        raise UsageError(text, "simulation.control-delay")
-    if block.n_events:
-        text = (
-            f"{block.name} is smooth only piecewise, and python-control does not stop where a piece ends: simulate it"
-            " with spacar.simulation"
-        )
-        raise UsageError(text, "simulation.control-piecewise")
+    piecewise = "is smooth only piecewise, and python-control does not stop where a piece ends: simulate it with"
+    for refused, text, code in (
+        (
+            block.period is not None,
+            "is sampled: write it as a discrete-time system of python-control itself",
+            "sampled",
+        ),
+        (block.lag, "remembers its input, which python-control cannot: use its pade() for a delay", "delay"),
+        (block.n_events, f"{piecewise} spacar.simulation", "piecewise"),
+    ):
+        if refused:
+            raise UsageError(f"{block.name} {text}", f"simulation.control-{code}")
     start = block.start()
 
     def called(function: Callable[[float, Array, Array], Array]) -> Any:

@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.errors import UsageError
@@ -116,10 +115,15 @@ def schedule(diagram: Diagram) -> Schedule:
         for g in groups
         if g.torn
     ]
+    unconnected = [
+        f"input {k + 1} ({b.inputs[k]}) of {b.name} is not connected: it is zero"
+        for b in blocks
+        for k in np.flatnonzero(~connected[inputs[b.name]])
+    ]
     return Schedule(
         blocks, wiring, inputs, outputs, _slices(blocks, [b.n_states for b in blocks]),
         tuple(b for b in blocks if not b.direct.all() or not b.n_in), groups,
-        (*_unconnected(blocks, inputs, connected), *loops),
+        (*unconnected, *loops),
     )  # fmt: skip
 
 
@@ -158,15 +162,6 @@ def _group(
 def _slices(blocks: tuple[Block, ...], sizes: list[int]) -> dict[str, slice]:
     edges = np.cumsum([0, *sizes]).tolist()
     return {b.name: slice(i, j) for b, i, j in zip(blocks, edges, edges[1:], strict=False)}
-
-
-def _unconnected(blocks: tuple[Block, ...], inputs: dict[str, slice], connected: NDArray[np.bool_]) -> tuple[str, ...]:
-    """What to say about inputs without a wire."""
-    notes = []
-    for block in blocks:
-        open_ends = np.flatnonzero(~connected[inputs[block.name]])
-        notes += [f"input {k + 1} ({block.inputs[k]}) of {block.name} is not connected: it is zero" for k in open_ends]
-    return tuple(notes)
 
 
 def wired_names(diagram: Diagram, block: Block) -> list[str]:

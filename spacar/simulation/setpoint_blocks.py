@@ -30,7 +30,7 @@ class _StoredVector(Source):
         self.table = Table(data.t, values, interpolation, hold, f"{self.name} of {data.name}")
         self.breaks = self.table.breaks
 
-    def at(self, t: float) -> Array:
+    def state_outputs(self, t: float, x: Array) -> Array:
         return self.table(t)
 
 

@@ -43,7 +43,6 @@ class Table:
         self.kind, self.hold, self.name = kind, hold, name
         self._list = self.times.tolist()
         self._middles = (0.5 * (self.times[1:] + self.times[:-1])).tolist()
-        self._margin = ROUNDING * (self._list[-1] - self._list[0])
         self._spline: Any = None
         if kind == "spline" and len(self._list) > 1:
             from scipy.interpolate import CubicSpline
@@ -62,7 +61,8 @@ class Table:
         """Value at a time, with the shape of one stored value. Raises AnalysisError outside the stored times."""
         times = self._list
         if not times[0] <= t <= times[-1]:
-            if not self.hold and not times[0] - self._margin <= t <= times[-1] + self._margin:
+            margin = np.inf if self.hold else ROUNDING * (times[-1] - times[0])
+            if not times[0] - margin <= t <= times[-1] + margin:
                 text = (
                     f"{self.name} is stored from t = {times[0]:.9g} to {times[-1]:.9g} s, but needed at t = {t:.9g};"
                     " make the trajectories longer, stop earlier, or hold the last value (hold)"
@@ -79,17 +79,10 @@ class Table:
 
 
 class Source(Block):
-    """Base: outputs `at(t)` that need no inputs."""
+    """Base: outputs that need no inputs."""
 
     def __init__(self, name: str, outputs: Sequence[str] | int) -> None:
         super().__init__(name, 0, outputs)
-
-    def at(self, t: float) -> Array:
-        """(n_out,) values at a time."""
-        raise NotImplementedError
-
-    def state_outputs(self, t: float, x: Array) -> Array:
-        return self.at(t)
 
     def _spread(self, *values: Numbers) -> list[Array]:
         return spread(self.name, "values", "simulation.size", self.n_out, *values)
@@ -102,7 +95,7 @@ class Constant(Source):
         super().__init__(name, np.size(value))
         (self.value,) = self._spread(value)
 
-    def at(self, t: float) -> Array:
+    def state_outputs(self, t: float, x: Array) -> Array:
         return self.value
 
 
@@ -114,7 +107,7 @@ class StepSignal(Source):
         self.time, self.breaks = float(time), (float(time),)
         self.before, self.after = self._spread(before, after)
 
-    def at(self, t: float) -> Array:
+    def state_outputs(self, t: float, x: Array) -> Array:
         return self.before if t < self.time else self.after
 
 
@@ -126,7 +119,7 @@ class Ramp(Source):
         self.time, self.breaks = float(time), (float(time),)
         self.slope, self.begin = self._spread(slope, start)
 
-    def at(self, t: float) -> Array:
+    def state_outputs(self, t: float, x: Array) -> Array:
         return self.begin + self.slope * max(t - self.time, 0.0)
 
 
@@ -139,7 +132,7 @@ class Sine(Source):
         super().__init__(name, max(map(np.size, (amplitude, frequency, phase, bias))))
         self.amplitude, self.frequency, self.phase, self.bias = self._spread(amplitude, frequency, phase, bias)
 
-    def at(self, t: float) -> Array:
+    def state_outputs(self, t: float, x: Array) -> Array:
         return self.bias + self.amplitude * np.sin(2.0 * np.pi * self.frequency * t + self.phase)
 
 
@@ -162,7 +155,7 @@ class Pulses(Source):
         edges = np.concatenate((self.time + k * self.every, self.time + (k + self.duty) * self.every))
         return [float(t) for t in edges if first < t < last]
 
-    def at(self, t: float) -> Array:
+    def state_outputs(self, t: float, x: Array) -> Array:
         if t < self.time:
             return self.low
         return self.high if (t - self.time) / self.every % 1.0 < self.duty else self.low
@@ -181,5 +174,5 @@ class TimeSeries(Source):
         self.table = Table(np.asarray(times, float), table, interpolation, hold, name)
         self.breaks = self.table.breaks
 
-    def at(self, t: float) -> Array:
+    def state_outputs(self, t: float, x: Array) -> Array:
         return self.table(t)

@@ -65,11 +65,16 @@ class ExtraLoad:
 
 def extra_stresses(dynamics: Dynamics, L: Linearization, rows: Index, load: ExtraLoad) -> Array:
     """d_sigma (ne,) by the extra load on the degrees of freedom `rows`. Raises AnalysisError 'compliance.singular'."""
-    K, df = L.stiffness[np.ix_(rows, rows)], load.at(dynamics.kinematics.x)
+    c, K, df = L.c, L.stiffness[np.ix_(rows, rows)], load.at(dynamics.kinematics.x)
     dq = displacements(K, (L.W[:, rows].T @ df)[:, None])[:, 0]
     dx, dv = L.G[:, rows] @ dq, L.Z[:, rows] @ dq
-    sigma = L.S @ (L.V @ dx) + L.Sd @ (L.Ze[:, rows] @ dq) + L.stress_x @ dx + L.stress_v @ dv
-    force = (L.inertia_x + L.load_x) @ dx + (L.inertia_v + L.load_v) @ dv + L.M @ (L.Y[:, rows] @ dq) - df
+    sigma = c.S @ (c.V @ dx) + c.Sd @ (L.Ze[:, rows] @ dq) + c.stress_x @ dx + c.stress_v @ dv
+    force = (
+        (c.inertia_x + c.geometric + c.load_x + c.user_x) @ dx
+        + (c.inertia_v + c.user_v) @ dv
+        + c.M @ (L.Y[:, rows] @ dq)
+        - df
+    )
     dynamics.kinematics.reactions(force, sigma)
     return np.asarray(sigma)
 

@@ -92,7 +92,7 @@ def test_constant_matrices_are_evaluated_once(monkeypatch):
     text += "EM 1 1.\nEM 2 1.\nXM 3 1.\nESTIFF 2 1.\nGRAVITY 0. -1.\nTIMESTEP 1. 1\nEND\nEND\n"
     dynamics, calls = counted(text, monkeypatch)
     assert not any(method in ("mass", "inertia_force") and count for (_, method), count in calls.items())
-    assert not dynamics.sweep.moving_plan
+    assert not dynamics.sweep.moving
 
 
 @pytest.mark.parametrize(("name", "forbidden"), [

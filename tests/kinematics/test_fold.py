@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from spacar import Deck
-from spacar.kinematics.constraint_matrices import is_single_root
-from spacar.kinematics.kinematics import ROUNDING, Kinematics
+from spacar.kinematics.constraint_matrices import ROUNDING
+from spacar.kinematics.kinematics import Kinematics
 from spacar.linear_systems.reciprocal_condition import smallest
 from spacar.mechanism import build
 
@@ -26,8 +26,8 @@ def slider(angle: float, size: float = 1.0) -> Kinematics:
 
 def single(k: Kinematics, rounding: float) -> bool:
     D = k.sweep.gradient()[np.ix_(k.h, k.c)] * k.scale[k.c] / k.h_scale[:, None]
-    norm = np.abs(D).sum(axis=0).max()
-    return is_single_root(k.sweep, k.position_system, k.h, k.c, 1.0 / k.h_scale, k.scale[k.c], norm, rounding)
+    assert k.norm(k.of_position) == pytest.approx(np.abs(D).sum(axis=0).max(), rel=1e-12)
+    return k.is_single_root(k.of_position, rounding)
 
 
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
@@ -63,10 +63,7 @@ def test_every_position_of_a_long_chain_is_single(n: int) -> None:
     k.begin()
     s = smallest(k.position_system, 1.0 / k.h_scale, k.scale[k.c])[0]
     assert s < 1.0 / n**1.5
-    V = np.abs(k.sweep.v_entries[k.velocity_take])
-    assert is_single_root(
-        k.sweep, k.position_system, k.h, k.c, 1.0 / k.h_scale, k.scale[k.c], float(V.max()), ROUNDING
-    )
+    assert k.is_single_root(k.of_position, ROUNDING)
 
 
 def test_a_position_at_its_dead_centre_is_not_single() -> None:

@@ -20,7 +20,7 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.errors import Report, UsageError
 from spacar.frame import Frame
-from spacar.linear.descriptor_modes import lowest_modes
+from spacar.linear.lowest import lowest_modes
 from spacar.linearization.descriptor import DescriptorSystem
 from spacar.mechanism import Mechanism
 from spacar.result import Result

@@ -19,7 +19,7 @@ from spacar.deck.rewrite.divide import joined_preload
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.frame import Frame
 from spacar.kinematics.element_sweep import ElementSweep
-from spacar.linear.eigenmodes import arranged
+from spacar.linear.eigen import arranged
 from spacar.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 
