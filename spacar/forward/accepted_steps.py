@@ -141,7 +141,6 @@ class StepHistory:
     def closer(
         self, t: float, y: Array, peak: float, before: list[Accepted] | None
     ) -> tuple[float, bool, Accepted | None]:
-        """Look at one of the steps that are made at a time."""
         return (peak, False, None) if self.watch is None else self.watch.closer(t, y, peak, before)
 
     def passed(self, last: Callable[[int], list[Accepted]]) -> None:
@@ -182,7 +181,6 @@ class StepHistory:
 
     # -- of steps one by one ---------------------------------------------------------------------------------------
     def accepted(self, t: float, y: Array) -> None:
-        """After every accepted step."""
         self.require_time(t)
         self.n += 1
         self._fetch()

@@ -347,7 +347,6 @@ class Closer:
         return Accepted(y, at, 0.0, 0.0)
 
     def _reaches(self, a: Accepted, b: Accepted) -> bool:
-        """May a dead point lie between two steps?"""
         h = b.at.t - a.at.t
         return any(h * abs(fold.rate) > APART * fold.s for fold in (self._fold(a), self._fold(b)))
 

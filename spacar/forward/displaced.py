@@ -58,7 +58,6 @@ def _moved(k: Kinematics, deformations: Index) -> Array:
 
 
 def _by_columns(k: Kinematics, deformations: Index) -> Array:
-    """g of these deformations."""
     return np.asarray(_moved(k, deformations).max(axis=0))
 
 

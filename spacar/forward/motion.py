@@ -72,7 +72,6 @@ def motion(run: Run, own: bool = True) -> Iterator[tuple[Evaluator, Sequence[Fra
 def _moved(
     run: Run, evaluator: Evaluator, y: Array, times: Sequence[float], own: bool
 ) -> Iterator[tuple[Evaluator, Sequence[Frame]]]:
-    """What `motion` gives of a motion that is integrated."""
     nodes = tumbling_nodes(run.mechanism)
     if nodes and isinstance(times, EvenTimes):
         moved = _tumbling(run, evaluator, y, times, Chart.of(run.mechanism, dict.fromkeys(nodes, 1)), own)
@@ -204,7 +203,6 @@ class Extent:
         self.high: list[np.ndarray] = []
 
     def take(self, block: Sequence[Frame]) -> None:
-        """Go on with the frames of a block."""
         if not len(block):
             return
         columns = [

@@ -225,7 +225,6 @@ class Along:
             dynamics.use(usual)
 
     def _elastic(self, loads: Loads) -> StressLaw:
-        """Prescribed deformations with their springs and dampers."""
         return StressLaw.of(self.mechanism, loads, first=self.mechanism.numbering.e_class["input"].start)
 
     def _second_order(self, dynamics: Dynamics, L: Linearization) -> Array:

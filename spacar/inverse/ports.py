@@ -57,7 +57,6 @@ class Ports:
         return cls(tuple(signals(mechanism, NOMINAL_KINDS)), tuple(signals(mechanism, REFERENCE_KINDS)))
 
     def reference(self, frame: Frame) -> Array:
-        """y0, (number of outputs,)."""
         return np.array([getattr(frame, VARIABLE[s.kind])[s.index] for s in self.outputs])
 
     @property

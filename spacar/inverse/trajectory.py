@@ -46,7 +46,6 @@ class Leg:
     moves: tuple[tuple[Profile, Path], ...] = ()
 
     def at(self, t: float) -> DriveState:
-        """Prescribed motion at the time t since the start of this trajectory."""
         x, e = np.zeros((3, len(self.x))), np.zeros((3, len(self.e)))
         x[0], e[0] = self.x, self.e
         for profile, path in self.moves:

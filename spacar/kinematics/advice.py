@@ -53,7 +53,6 @@ class OverconstraintPart:
 
     @property
     def text(self) -> str:
-        """What a release does, in words."""
         if self.effect == HINGE and any(w in self.name for w in ("elongation", "displacement")):
             return SLIDER
         return TEXT[self.effect]

@@ -26,7 +26,6 @@ LARGEST_DIAGNOSED = 1000  # unknowns; a singular value decomposition of more wou
 
 
 def count_failure(kinematics: ConstraintMatrices) -> AnalysisError:
-    """Numbers of unknowns and equations differ."""
     mechanism = kinematics.mechanism
     kinematics.sweep.strain(mechanism.x0)
     diagnosis = diagnose(mechanism, kinematics.sweep)
@@ -38,20 +37,19 @@ def count_failure(kinematics: ConstraintMatrices) -> AnalysisError:
         if rows > columns
         else "under-constrained: declare more degrees of freedom"
     )
+    solved = ", with --release solves it" if any(p.effect in KEEPS for p in diagnosis.advice) else ""
     text = (
         f"ill-defined mechanism: {rows} fixed, prescribed and dynamic deformations for {columns} calculable coordinates"
-        f" (difference {rows - columns:+d}), {kind}; {_candidates(diagnosis)}; `spacar 0` lists all{_solved(diagnosis)}"
+        f" (difference {rows - columns:+d}), {kind}; {_candidates(diagnosis)}; `spacar 0` lists all{solved}"
     )
     return AnalysisError(text, "mechanism.count", diagnosis=diagnosis)
 
 
 def explained(kinematics: ConstraintMatrices, x: Array, *about: Any) -> AnalysisError:
-    """Of an `Unplaced`."""
     return (position_failure if about[1:] else singular_failure)(kinematics, x, *about)
 
 
 def singular_failure(kinematics: ConstraintMatrices, x: Array, error: SingularMatrixError) -> AnalysisError:
-    """The matrix of the position problem is singular at x."""
     diagnosis = diagnose(kinematics.mechanism, kinematics.sweep, x)
     text = (
         f"the position cannot be determined: {error}; {_candidates(diagnosis)};"
@@ -143,7 +141,11 @@ def collapse(kinematics: ConstraintMatrices) -> str:
             wanted = kinematics.target[batch.e[0]] + family.length
             asked = np.isin(batch.e[0], kinematics.h) & (wanted <= SHORT * family.length)
             for k in np.flatnonzero(asked):
-                return _collapsed(family.keyword, int(family.numbers[k]), wanted[k], family.length[k])
+                return (
+                    f"element {family.numbers[k]} ({family.keyword}) has collapsed: its length would have to be"
+                    f" {wanted[k]:.3g} m, undeformed {family.length[k]:.3g} m; limit the motion of its ends or its"
+                    " prescribed elongation"
+                )
         undefined = ~np.isfinite(sweep.e[batch.e]).all(axis=0)
         for k in np.flatnonzero(undefined):
             if family.keyword == "normalization":
@@ -153,18 +155,6 @@ def collapse(kinematics: ConstraintMatrices) -> str:
                 " deformations are undefined; limit the motion, or release the element (RLSE)"
             )
     return ""
-
-
-def _collapsed(keyword: str, number: int, wanted: float, length: float) -> str:
-    return (
-        f"element {number} ({keyword}) has collapsed: its length would have to be {wanted:.3g} m, undeformed"
-        f" {length:.3g} m; limit the motion of its ends or its prescribed elongation"
-    )
-
-
-def _solved(diagnosis: Diagnosis) -> str:
-    """Where over-constraints can be released without a change of the physics: how."""
-    return ", with --release solves it" if any(p.effect in KEEPS for p in diagnosis.advice) else ""
 
 
 def _candidates(diagnosis: Diagnosis) -> str:

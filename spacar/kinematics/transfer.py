@@ -131,7 +131,6 @@ def third_order_transfer(k: Kinematics, G: Array, d2x: Array) -> tuple[Array, Ar
 
 
 def _rate_gradient(k: Kinematics, v: Array) -> Array:
-    """T(v), (ne, nx)."""
     out = np.zeros((k.numbering.ne, k.numbering.nx))
     for b in k.sweep.curved:
         block = np.zeros((len(b.e), len(b.x), b.family.n))
@@ -187,7 +186,6 @@ class TransferOutput:
 
     @property
     def wanted(self) -> bool:
-        """Whether anything is added."""
         return bool(self.level or self.log & (FIRST | SECOND | THIRD | GLOBAL_DEFORMATION))
 
     def add(self, frame: Frame, k: Kinematics, known: Transfer | None = None) -> Frame:

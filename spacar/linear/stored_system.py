@@ -149,11 +149,9 @@ class IdleInputs:
 
     @property
     def all_acted(self) -> bool:
-        """Did every input act at some step?"""
         return not any(self._idle(j) for j in range(len(self.inputs)))
 
     def lines(self) -> list[str]:
-        """One warning for every input that acted at no step."""
         return [self._line(j) for j in range(len(self.inputs)) if self._idle(j)] if self.has_states else []
 
     def _idle(self, j: int) -> bool:
@@ -187,7 +185,6 @@ class IdleInputs:
 
 
 def _couples(X: Array, q: Index, r: int) -> bool:
-    """Is any X[q, r] more than rounding?"""
     diagonal = np.abs(np.diag(X))
     size = np.sqrt(diagonal[q] * diagonal[r])
     entries = np.abs(X[q, r])

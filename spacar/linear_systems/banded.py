@@ -30,7 +30,6 @@ class BandedSystem:
 
     @property
     def is_ordered_alike(self) -> bool:
-        """Are rows and columns in the same order?"""
         return np.array_equal(self.row_rank, self.column_rank)
 
     def factor(self, entries: Array) -> None:

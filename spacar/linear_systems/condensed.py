@@ -23,14 +23,14 @@ Where a pivot is zero or the refinement does not converge the mixed matrix itsel
 from typing import Any, cast
 
 import numpy as np
-from scipy.sparse import coo_array, csc_matrix, csr_array
+from scipy.sparse import block_diag, coo_array, csc_matrix, csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from spacar.arrays import Array, Index
 from spacar.linear_systems.linear_system import SingularMatrixError
 from spacar.linear_systems.sparse import SparseSystem
-from spacar.linear_systems.sparse_factors import SUFFICIENT, refined
+from spacar.linear_systems.sparse_factors import SUFFICIENT, diagonal, refined
 
 EPS = float(np.finfo(float).eps)
 LOCAL = 60  # unknowns of a group of constraints up to which it has a dense basis,
@@ -77,7 +77,6 @@ class CondensedSystem:
         self._entries = entries
 
     def assembled(self, entries: Array) -> Any:
-        """The mixed matrix, in compressed columns."""
         return self._whole.assembled(entries)
 
     def _use_mixed(self, entries: Array) -> None:
@@ -136,7 +135,7 @@ class CondensedSystem:
         self._constraints, self._sprung = given[kept], given[springs]
         self.weights = _springs(csr_array(V[elastic]), S, csr_array(Vc[springs]), K)
         self._elastic = np.concatenate((elastic, self._sprung))
-        self._S = _diagonal_blocks(S, self.weights)
+        self._S = csr_array(block_diag((S, diagonal(self.weights))))
 
     def _bases(self, V: Any) -> None:
         """N (nf, ...) and G = V_c^T (V_c V_c^T)^-1."""
@@ -262,7 +261,6 @@ class CondensedSystem:
         return bool(np.abs(difference.data).max(initial=0.0) <= SYMMETRIC * np.abs(self.R.data).max(initial=0.0))
 
     def _lost(self) -> float:
-        """`_change` of these factors."""
         if self._part is None:
             self._part = self._change()
         return self._part
@@ -346,12 +344,6 @@ def _assembled(parts: list[tuple[Index, Index, Array]], shape: tuple[int, int]) 
         return csr_array(shape)
     rows, columns, values = (np.concatenate(p) for p in zip(*parts, strict=True))
     return coo_array((values, (rows, columns)), shape).tocsr()
-
-
-def _diagonal_blocks(S: Any, weights: Array) -> Any:
-    """S and, behind it, a diagonal."""
-    n, at = S.shape[0], S.shape[0] + np.arange(len(weights))
-    return _assembled([(_rows_of(S), S.indices, S.data), (at, at, weights)], (n + len(at), n + len(at)))
 
 
 def _springs(Ve: Any, S: Any, Vp: Any, K: Any) -> Array:

@@ -102,7 +102,6 @@ def matrix(rows: Index, columns: Index, values: Array, shape: tuple[int, int]) -
 
 
 def zero_matrix(shape: tuple[int, int]) -> Matrix:
-    """All entries zero."""
     if max(shape) <= DENSE_LIMIT:
         return np.zeros(shape)
     from scipy.sparse import csr_array
@@ -111,13 +110,11 @@ def zero_matrix(shape: tuple[int, int]) -> Matrix:
 
 
 def diagonal_matrix(values: Array) -> Matrix:
-    """(n, n) with these values on the diagonal."""
     places = np.arange(len(values))
     return matrix(places, places, values, (len(values), len(values)))
 
 
 def is_zero_matrix(A: Matrix) -> bool:
-    """Are all stored entries zero?"""
     return not (A if isinstance(A, np.ndarray) else A.data).any()
 
 

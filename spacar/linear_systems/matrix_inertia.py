@@ -41,7 +41,6 @@ class Inertia:
         self._rank = order(n, rows, columns)[0] if rank is None else rank
         self._bandwidth = max(bandwidths(self._rank[rows], self._rank[columns]))
         self._backwards = False
-        self._layouts: dict[tuple[bool, int], tuple[Index, Index]] = {}
 
     def __call__(self, entries: Array) -> tuple[int, int]:
         """Negative and zero eigenvalues.
@@ -78,14 +77,11 @@ class Inertia:
     def _blocks(self, values: Array, backwards: bool, smallest: int) -> Array:
         """(count, width, 2 width): every diagonal block and the one to its right, side by side."""
         width = max(smallest, self._bandwidth)
-        if (backwards, width) not in self._layouts:
-            rank = self.n - 1 - self._rank if backwards else self._rank
-            i, j = rank[self.rows], rank[self.columns]
-            block = i // width
-            upper = np.flatnonzero(j // width >= block)
-            self._layouts[backwards, width] = upper, (i * 2 * width + (j - block * width))[upper]
-        upper, flat = self._layouts[backwards, width]
-        count = -(-self.n // width)
+        rank = self.n - 1 - self._rank if backwards else self._rank
+        i, j = rank[self.rows], rank[self.columns]
+        block, count = i // width, -(-self.n // width)
+        upper = j // width >= block
+        flat = (i * 2 * width + (j - block * width))[upper]
         return np.bincount(flat, values[upper], count * 2 * width * width).reshape(count, width, 2 * width)
 
 

@@ -40,7 +40,6 @@ def inverse_diagonal(system: BandedSystem, by: Callable[[BandedSystem], Array] |
 
 
 def _by_window(system: BandedSystem) -> Array:
-    """In the order of the band."""
     n, lower, top = system.n, system.lower, system.lower + system.upper
     lu, pivots = np.ascontiguousarray(system.lu.T), system.pivots  # column j of the band as row j
     width = min(top + lower, n - 1)

@@ -39,7 +39,6 @@ class SparseSystem:
         self._forms = [SYMMETRIC | {"diag_pivot_thresh": PIVOT}, SAFE] if symmetric else [SAFE]
 
     def assembled(self, entries: Array) -> Any:
-        """The matrix, in compressed columns."""
         values = np.bincount(self.slot, entries, self.nnz)
         return csc_matrix((values, self.indices, self.indptr), (self.n, self.n))
 

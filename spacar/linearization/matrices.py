@@ -74,12 +74,10 @@ class Linearization:
 
     @cached_property
     def stiffness(self) -> Array:
-        """K0 + N0 + G0."""
         return self.k0 + self.n0 + self.g0
 
     @cached_property
     def damping(self) -> Array:
-        """C0 + D0."""
         return self.c0 + self.d0
 
 

@@ -67,11 +67,8 @@ class SparseLinearization:
         self.n, self.places = n, _Places(n)
         self.inputs, self.outputs = inputs, outputs
         self.E, self.U, self.h, self.c = k.E, k.U, k.h, k.c
-        p = self.places
-        self.position_row = np.full(n.ne, -1)
-        self.position_row[self.h] = p.x + self.c
-        self.velocity_row = np.full(n.ne, -1)
-        self.velocity_row[self.E] = p.v + self.U
+        self.position_row = _rows(n.ne, self.h, self.places.x + self.c)
+        self.velocity_row = _rows(n.ne, self.E, self.places.v + self.U)
         self._constant = self._given()
         self.B = self.input_matrix(inputs)
         self._widest = partial(structure, dynamics, moving, free)
@@ -93,17 +90,10 @@ class SparseLinearization:
     def _state_matrix(self, c: Coefficients) -> Any:
         p, n = self.places, self.n
         entries = Entries(self._constant)
-        Me = c.deformation_inertia
-        inertia = Me if (Me.nnz if hasattr(Me, "nnz") else Me.any()) else None
         # accelerations: equilibrium
-        rows = np.full(n.nx, -1)
-        rows[p.moving_x] = p.a + p.moving_x
-        stiffness = c.inertia_x + c.geometric + c.load_x + c.user_x
-        damping, mass = c.inertia_v + c.user_v, c.M
-        if inertia is not None:
-            back = c.V.T @ inertia
-            stiffness, damping = stiffness + back @ c.second_x, damping + back @ c.second_v
-            mass = mass + back @ c.V
+        rows, back = _rows(n.nx, p.moving_x, p.a + p.moving_x), c.V.T @ c.deformation_inertia
+        stiffness = c.inertia_x + c.geometric + c.load_x + c.user_x + back @ c.second_x
+        damping, mass = c.inertia_v + c.user_v + back @ c.second_v, c.M + back @ c.V
         for matrix, first in ((mass, p.a), (damping, p.v), (stiffness, p.x), (c.V.T, p.s)):
             entries.add(matrix, rows, first, -1.0)
         # positions and velocities
@@ -111,28 +101,24 @@ class SparseLinearization:
         entries.add(c.V, self.velocity_row, p.v, -1.0)
         entries.add(c.rate_x, self.velocity_row, p.x, -1.0)
         # stresses: accelerations of the given deformations, the law of the others
-        rows = np.full(n.ne, -1)
-        rows[p.given_e] = p.s + p.given_e
+        rows = _rows(n.ne, p.given_e, p.s + p.given_e)
         second = ((c.V, p.a), (c.second_v, p.v), (c.second_x, p.x))
         for matrix, first in second:
             entries.add(matrix, rows, first, -1.0)
-        rows = np.full(n.ne, -1)
-        rows[len(p.given_e) :] = p.s + np.arange(len(p.given_e), n.ne)
+        active = np.arange(len(p.given_e), n.ne)
+        rows = _rows(n.ne, active, p.s + active)
         entries.add(c.S @ c.V + c.Sd @ c.rate_x + c.stress_x, rows, p.x, 1.0)
         entries.add(c.Sd @ c.V + c.stress_v, rows, p.v, 1.0)
         # rates of the state
-        rows = np.full(n.ne, -1)
-        rows[p.dynamic_e] = p.rate_e
+        rows = _rows(n.ne, p.dynamic_e, p.rate_e)
         for matrix, first in second:
             entries.add(matrix, rows, first, 1.0)
-        rows = np.full(n.ne, -1)
-        rows[p.kinematic_e] = p.k_e
+        rows = _rows(n.ne, p.kinematic_e, p.k_e)
         entries.add(c.V, rows, p.v, 1.0)
         entries.add(c.rate_x, rows, p.x, 1.0)
         return entries.matrix((p.size, p.size))
 
     def _given(self) -> tuple[list[Index], list[Index], list[Array]]:
-        """Entries that depend on the numbering only."""
         p, n = self.places, self.n
         entries = Entries()
         q = np.concatenate((p.q_x, p.q_e))
@@ -196,11 +182,17 @@ class SparseLinearization:
             if signal.kind in places:
                 entries.ones(np.array([j]), np.array([places[signal.kind] + signal.index]))
                 continue
-            rows = np.full(n.nx if signal.kind == "OUTF" else n.ne, -1)
-            rows[signal.index] = j
+            rows = _rows(n.nx if signal.kind == "OUTF" else n.ne, np.array([signal.index]), np.array([j]))
             for matrix, first in maps[signal.kind]:
                 entries.add(matrix, rows, first, 1.0)
         return entries.matrix((len(self.outputs), p.size))
+
+
+def _rows(n: int, of: Index, to: Index) -> Index:
+    """(n,) rows of the system, -1 of what is in none."""
+    rows = np.full(n, -1)
+    rows[of] = to
+    return rows
 
 
 def _filled(pattern: Any, A: Any) -> Any:
@@ -228,7 +220,6 @@ class Entries:
         self.parts = ([], [], []) if parts is None else (list(parts[0]), list(parts[1]), list(parts[2]))
 
     def ones(self, rows: Index, columns: Index, value: float = 1.0) -> None:
-        """The value at these places."""
         self._append(rows, columns, np.full(len(rows), value))
 
     def add(self, matrix: Any, row: Index, first_column: int, factor: float) -> None:

@@ -141,7 +141,6 @@ def _used(answer: Callable[[Array], Array], at: Array, step: Array, columns: Ind
 
 
 def _differ(within: float, a: Any, b: Any) -> bool:
-    """Is a stated derivative not the one that was found?"""
     return bool(np.max(np.abs(a - b)) > within * max(np.max(np.abs(a)), np.max(np.abs(b))))
 
 

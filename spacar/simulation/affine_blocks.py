@@ -46,7 +46,6 @@ class AffineRun:
         self.matrix = whole[self.rows]
 
     def into(self, z: Array, y: Array) -> None:
-        """Put the outputs into y, a part of z."""
         y[self.rows] = self.matrix @ z
 
 

@@ -66,8 +66,6 @@ def simulate(
 
 
 class _Simulation:
-    """One run through the time axis."""
-
     def __init__(
         self, diagram: Diagram, times: Array, code: int, atol: float, rtol: float, max_step: float,
         events: tuple[Event, ...], x0: Mapping[str, Sequence[float]], progress: Callable[[float], None] | None = None,
@@ -183,18 +181,16 @@ class _Simulation:
                     self.times = np.concatenate((self.times[:done], [t]))
                     record(t, self.x)
                 break
+        stepping = self.stepping
+        statistics = {
+            "steps": stepping.n_steps, "rhs": stepping.n_rhs, "restarts": self.restarts, "samples": self.samples,
+        }  # fmt: skip
+        if any(group.torn for group in self.s.later):
+            statistics["loops"] = self.evaluator.loops
         return Response(
             self.times[:done], ys[:done], xs[:done], self.diagram, self.s.outputs, self.s.states, self.s.inputs,
-            us[:done], tuple(log), (*self.s.notes, *self.doubts, *self.stepping.notes), self.statistics,
-            self.stepping.hint(),
+            us[:done], tuple(log), (*self.s.notes, *self.doubts, *stepping.notes), statistics, stepping.hint(),
         )  # fmt: skip
-
-    @property
-    def statistics(self) -> dict[str, int]:
-        """Counters of work."""
-        work = self.stepping.n_steps, self.stepping.n_rhs, self.restarts, self.samples
-        found = dict(zip(("steps", "rhs", "restarts", "samples"), work, strict=True))
-        return found | {"loops": self.evaluator.loops} if any(group.torn for group in self.s.later) else found
 
     def remember(self, t: float, t_new: float, interpolate: Callable[[float], Array]) -> None:
         """Tell the blocks that look back their inputs in an accepted step."""
@@ -328,7 +324,6 @@ class TimeAxis:
         self.cuts[-1] = (last, self.cuts[-1][1])
 
     def same(self, t: float, other: float) -> bool:
-        """Are two times one?"""
         return abs(t - other) <= 4.0 * self.shift
 
     def window(self, k: int) -> tuple[float, float]:

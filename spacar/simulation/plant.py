@@ -66,7 +66,6 @@ class ArrayPlant:
         return replace(found, sigma=found.sigma + self.sigma, force=found.force + self.force)
 
     def start(self) -> Array:
-        """Start state, at the start position."""
         return self.dynamics.start()
 
     @property
@@ -75,7 +74,6 @@ class ArrayPlant:
         return self.dynamics.doubt
 
     def push(self, u: Array) -> None:
-        """Set the inputs."""
         self.sigma[self.stresses.rows] = self.stresses.by @ u
         self.force[self.forces.rows] = self.forces.by @ u
 
@@ -228,7 +226,6 @@ class Spasim(Block):
         self._solved: bytes | None = None
 
     def _driven(self, kind: str, sign: float) -> Driven:
-        """What the inputs of a kind drive."""
         chosen = [(k, s.index) for k, s in enumerate(self.u_signals) if s.kind == kind]
         rows = sorted({row for _, row in chosen})
         by = np.zeros((len(rows), len(self.u_signals)))
@@ -237,7 +234,6 @@ class Spasim(Block):
         return Driven(np.array(rows, np.int64), by)
 
     def _places(self) -> None:
-        """Where outputs and derivatives are read."""
 
         def read(chosen: list[int]) -> tuple[Index, Index]:
             signals = [self.y_signals[k] for k in chosen]
@@ -310,7 +306,6 @@ class Spasim(Block):
         return y
 
     def derivative(self, t: float, x: Array, u: Array) -> Array:
-        """Time derivative of the states, (n_states,)."""
         self._check(x, u)
         self._solve(t, x, u)
         n = self.numbering.nddof

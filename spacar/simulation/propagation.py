@@ -70,8 +70,8 @@ def simulate_ltv(
     stepwise = interpolation == "step"
     with np.errstate(over="ignore", invalid="ignore"):
         maps = _stepwise(data.t, A, B, u) if stepwise else _linear(data.t, A, B, u, substeps)
-        for k, (P, c) in enumerate(maps):
-            z[k + 1] = P @ z[k] + c
+        for k, P in enumerate(maps[:, :n]):
+            z[k + 1] = P[:, :n] @ z[k] + P[:, n]
     if not np.isfinite(z).all():
         k = int(np.flatnonzero(~np.isfinite(z).all(axis=1))[0])
         text = f"the linear system is unstable: its states overflow at t = {data.t[k]:.9g}; add feedback (spacntrl)"
@@ -86,8 +86,8 @@ def simulate_ltv(
     return LtvResponse(data.t, z, dy, y if data.y0 is None else y + data.y0)
 
 
-def _stepwise(t: Array, A: Array, B: Array, u: Array) -> list[tuple[Array, Array]]:
-    """z(t_(k+1)) = P z(t_k) + c with constant matrices in each half of the interval."""
+def _stepwise(t: Array, A: Array, B: Array, u: Array) -> Array:
+    """(z, 1) at t_(k+1) by that at t_k, with constant matrices in each half of the interval."""
     from scipy.linalg import expm
 
     n = A.shape[1]
@@ -96,11 +96,10 @@ def _stepwise(t: Array, A: Array, B: Array, u: Array) -> list[tuple[Array, Array
     augmented = np.zeros((len(t), n + 1, n + 1))
     augmented[:, :n, :n], augmented[:, :n, n] = A, b
     left, right = expm(augmented[:-1] * half[:, None, None]), expm(augmented[1:] * half[:, None, None])
-    both = right @ left
-    return [(P[:n, :n], P[:n, n]) for P in both]
+    return np.asarray(right @ left)
 
 
-def _linear(t: Array, A: Array, B: Array, u: Array, substeps: int) -> list[tuple[Array, Array]]:
+def _linear(t: Array, A: Array, B: Array, u: Array, substeps: int) -> Array:
     """The same by the exponential integrator, with everything linear between the stored times."""
     from scipy.linalg import expm
 
@@ -130,7 +129,7 @@ def _linear(t: Array, A: Array, B: Array, u: Array, substeps: int) -> list[tuple
         reduced[:, :n, : n + 1] = step[:, :n, : n + 1]
         reduced[:, n, n] = 1.0
         total = reduced @ total
-    return [(P[:n, :n], P[:n, n]) for P in total]
+    return np.asarray(total)
 
 
 def _between(values: Array, w: float) -> Array:

@@ -260,7 +260,6 @@ class Stepping:
             )
 
     def _largest(self, t: float, x: Array) -> float:
-        """Size of the largest eigenvalue of the Jacobian [1/s]."""
         found = self.problem.jacobian(t, x[self.problem.order])[0]
         return float(np.max(np.abs(np.linalg.eigvals(found)), initial=0.0))
 

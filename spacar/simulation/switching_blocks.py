@@ -61,7 +61,6 @@ class Limited(Piecewise):
         self.lower, self.upper = limits(name, lower, upper, size)
 
     def limited(self, x: Array, u: Array) -> Array:
-        """(size,) what has the limits."""
         return u
 
     def piece(self, t: float, x: Array, u: Array) -> NDArray[np.int64]:
