@@ -11,7 +11,6 @@ What happens between stored steps is looked at in `spacar.forward.continuity`.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from functools import cached_property
 from math import sqrt
 from typing import TYPE_CHECKING
 
@@ -35,29 +34,19 @@ HALF_TURN = 0.02  # smallest |lambda0| of a node whose lambda1..3 are dynamic: 1
 class PositionMatrix:
     """The matrix V[E, U] of an evaluator at its present configuration, as the checks look at it.
 
-    `kinematics` gives that of NumPy, for what is asked of it only; `dense`: how it stores the matrix.
+    `kinematics` gives that of NumPy, for what is asked of it only; `dense`: how it stores the matrix. `rows` and
+    `columns` are factors that measure deformations and coordinates in their sizes; `zero`: a reciprocal condition below
+    which the position is looked at.
     """
 
     def __init__(self, mechanism: Mechanism, kinematics: Callable[[], Kinematics], dense: bool) -> None:
-        self._mechanism, self._kinematics = mechanism, kinematics
-        self.is_empty = not mechanism.numbering.e_class["dynamic"].stop
+        self._kinematics, n = kinematics, mechanism.numbering
+        self.is_empty = not n.e_class["dynamic"].stop
         # Only with dense storage, where the determinant costs next to nothing.
         self.has_determinant = dense and not self.is_empty
-
-    @cached_property
-    def rows(self) -> Array:
-        """Factors of the rows, to measure them in sizes of the deformations."""
-        return 1.0 / self._mechanism.deformation_scale[self._mechanism.numbering.velocity_equations]
-
-    @cached_property
-    def columns(self) -> Array:
-        """Factors of the columns, to measure them in sizes of the coordinates."""
-        return self._mechanism.scale[self._mechanism.numbering.velocity_unknowns]
-
-    @property
-    def zero(self) -> float:
-        """A reciprocal condition below which the position is looked at."""
-        return ZERO * sqrt(self._mechanism.distance)
+        self.rows = 1.0 / mechanism.deformation_scale[n.velocity_equations]
+        self.columns: Array = mechanism.scale[n.velocity_unknowns]
+        self.zero = ZERO * sqrt(mechanism.distance)
 
     @property
     def kinematics(self) -> Kinematics:
@@ -125,12 +114,7 @@ class HalfTurns:
         dynamic = [node for node in owners if n.kind[node] == "orientation"]
         self.some = {node for node in dynamic if dynamic.count(node) < 3}  # of three only one or two
         self.nodes = sorted(set(dynamic).difference(without))
-        self._numbering = n
-
-    @cached_property
-    def lambda0(self) -> Index:
-        """(nodes,) where it is in x."""
-        return np.array([self._numbering.x_index(node, 1) for node in self.nodes], np.int64)
+        self.lambda0: Index = np.array([n.x_index(node, 1) for node in self.nodes], np.int64)  # where it is in x
 
     def check(self, t: float, x: Array, within: float = HALF_TURN) -> None:
         """Raises AnalysisError 'position.singular' when |lambda0| of a node is below `within` at x (nx,), t [s]."""

@@ -85,12 +85,14 @@ class DescriptorSystem:
 
         Raises AnalysisError where the accelerations are not unique, UsageError when they would take more than 4 GB.
         """
+        from scipy.sparse import hstack
+
         n, k = self.n_states, self.B.shape[1]
         size = 8e-9 * (n + k) * (n + self.C.shape[0]) * steps
         if size > LARGEST_DENSE:
             text = f"A, B, C, D of {n} states at {steps} steps would take {size:.1f} GB (more than {LARGEST_DENSE:g});"
             raise UsageError(f"{text} `bode`, `eigen` and `compliance` use the sparse form", "files.size")
-        right = self._joined
+        right = hstack((self.A[:, :n], self.B)).tocsc()
         out = np.zeros((n + self.C.shape[0], n + k))
         for first in range(0, n + k, COLUMNS):
             part = slice(first, min(first + COLUMNS, n + k))
@@ -116,12 +118,6 @@ class DescriptorSystem:
             signs = rng.choice((-1.0, 1.0), uncertain.shape)
             rounding = np.maximum(rounding, np.abs(following @ self.follow(signs * uncertain)))
         return right[:n] + following @ w, rounding
-
-    @property
-    def _joined(self) -> Any:
-        from scipy.sparse import hstack
-
-        return hstack((self.A[:, : self.n_states], self.B)).tocsc()
 
     def resolvent(self, s: complex) -> Callable[[Array], Array]:
         """b -> (s I - A)^-1 b with A of (15), both (n_states,): for `spacar.integrators.resolvent`. Raises RuntimeError

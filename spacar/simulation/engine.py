@@ -182,9 +182,8 @@ class _Simulation:
                     record(t, self.x)
                 break
         stepping = self.stepping
-        statistics = {
-            "steps": stepping.n_steps, "rhs": stepping.n_rhs, "restarts": self.restarts, "samples": self.samples,
-        }  # fmt: skip
+        work = stepping.n_steps, stepping.problem.n_rhs, self.restarts, self.samples
+        statistics = dict(zip(("steps", "rhs", "restarts", "samples"), work, strict=True))
         if any(group.torn for group in self.s.later):
             statistics["loops"] = self.evaluator.loops
         return Response(

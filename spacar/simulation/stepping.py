@@ -162,7 +162,7 @@ class _Problem(Problem):
 class Stepping:
     """Steps of a simulation `over` these times [s] by the code `method`, none longer than `longest` [s].
 
-    n_steps, n_rhs   work so far;  notes   what the log says about a change of the method
+    n_steps   so far;  notes   what the log says about a change of the method
     """
 
     def __init__(
@@ -181,10 +181,6 @@ class Stepping:
         self.choice = MethodChoice(Costs(ITERATED / EVALUATIONS + look, look, FAST), self._largest)
         self.choice.begin(self.begun, 0)
         self.explicit = 0  # steps of 155
-
-    @property
-    def n_rhs(self) -> int:
-        return self.problem.n_rhs
 
     def restart(self) -> None:
         """What comes is not smooth any more."""
@@ -248,7 +244,7 @@ class Stepping:
                 self._try(at.t)
             return
         stood = choice.stays
-        if not choice.goes_on(at.t, self.n_rhs / EVALUATIONS):
+        if not choice.goes_on(at.t, self.problem.n_rhs / EVALUATIONS):
             if stood:
                 self.notes.append(f"from t = {at.t:.9g}: method {EXPLICIT} ({METHODS[EXPLICIT].name}) again")
             choice.begin(at.t, self.explicit)
@@ -264,5 +260,5 @@ class Stepping:
         return float(np.max(np.abs(np.linalg.eigvals(found)), initial=0.0))
 
     def _try(self, t: float) -> None:
-        self.choice.attempt(t, self.n_rhs / EVALUATIONS)
+        self.choice.attempt(t, self.problem.n_rhs / EVALUATIONS)
         self.code, self.solver, self.size = IMPLICIT, None, None
