@@ -9,10 +9,11 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
-from functools import cache
 from numbers import Integral, Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
 
 from spacar.deck import Deck, read_deck
 from spacar.deck.rewrite.refine import refine_divisible
@@ -31,6 +32,11 @@ if TYPE_CHECKING:
 
 POSITIVE = ("atol", "rtol", "step", "duration", "n_steps")
 BEAMS = ("angle", "sine")  # measures of the deformations of beams and tubes
+OPTIONS = {f.name: str(f.type).removesuffix(" | None") for f in fields(SolverSettings)}  # name -> type
+KINDS: dict[str, tuple[Any, Any, str]] = {  # type -> how it is made, of what, in words
+    "bool": (bool, (bool, np.bool_), "True or False"), "int": (int, Integral, "a whole number"),
+    "float": (float, Real, "a number"), "str": (str, str, "a word"),
+}  # fmt: skip
 LARGEST = {"rtol": 1.0, "n_steps": 10**15}  # an error of 100 %; times that still differ
 
 
@@ -40,48 +46,33 @@ def checked_options(options: dict[str, Any]) -> tuple[dict[str, Any], list[str]]
     Raises UsageError for an unknown option, a value of the wrong type, one that is not positive or not finite where it
     must be, and an integration method that does not exist.
     """
-    types = _types()
     found, notes = {}, []
     for name, value in options.items():
-        if name not in types:
-            raise UsageError(f"there is no option '{name}'; the options are {', '.join(types)}", "usage.option")
+        if name not in OPTIONS:
+            raise UsageError(f"there is no option '{name}'; the options are {', '.join(OPTIONS)}", "usage.option")
         if value is None:
             continue
-        found[name] = _converted(name, value, types[name])
-        if name in POSITIVE and not 0 < found[name] < float("inf"):
-            raise UsageError(f"the option {name} = {value!r} must be positive and finite", "usage.option")
-        if name == "modes" and found[name] < 0:
-            raise UsageError(f"the option modes = {value!r} must not be negative (0: all)", "usage.option")
-        if name in LARGEST and found[name] > LARGEST[name]:
-            raise UsageError(f"the option {name} = {value!r} is at most {LARGEST[name]:g}", "usage.option")
-        if name == "beams" and found[name] not in BEAMS:
-            raise UsageError(f"the option beams = {value!r} is one of {', '.join(BEAMS)}", "usage.option")
+        v = found[name] = _converted(name, value)
+        for wrong, rule in (
+            (name in POSITIVE and not 0 < v < np.inf, "must be positive and finite"),
+            (name == "modes" and v < 0, "must not be negative (0: all)"),
+            (name in LARGEST and v > LARGEST[name], f"is at most {LARGEST.get(name, 0):g}"),
+            (name == "beams" and v not in BEAMS, f"is one of {', '.join(BEAMS)}"),
+        ):
+            if wrong:
+                raise UsageError(f"the option {name} = {value!r} {rule}", "usage.option")
         if name == "integrator":
             found[name], note = integrator(found[name])
             notes += [note] if note else []
     return found, notes
 
 
-@cache
-def _types() -> dict[str, str]:
-    """Type of every option, in words."""
-    return {f.name: str(f.type).removesuffix(" | None") for f in fields(SolverSettings)}
-
-
-def _converted(name: str, value: Any, kind: str) -> Any:
-    """The value as a number of the wanted kind; NumPy's numbers are numbers too."""
-    if kind == "float" and type(value) is float:
-        return value
-    if kind == "str":
-        right = isinstance(value, str)
-    elif kind == "bool":
-        right = type(value).__name__ in ("bool", "bool_")
-    else:
-        right = isinstance(value, Real if kind == "float" else Integral) and not isinstance(value, bool)
-    if not right:
-        wanted = {"bool": "True or False", "int": "a whole number", "float": "a number", "str": "a word"}[kind]
+def _converted(name: str, value: Any) -> Any:
+    """The value as a number of the kind that the option has; NumPy's numbers are numbers too."""
+    kind, types, wanted = KINDS[OPTIONS[name]]
+    if not isinstance(value, types) or (isinstance(value, bool) and kind is not bool):
         raise UsageError(f"the option {name} = {value!r} must be {wanted}, not {type(value).__name__}", "usage.option")
-    return {"bool": bool, "int": int, "float": float, "str": str}[kind](value)
+    return kind(value)
 
 
 def texts(name: str, given: object) -> tuple[str, ...]:

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from bisect import bisect_right
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import accumulate, chain
-from typing import Any, cast, overload
+from typing import Any
 
 import numpy as np
 
@@ -78,11 +78,7 @@ class Frame:
 
     def value(self, name: str) -> Any:
         """What is stored under a name, in whatever place; None where nothing is."""
-        if name in self.matrices:
-            return self.matrices[name]
-        if name in self.state_space:
-            return self.state_space[name]
-        return getattr(self, name, None)
+        return {**self.state_space, **self.matrices}.get(name, getattr(self, name, None))
 
 
 class _Frames(Sequence[Frame]):
@@ -93,11 +89,7 @@ class _Frames(Sequence[Frame]):
     @abstractmethod
     def _frame(self, i: int) -> Frame: ...
 
-    @overload
-    def __getitem__(self, i: int) -> Frame: ...
-    @overload
-    def __getitem__(self, i: slice) -> tuple[Frame, ...]: ...
-    def __getitem__(self, i: int | slice) -> Frame | tuple[Frame, ...]:
+    def __getitem__(self, i: Any) -> Any:
         if isinstance(i, slice):
             return tuple(self._frame(k) for k in range(*i.indices(len(self))))
         return self._frame(i)
@@ -136,43 +128,17 @@ class StoredFrames(_Frames):
 
 
 class FramesInRows(StoredFrames):
-    """The same whose numbers stand in rows: variables are cut out when somebody asks for them.
+    """The same, whose variables are parts of `rows` (steps, 6 nx + 4 ne or more): X_FIELDS, then E_FIELDS.
 
-    rows    (steps, 6 nx + 4 ne or more) X_FIELDS, then E_FIELDS;  sizes   nx, ne
-    counts  names and numbers (steps, names) of what becomes the statistics; may be added later
+    sizes   nx, ne
     """
 
-    __slots__ = ("_statistics", "_variables", "counts", "rows", "sizes")
+    __slots__ = ("rows",)
 
     def __init__(self, t: Array, rows: Array, sizes: tuple[int, int], lost: Sequence[dict[int, str]] = ()) -> None:
-        self.t, self.rows, self.sizes, self.lost = t, rows, sizes, lost
-        self.counts: tuple[Sequence[str], Array] | None = None
-        self._variables: dict[str, Array] | None = None
-        self._statistics: dict[str, Array] | None = None
-
-    def column(self, name: str) -> Array | None:
-        nx, ne = self.sizes
-        if name in X_FIELDS:
-            first, size = X_FIELDS.index(name) * nx, nx
-        elif name in E_FIELDS:
-            first, size = len(X_FIELDS) * nx + E_FIELDS.index(name) * ne, ne
-        else:
-            return self.t if name == "t" else None
-        return self.rows[:, first : first + size]
-
-    @property
-    def variables(self) -> dict[str, Array]:  # type: ignore[override]
-        if self._variables is None:
-            found = {name: self.column(name) for name in (*X_FIELDS, *E_FIELDS)}
-            self._variables = cast("dict[str, Array]", found)
-        return self._variables
-
-    @property
-    def statistics(self) -> dict[str, Array]:  # type: ignore[override]
-        if self._statistics is None and self.counts is not None:
-            names, numbers = self.counts
-            self._statistics = dict(zip(names, numbers.T, strict=True))
-        return self._statistics or {}
+        self.rows = rows
+        parts = np.split(rows, [*accumulate([sizes[0]] * len(X_FIELDS) + [sizes[1]] * len(E_FIELDS))], axis=1)
+        super().__init__(t, dict(zip((*X_FIELDS, *E_FIELDS), parts, strict=False)), {}, lost)
 
     def __reduce__(self) -> Any:
         """A copy, here or in another process, has variables of its own."""
@@ -211,12 +177,11 @@ def joined(blocks: Sequence[Sequence[Frame]]) -> Sequence[Frame]:
 
 def column(frames: Sequence[Frame], name: str) -> Array | None:
     """A variable of all frames, step first, which may be a part of them; None where one of them does not have it."""
-    if type(frames) is JoinedFrames:
+    if isinstance(frames, JoinedFrames):
         parts = [column(block, name) for block in frames.blocks]
         found = [part for part in parts if part is not None]
         return np.concatenate(found) if len(found) == len(parts) else None
-    kept: Callable[[str], Array | None] | None = getattr(frames, "column", None)  # `isinstance` asks Python of them
-    whole = None if kept is None else kept(name)
+    whole = frames.column(name) if isinstance(frames, StoredFrames) else None
     if whole is not None:
         return whole
     values = [frame.value(name) for frame in frames]

@@ -78,19 +78,22 @@ def _holder_lives(beside: Path) -> bool:
     A process of another machine cannot be asked and counts as alive; so does the writer of an unfinished file.
     """
     try:
-        host, _, number = beside.read_text("utf-8", "replace").strip().rpartition(" ")
+        host, number = _named(beside)
     except OSError:
         return False
-    if host != platform.node() or not number.isdecimal():
-        return True
-    return is_alive(int(number))
+    return host != platform.node() or not number.isdecimal() or is_alive(int(number))
+
+
+def _named(beside: Path) -> tuple[str, ...]:
+    """Host and process number in the file."""
+    return beside.read_text("utf-8", "replace")[:200].strip().rpartition(" ")[::2]
 
 
 def holder(path: Path) -> str:
     """For a message: the file that is the lock, whose it is, and what to do when that process has ended; or nothing."""
     beside = path.with_name(f"{path.name}.lock")
     try:
-        host, _, number = beside.read_text("utf-8", "replace")[:200].strip().rpartition(" ")
+        host, number = _named(beside)
     except OSError:  # a lock that ends with its process, or one that Windows does not let us read
         return ""
     known = host and number.isdecimal()
@@ -105,7 +108,7 @@ def is_alive(process: int) -> bool:
     except (ProcessLookupError, OverflowError):
         return False
     except PermissionError:
-        return True
+        pass
     return True
 
 

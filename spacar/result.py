@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from spacar.arrays import Array
+from spacar.arrays import Array, Index
 from spacar.errors import UsageError
 from spacar.expressions.frequencies import frequencies
 from spacar.expressions.result_places import ELEMENT, NODE, place, places
@@ -52,7 +51,7 @@ class Result:
     @classmethod
     def collect(cls, run: Run) -> Result:
         """Iterate over a run to its end."""
-        frames = joined(run.together())
+        frames = joined(tuple(run.blocks()))
         return cls(run.mechanism, run.mode.number, frames, tuple(run.report.lines), run.header.copy(), run.nominal)
 
     def draw(self, path: str | Path | None = None, **options: Any) -> Any:
@@ -121,12 +120,12 @@ class Result:
         return frequencies(self["eigval"])
 
     @property
-    def lnp(self) -> NDArray[np.int64]:
+    def lnp(self) -> Index:
         """(nodes, 4) places of the coordinates of every node in x, from 1; 0 for none (files.md section 4)."""
         return self.mechanism.numbering.lnp
 
     @property
-    def le(self) -> NDArray[np.int64]:
+    def le(self) -> Index:
         """(elements, n) places of the deformations of every element in e, from 1; 0 for none (files.md section 4)."""
         return self.mechanism.numbering.le
 
@@ -174,26 +173,21 @@ class Result:
         """(steps,) one coordinate (from 1) of the node of this number, or (steps, n) all of them; variable: x, xd, xdd,
         fx, fxgrav, fxtot, xcompl or xerr.
         """
-        if variable not in X_VARIABLES:
-            raise UsageError(
-                f"{variable} is no variable of nodes; these are {', '.join(X_VARIABLES)}", "result.variable"
-            )
-        return self._entry(variable, self.lnp, number, coordinate, NODE)
+        return self._entry(variable, X_VARIABLES, self.lnp, number, coordinate, NODE)
 
     def element(self, number: int, mode: int | None = None, variable: str = "e") -> Array:
         """(steps,) one deformation mode (from 1) of the element `number`, or (steps, n) all of them; variable: e, ed,
         edd or sig.
         """
-        if variable not in E_VARIABLES:
-            raise UsageError(
-                f"{variable} is no variable of elements; these are {', '.join(E_VARIABLES)}", "result.variable"
-            )
-        return self._entry(variable, self.le, number, mode, ELEMENT)
+        return self._entry(variable, E_VARIABLES, self.le, number, mode, ELEMENT)
 
     def _entry(
-        self, variable: str, table: NDArray[np.int64], number: int, k: int | None, words: tuple[str, str]
+        self, variable: str, known: tuple[str, ...], table: Index, number: int, k: int | None, words: tuple[str, str]
     ) -> Array:
         """(steps,) what `place` finds, of its own; without k (steps, n) what `places` finds."""
+        if variable not in known:
+            text = f"{variable} is no variable of {words[0]}s; these are {', '.join(known)}"
+            raise UsageError(text, "result.variable")
         found = self._column(variable)
         if found is None:
             found = self[variable]  # says what is wrong

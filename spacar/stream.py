@@ -94,11 +94,6 @@ class Run:
                 return
             yield block
 
-    def together(self) -> tuple[Sequence[Frame], ...]:
-        """All `blocks`."""
-        with np.errstate(all="ignore"):
-            return tuple(self._made())
-
     def _made(self) -> Iterator[Sequence[Frame]]:
         told, given = set[int](), 0
         parts = None if self.accuracy else rigid_parts(self.mechanism, self.mode)

@@ -55,12 +55,12 @@ def test_a_variable_that_one_frame_lacks_is_no_column(frames):
     assert (column((alone,), "m0") == np.eye(2)).all()
 
 
-def test_rows_are_cut_when_a_variable_is_asked_for():
+def test_variables_are_parts_of_rows():
     """Of x, xd, xdd, three forces, two numbers each, and e, ed, edd, sig; behind them something else."""
     rows = np.arange(51.0).reshape(3, 17)
     block = FramesInRows(np.arange(3.0), rows, (2, 1), [{}] * 3)
     assert block[1].statistics == {}
-    block.counts = ("steps", "rhs"), np.arange(6).reshape(3, 2)
+    block.statistics = dict(zip(("steps", "rhs"), np.arange(6).reshape(3, 2).T, strict=True))
     assert (column(block, "xd") == rows[:, 2:4]).all()
     assert (column(block, "sig") == rows[:, 15:16]).all()
     assert (column(block, "t") == [0.0, 1.0, 2.0]).all()

@@ -206,7 +206,7 @@ class LeftOut:
         e = block.rows[:, split : split + 4 * m.ne].reshape(steps, 4, m.ne)
         lost = [self._lost(found) for found in block.lost]
         made = FramesInRows(block.t, self._rows(x, e), (self.n.nx, self.n.ne), lost)
-        made.counts = block.counts
+        made.statistics = block.statistics
         return made
 
     def _rows(self, x: Array, e: Array) -> Array:

@@ -158,7 +158,7 @@ def frames(
                 iterations = at.work[:, 4:]
                 if iterations[-1] < 0:  # C could not place it
                     iterations[-1] = evaluator.iterations
-                placed.counts = WORK[4:], iterations
+                placed.statistics = dict(zip(WORK[4:], iterations.T, strict=True))
                 yield evaluator, placed
             return
         for t in times:
@@ -194,7 +194,7 @@ def frames(
         for out in outputs:
             if out.passed is not None:
                 block = checked_frames(shown, out.passed, limits)
-                block.counts = WORK, out.passed.work
+                block.statistics = dict(zip(WORK, out.passed.work.T, strict=True))
                 yield shown, block
             else:
                 trail.lead(shown)
