@@ -13,7 +13,7 @@ from spacar_formats import sim_blocks
 
 from spacar.deck.findings import alternatives
 from spacar.deck.keyword_table import ALIASES, ELEMENT_TYPES, KEYWORDS, blocks_of
-from spacar.deck.table_types import BlockKind, Keyword, subject_of
+from spacar.deck.table_types import BlockKind, Keyword
 from spacar.errors import UsageError
 
 WIDTH = 100
@@ -104,12 +104,12 @@ def keywords_json() -> dict[str, Any]:
 
 def _record(rows: list[Keyword]) -> dict[str, Any]:
     name = rows[0].name
-    subject, of_element = subject_of(rows[0])
+    subject = rows[0].subject
     record: dict[str, Any] = {
         "blocks": [row.block.number for row in rows],
         "help": rows[0].help,
         "text": _text(name),
-        "subject": None if subject is None else ["element" if of_element else "node", subject],
+        "subject": None if subject is None else ["element" if rows[0].of_element else "node", subject],
         "forms": [
             {"scope": ", ".join(v.scope), "parameters": [[p.text, p.of] for p in v.parameters]}
             for row in rows for v in row.variants

@@ -13,7 +13,7 @@ from spacar.deck.outline import Outline
 from spacar.deck.raw_statements import NUMBERED_PARTS, Raw
 from spacar.deck.statement import Statement, Value
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import Keyword, Parameter, Variant, subject_of
+from spacar.deck.table_types import Keyword, Parameter, Variant
 
 _NAMES = ("name of a section", "name of a material", "shape", "unit")
 _UNUSED_NODES_ALLOWED = ("X", "FIX")
@@ -23,13 +23,13 @@ _COEFFICIENTS = ("ESTIFF", "EDAMP", "EM", "ESIG", "DELESIG")  # generators write
 
 def read_statement(raw: Raw, keyword: Keyword, outline: Outline, findings: Findings) -> Statement | None:
     """Type and check the words of one statement; None when an error makes it useless."""
-    subject, of_element = subject_of(keyword)
+    subject = keyword.subject
     space, role, kind = outline.space, "", ""
     if raw.keyword in ELEMENT_TYPES:
         space, subject = "", None
     if subject is not None and subject < len(raw.words):
         number = integer_of(raw.words[subject].text)
-        if number is not None and of_element:
+        if number is not None and keyword.of_element:
             kind = outline.types[number].keyword if number in outline.types else ""
         elif number is not None:
             role = outline.roles.get(number, "")

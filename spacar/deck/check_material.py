@@ -15,7 +15,7 @@ from spacar.deck.findings import Findings, alternatives
 from spacar.deck.keyword_table import KEYWORDS, kind_of
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement, StatementIndex
-from spacar.deck.table_types import ELEMENT_CLASSES, NODE_CLASSES, BlockKind, Keyword, Purpose, facts, subject_of
+from spacar.deck.table_types import ELEMENT_CLASSES, NODE_CLASSES, BlockKind, Keyword, Purpose, facts
 
 Classes = dict[tuple[int, int], tuple[str, Sequence[Statement], int]]
 """(node, coordinate) or (element, mode) -> class, and the statement that says so: some statements and its place."""
@@ -101,9 +101,9 @@ def check_classes(scene: CheckMaterial, block: int) -> None:
     along = scene.analysis is not None and scene.analysis.takes_setpoints
     for name in filter(OF_A_CLASS.__contains__, scene.index.keywords(block)):
         keyword = scene.row(name, block)
-        subject, of_element = subject_of(keyword)
+        subject = keyword.subject
         if subject is not None and (keyword.classes or keyword.holonomic):
-            what = "element" if of_element else "node"
+            what = "element" if keyword.of_element else "node"
             right = () if along or keyword.holonomic else keyword.classes
             for group, k, row in scene.index.each(name, block=block):
                 if scene.class_of(what, row[subject], row[subject + 1]) not in right:

@@ -9,7 +9,7 @@ from math import asin, degrees, dist, hypot, inf
 from spacar.deck.check_material import CheckMaterial
 from spacar.deck.statement import Statement, StatementGroup
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import ElementType, position_places
+from spacar.deck.table_types import ElementType
 
 ZERO_LENGTH = 1e-8
 """A length below this part of the size of the model is zero: a chosen bound, for the digits of a file."""
@@ -119,7 +119,7 @@ def _ordinary(group: StatementGroup, kind: ElementType, positions: dict[int, Vec
             directions = [*zip(*group.columns(start, end))]  # noqa: B905 (of equal lengths)
             if not all(map(any, directions)):
                 return False
-    ends = position_places(kind)
+    ends = kind.position_places
     if len(ends) < 2:
         return True
     p, q = ends
@@ -149,7 +149,7 @@ def _check_element(
         direction = None
     if s.keyword in ("PLWHEEL", "TWHEEL"):
         _check_radii(scene, s)
-    ends = [s.integer(i) for i in position_places(kind)]
+    ends = [s.integer(i) for i in kind.position_places]
     if len(ends) < 2 or ends[0] == ends[1] or any(("X", n) in scene.outline.broken for n in ends):
         return
     p, q = positions.get(ends[0], ORIGIN), positions.get(ends[1], ORIGIN)

@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import chain, cycle
+from itertools import chain, combinations, cycle
 from operator import eq
 
 from spacar.deck.findings import ranges
 from spacar.deck.statement import Statement, StatementGroup
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import ElementType, coordinates_of, independent_of, traits_of, twins_of
+from spacar.deck.table_types import ElementType, coordinates_of, independent_of
 
 
 @dataclass(slots=True, eq=False)
 class Outline:
     """The types of elements by number, nodes by number with their roles, in the order of the file.
 
-    `kinds` are the types that occur, `traits` what any of them has (`traits_of`); `regular` is true while every element
-    has a number of its own and every node one role, no element has the same node at both ends, and all are planar or
-    all spatial. `space` is planar, spatial or "" (no element). `complete` is false when some element statement could
-    not be read, so that nodes may be missing here; `broken` holds keyword and first number of the other statements that
-    could not be read, `broken_blocks` their blocks: what follows from their absence is not reported then. `metre` is
-    the unit of length of the file in metres.
+    `kinds` are the types that occur, `traits` what any of them has; `regular` is true while every element has a number
+    of its own and every node one role, no element has the same node at both ends, and all are planar or all spatial.
+    `space` is planar, spatial or "" (no element). `complete` is false when some element statement could not be read, so
+    that nodes may be missing here; `broken` holds keyword and first number of the other statements that could not be
+    read, `broken_blocks` their blocks: what follows from their absence is not reported then. `metre` is the unit of
+    length of the file in metres.
     """
 
     types: dict[int, ElementType] = field(default_factory=dict)
@@ -99,7 +99,7 @@ class Outline:
         self._added.append(group)
         self.types.update(new)
         self.kinds[kind] = None
-        self.traits |= traits_of(kind)
+        self.traits |= kind.traits
         space = "planar" if kind.planar else "spatial"
         self.space = self.space or space
         self.regular &= self.space == space
@@ -107,6 +107,6 @@ class Outline:
         for node, role in zip(chain.from_iterable(zip(*columns)), cycle(kind.nodes)):  # noqa: B905
             if roles.setdefault(node, role) != role:
                 self.regular = False
-        for i, j in twins_of(kind):
-            if True in map(eq, columns[i], columns[j]):
+        for i, j in combinations(range(len(columns)), 2):
+            if kind.nodes[i] == kind.nodes[j] and True in map(eq, columns[i], columns[j]):
                 self.regular = False

@@ -5,7 +5,7 @@ Codes: reference/files.md section 3.
 
 from __future__ import annotations
 
-from spacar.deck.element_row import (
+from spacar.deck.table_types import (
     BAR_NODES,
     BEAM_NODES,
     BODY_MODES,
@@ -13,11 +13,13 @@ from spacar.deck.element_row import (
     JOINT_NODES,
     STRETCH,
     TURN,
+    ElementType,
     O,
     P,
-    element_type,
+    real,
+    span,
+    vector,
 )
-from spacar.deck.table_types import real, span, vector
 
 _PLWHEEL = (
     (P, O, O), ("position node (wheel centre)", "orientation node (yaw angle)", "orientation node (spin angle)"),
@@ -34,44 +36,44 @@ _K9 = (
 )
 
 PLANAR = (
-    element_type(
-        "PLBEAM", "planar beam", 5, True, BEAM_NODES, _BEND2, stiffness=(2, 3, 3), length="always",
+    ElementType(
+        "PLBEAM", "planar beam", 5, True, *BEAM_NODES, _BEND2, stiffness=(2, 3, 3), length="always",
         family="planar.plbeam:PlanarBeam", angle_family="planar.plbeam_angle:PlanarAngleBeam", shape="beam",
         coefficients="planar beam", mass="planar beam", statements=("LDEFORM", "ADEFORM"), axial=True, quadratic=True,
         split=((2, 3),),
     ),
-    element_type(
-        "PLTRUSS", "planar truss", 7, True, BAR_NODES, STRETCH, stiffness=(2,), length="always",
+    ElementType(
+        "PLTRUSS", "planar truss", 7, True, *BAR_NODES, STRETCH, stiffness=(2,), length="always",
         family="planar.pltruss:PlanarTruss", shape="truss", coefficients="stretch", mass="bar", axial=True,
     ),
-    element_type(
-        "PLTOR", "planar hinge", 6, True, JOINT_NODES, TURN, stiffness=(2,), family="planar.pltor:PlanarHinge",
+    ElementType(
+        "PLTOR", "planar hinge", 6, True, *JOINT_NODES, TURN, stiffness=(2,), family="planar.pltor:PlanarHinge",
         shape="hinge",
     ),
-    element_type(
-        "PLBEAR", "planar bearing", 8, True, BEAM_NODES, (*BODY_MODES[:2], *TURN),
+    ElementType(
+        "PLBEAR", "planar bearing", 8, True, *BEAM_NODES, (*BODY_MODES[:2], *TURN),
         notes=("Not supported, as in the original program.",),
     ),
-    element_type(
-        "PLPINBOD", "planar pinbody", 10, True, BODY_NODES, BODY_MODES[:2], stiffness=(2, 3),
+    ElementType(
+        "PLPINBOD", "planar pinbody", 10, True, *BODY_NODES, BODY_MODES[:2], stiffness=(2, 3),
         family="planar.plpinbod:PlanarPinbody", shape="body", statements=("ORPINBOD", "DRPINBOD"),
     ),
-    element_type(
-        "PLRBEAM", "planar rigid beam", 10, True, BODY_NODES, BODY_MODES[:2], stiffness=(2, 3), length="always",
+    ElementType(
+        "PLRBEAM", "planar rigid beam", 10, True, *BODY_NODES, BODY_MODES[:2], stiffness=(2, 3), length="always",
         family="planar.plpinbod:PlanarPinbody", shape="body", mass="planar beam", statements=("ORPINBOD", "DRPINBOD"),
     ),
-    element_type(
-        "PLWHEEL", "planar wheel", 12, True, _PLWHEEL, (("longitudinal slip", "m"), ("lateral slip", "m")),
+    ElementType(
+        "PLWHEEL", "planar wheel", 12, True, *_PLWHEEL, (("longitudinal slip", "m"), ("lateral slip", "m")),
         (real("wheel radius", "m"), *vector("initial direction of the spin axis,", "x y")), slips=(0, 1),
         direction=(6, 2, "axis"), family="planar.plwheel:PlanarWheel", shape="planar wheel",
     ),
-    element_type(
-        "PLBELT", "planar belt", 11, True, BEAM_NODES, (("elongation of the belt", "m"),), _RADII, stiffness=(2,),
+    ElementType(
+        "PLBELT", "planar belt", 11, True, *BEAM_NODES, (("elongation of the belt", "m"),), _RADII, stiffness=(2,),
         length="always", notes=(_K9,), family="planar.plbelt:PlanarBelt", shape="belt", coefficients="stretch",
         mass="belt",
     ),
-    element_type(
-        "PLTUBE", "planar tube", 15, True, BEAM_NODES, _BEND2, _TANGENTS, span(5, 7), stiffness=(2, 3, 3),
+    ElementType(
+        "PLTUBE", "planar tube", 15, True, *BEAM_NODES, _BEND2, _TANGENTS, span(5, 7), stiffness=(2, 3, 3),
         length="always", family="planar.pltube:PlanarTube", angle_family="planar.plbeam_angle:PlanarAngleTube",
         shape="beam",
         coefficients="planar beam", mass="planar tube", statements=("DELOMF", "ADEFORM"), axial=True, quadratic=True,

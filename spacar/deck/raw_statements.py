@@ -17,7 +17,7 @@ from spacar.deck.lexer import LARGEST_NUMBER, Word, lines_not_plain, numbers, wi
 from spacar.deck.outline import Outline
 from spacar.deck.statement import StatementGroup
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_types import COORDINATES, Keyword, Parameter, Variant, coordinates_of, subject_of
+from spacar.deck.table_types import COORDINATES, Keyword, Parameter, Variant, coordinates_of
 
 
 @dataclass(slots=True, eq=False)
@@ -129,9 +129,9 @@ class _Form:
 def _forms(keyword: Keyword, space: str, count: int) -> tuple[_Form, ...]:
     """The forms that so many ordinary numbers take in such a model; none with names. Several differ in what they are
     about."""
-    subject, of_element = subject_of(keyword)
+    subject = keyword.subject
     things: list[tuple[Any, str, str]] = [(role, role, "") for role in COORDINATES]
-    if of_element:
+    if keyword.of_element:
         things = [(kind, "", name) for name, kind in ELEMENT_TYPES.items()]
     if subject is None or subject >= count or keyword.name in ELEMENT_TYPES:
         things = [(None, "", "")]

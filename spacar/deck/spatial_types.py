@@ -5,7 +5,7 @@ Codes: reference/files.md section 3, wheels and screw: reference/theory-spatial.
 
 from __future__ import annotations
 
-from spacar.deck.element_row import (
+from spacar.deck.table_types import (
     BAR_NODES,
     BEAM_NODES,
     BODY_MODES,
@@ -13,12 +13,13 @@ from spacar.deck.element_row import (
     JOINT_NODES,
     STRETCH,
     TURN,
+    ElementType,
     O,
     P,
     W,
-    element_type,
+    real,
+    vector,
 )
-from spacar.deck.table_types import real, vector
 
 _WHEEL = (
     (P, O, P), ("p position node (wheel centre)", "p orientation node (wheel)", "q position node (contact point)"),
@@ -73,15 +74,15 @@ _K10 = (
 _SIX = "With six arguments the sixth is the coupling f and the direction is the default one."
 
 SPATIAL = (
-    element_type(
-        "BEAM", "spatial beam", 1, False, BEAM_NODES, _BEND3, (*_Y3, COUPLING), (5, 6, 8, 9),
+    ElementType(
+        "BEAM", "spatial beam", 1, False, *BEAM_NODES, _BEND3, (*_Y3, COUPLING), (5, 6, 8, 9),
         stiffness=(2, 3, 4, 4, 5, 5), length="always", direction=(6, 3, "plane"), notes=(_K1, _K2, _SIX),
         family="spatial.beam:SpatialBeam", angle_family="spatial.beam_angle:SpatialAngleBeam", shape="beam",
         coefficients="spatial beam", mass="spatial beam", statements=("LDEFORM", "ADEFORM"), axial=True, quadratic=True,
         split=((3, 4), (5, 6)), counterpart="PLBEAM",
     ),
-    element_type(
-        "BEAMW", "spatial beam with warping", 18, False, _WARPED_NODES, (*_BEND3, *_WARPING), (*_Y3, COUPLING),
+    ElementType(
+        "BEAMW", "spatial beam with warping", 18, False, *_WARPED_NODES, (*_BEND3, *_WARPING), (*_Y3, COUPLING),
         (10, 11), stiffness=(2, 3, 4, 4, 5, 5, 8, 8), length="always", direction=(8, 3, "plane"),
         notes=(_K1, _K2, _K10), family="spatial.beam_warping:BeamWithWarping",
         angle_family="spatial.beam_warping_angle:AngleBeamWithWarping", shape="beam",
@@ -89,47 +90,47 @@ SPATIAL = (
         mass="spatial beam with warping", statements=("LDEFORM", "ADEFORM"), axial=True, quadratic=True,
         split=((3, 4), (5, 6)), released=(7, 8),
     ),
-    element_type(
-        "TRUSS", "spatial truss", 2, False, BAR_NODES, STRETCH, stiffness=(2,), length="always",
+    ElementType(
+        "TRUSS", "spatial truss", 2, False, *BAR_NODES, STRETCH, stiffness=(2,), length="always",
         family="spatial.truss:SpatialTruss", shape="truss", coefficients="stretch", mass="bar", axial=True,
         counterpart="PLTRUSS",
     ),
-    element_type(
-        "HINGE", "spatial hinge", 3, False, JOINT_NODES, (*TURN, *_MISALIGNED), _X3, stiffness=(2, 3, 4),
+    ElementType(
+        "HINGE", "spatial hinge", 3, False, *JOINT_NODES, (*TURN, *_MISALIGNED), _X3, stiffness=(2, 3, 4),
         direction=(4, 3, "axis"), notes=(_K3,), family="spatial.hinge:SpatialHinge", shape="hinge",
         counterpart="PLTOR",
     ),
-    element_type(
-        "PINBODY", "spatial pinbody", 9, False, BODY_NODES, BODY_MODES, _Y3, (4, 7), stiffness=(2, 3, 4),
+    ElementType(
+        "PINBODY", "spatial pinbody", 9, False, *BODY_NODES, BODY_MODES, _Y3, (4, 7), stiffness=(2, 3, 4),
         length="with direction", direction=(5, 3, "plane"), notes=(_K4,), family="spatial.pinbody:SpatialPinbody",
         shape="body",
         statements=("ORPINBOD", "DRPINBOD"),
     ),
-    element_type(
-        "RBEAM", "spatial rigid beam", 9, False, BODY_NODES, BODY_MODES, _Y3, (4, 7), stiffness=(2, 3, 4),
+    ElementType(
+        "RBEAM", "spatial rigid beam", 9, False, *BODY_NODES, BODY_MODES, _Y3, (4, 7), stiffness=(2, 3, 4),
         length="always", direction=(5, 3, "plane"), notes=(_K1,), family="spatial.pinbody:SpatialPinbody", shape="body",
         mass="spatial beam", statements=("ORPINBOD", "DRPINBOD"), counterpart="PLRBEAM",
     ),
-    element_type(
-        "WHEEL", "disk wheel", 13, False, _WHEEL, _ROLL, _SPIN3, slips=(4, 5), stiffness=(2, 3, 4, 5, 6, 7),
+    ElementType(
+        "WHEEL", "disk wheel", 13, False, *_WHEEL, _ROLL, _SPIN3, slips=(4, 5), stiffness=(2, 3, 4, 5, 6, 7),
         length="always", direction=(5, 3, "spin"), notes=("The radius is the initial distance between p and q.",),
         family="spatial.wheel:DiskWheel", shape="wheel", normal_mode=3,
     ),
-    element_type(
-        "TWHEEL", "torus wheel", 14, False, _WHEEL, _ROLL,
+    ElementType(
+        "TWHEEL", "torus wheel", 14, False, *_WHEEL, _ROLL,
         (real("radius in the equatorial plane", "m"), real("transverse (tread) radius", "m"), *_SPIN3), slips=(4, 5),
         stiffness=(2, 3, 4, 5, 6, 7), length="always", direction=(7, 3, "spin"), family="spatial.wheel:TorusWheel",
         shape="wheel", normal_mode=3,
     ),
-    element_type(
-        "TUBE", "spatial tube", 16, False, BEAM_NODES, _BEND3, (*_Y3, COUPLING), (5, 6, 8, 9),
+    ElementType(
+        "TUBE", "spatial tube", 16, False, *BEAM_NODES, _BEND3, (*_Y3, COUPLING), (5, 6, 8, 9),
         stiffness=(2, 3, 4, 4, 5, 5), length="always", direction=(6, 3, "plane"), notes=(_K1, _K2, _SIX),
         family="spatial.tube:SpatialTube", angle_family="spatial.beam_angle:SpatialAngleTube", shape="beam",
         coefficients="spatial beam", mass="spatial tube", statements=("ORTUBE", "DELOMF", "ADEFORM"), axial=True,
         quadratic=True,
     ),
-    element_type(
-        "SCREW", "screw", 17, False, BEAM_NODES, _SCREW_MODES, (*_X3, real("pitch, displacement per radian", "m/rad")),
+    ElementType(
+        "SCREW", "screw", 17, False, *BEAM_NODES, _SCREW_MODES, (*_X3, real("pitch, displacement per radian", "m/rad")),
         stiffness=(2, 3, 4, 5, 6, 7), direction=(6, 3, "axis"), notes=(_K3,), family="spatial.screw:Screw",
         shape="screw",
     ),

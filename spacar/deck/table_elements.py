@@ -32,9 +32,10 @@ def _statement(t: ElementType) -> Keyword:
         *(integer(n, f"{role} node") for n, role in zip(t.node_names, t.nodes, strict=True)),
     )
     space = "planar" if t.planar else "spatial"
-    counts = tuple(n for n in t.counts if n != 6) if t.geometry[-1:] == (COUPLING,) else t.counts
+    given = t.counts or (len(head + t.geometry),)
+    counts = tuple(n for n in given if n != 6) if t.geometry[-1:] == (COUPLING,) else given
     variants = [form(head + t.geometry, *counts, space=space)]
-    if counts != t.counts:
+    if counts != given:
         variants.append(form((*head, COUPLING), 6, space=space))
     modes = "; ".join(f"{i} {name} [{unit}]" for i, (name, unit) in enumerate(t.modes, 1))
     notes = (f"Deformation modes: {modes}.", *t.notes)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from functools import cache
+from functools import cached_property
 
 from spacar import modes
 
@@ -24,7 +24,6 @@ ELEMENT_CLASSES = {"RLSE": "calculable", "INPUTE": "prescribed", "DYNE": "dynami
 """Statement of the kinematics block -> the class that it gives to coordinates, or to deformations."""
 
 
-@cache
 def independent_of(role: str, planar: bool) -> tuple[int, ...]:
     """Coordinates of a node with this role that a statement without coordinate numbers means: all, but of Euler
     parameters not lambda0."""
@@ -100,7 +99,7 @@ class Variant:
         return [word for word in words if word]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Keyword:
     """One keyword of one block.
 
@@ -124,51 +123,25 @@ class Keyword:
         """Largest number of arguments of any variant."""
         return max(v.counts[-1] for v in self.variants)
 
-    @property
+    @cached_property
     def subject(self) -> int | None:
         """Index of the argument that names the node or element that the statement is about."""
-        return subject_of(self)[0]
+        named = (i for i, p in enumerate(self.variants[0].parameters) if p.of == "element" or p.of.endswith("node"))
+        return next(named, None)
+
+    @cached_property
+    def of_element(self) -> bool:
+        """Whether that is an element."""
+        return self.subject is not None and self.variants[0].parameters[self.subject].of == "element"
 
 
-@cache
-def subject_of(keyword: Keyword) -> tuple[int | None, bool]:
-    """`Keyword.subject`, looked up once, and whether it is an element."""
-    for i, parameter in enumerate(keyword.variants[0].parameters):
-        if parameter.of == "element" or parameter.of.endswith("node"):
-            return i, parameter.of == "element"
-    return None, False
-
-
-@cache
-def lengths_of(kind: ElementType) -> list[int]:
-    """Modes (from 0) of an element type that are lengths."""
-    return [k for k, (_, unit) in enumerate(kind.modes) if unit == "m"]
-
-
-@cache
-def twins_of(kind: ElementType) -> list[tuple[int, int]]:
-    """Pairs of places (from 0) in the nodes of an element type with the same role."""
-    return [(i, j) for j, role in enumerate(kind.nodes) for i in range(j) if kind.nodes[i] == role]
-
-
-@cache
-def position_places(kind: ElementType) -> list[int]:
-    """Arguments (from 0) of the statement of an element type that are position nodes."""
-    return [i for i, role in enumerate(kind.nodes, 1) if role == "position"]
-
-
-@cache
-def coordinates_used(kind: ElementType) -> list[int]:
-    """Coordinates of an element type in the rows of its nodes, four places each, one after the other."""
-    return [4 * k + i for k, role in enumerate(kind.nodes) for i in range(coordinates_of(role, kind.planar))]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ElementType:
     """One element type: everything about it that other rooms ask for.
 
     `nodes` are the roles (position, orientation, warping) in the order of the statement, `node_names` their names
-    there. `modes` are (name, unit), `slips` the 0-based non-holonomic modes, `code` the number in the array `it`.
+    there, `counts` the allowed numbers of arguments, empty where all are needed. `modes` are (name, unit), `slips` the
+    0-based non-holonomic modes, `code` the number in the array `it`.
     `stiffness` gives for each mode the position of its coefficient in ESTIFF (argument number, 1 = element). `length`
     says when the distance between the position nodes must not be zero: always, with direction, or never. `direction` is
     (first argument number, number of components, role) of the direction vector, with the role plane (a vector in the
@@ -216,10 +189,15 @@ class ElementType:
         """Whether there is a family that evaluates it."""
         return bool(self.family)
 
-    @property
+    @cached_property
     def classed(self) -> tuple[int, ...]:
         """Modes (from 1) that a statement without mode numbers gives a class to."""
-        return _classed(self)
+        return tuple(m for m in range(1, len(self.modes) + 1) if m not in self.released)
+
+    @cached_property
+    def position_places(self) -> list[int]:
+        """Arguments (from 0) of the statement that are position nodes."""
+        return [i for i, role in enumerate(self.nodes, 1) if role == "position"]
 
     @property
     def carries_flow(self) -> bool:
@@ -242,30 +220,30 @@ class ElementType:
             found.get(("q", "orientation")),
         )  # fmt: skip
 
-    @property
+    @cached_property
     def warping(self) -> tuple[int, ...]:
         """Places (from 0) in `nodes` of the warping nodes at p and q; none for most types."""
-        return _warping(self)
+        return tuple(place for place, role in enumerate(self.nodes) if role == "warping")
+
+    @cached_property
+    def traits(self) -> frozenset[str]:
+        """What a check asks of all elements of a model at once."""
+        found = {
+            "not supported": not self.supported, "slips": self.slips, "axial": self.axial, "warping": self.warping,
+            "released": self.released, "carries flow": self.carries_flow,
+        }  # fmt: skip
+        return frozenset([trait for trait, has in found.items() if has])
 
 
-@cache
-def traits_of(kind: ElementType) -> frozenset[str]:
-    """What a check asks of all elements of a model at once."""
-    found = {
-        "not supported": not kind.supported, "slips": kind.slips, "axial": kind.axial, "warping": kind.warping,
-        "released": kind.released, "carries flow": kind.carries_flow,
-    }  # fmt: skip
-    return frozenset([trait for trait, has in found.items() if has])
-
-
-@cache
-def _classed(kind: ElementType) -> tuple[int, ...]:
-    return tuple(m for m in range(1, len(kind.modes) + 1) if m not in kind.released)
-
-
-@cache
-def _warping(kind: ElementType) -> tuple[int, ...]:
-    return tuple(place for place, role in enumerate(kind.nodes) if role == "warping")
+P, O, W = "position", "orientation", "warping"
+BEAM_NODES = ((P, O, P, O), ("p position node", "p orientation node", "q position node", "q orientation node"))
+BAR_NODES = ((P, P), ("p position node", "q position node"))
+JOINT_NODES = ((O, O), ("p orientation node", "q orientation node"))
+BODY_NODES = ((P, O, P), ("p position node", "p orientation node", "q position node"))
+STRETCH = (("elongation", "m"),)
+TURN = (("relative rotation", "rad"),)
+BODY_MODES = tuple((f"displacement along direction {i}", "m") for i in (1, 2, 3))
+"""Nodes and modes that several element types share: roles and names of nodes, names and units of modes."""
 
 
 def integer(meaning: str, of: str = "", default: float | None = None) -> Parameter:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.deck import ELEMENT_TYPES, Deck, Statement
-from spacar.deck.table_types import ElementType, coordinates_used
+from spacar.deck import ELEMENT_TYPES, Deck, Statement, coordinates_of
 from spacar.elements import ElementGroup, Family, GeometryError, family_of
 from spacar.errors import InputError, Message
 from spacar.mechanism.element_rows import ElementRows, value_rows
@@ -68,7 +66,8 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
     for rows, angle in _by_measure(numbering.types, angles):
         kind, given_values, numbers, nodes = rows
         n, first = len(numbers), 1 + len(kind.nodes)
-        x = x_places.take(nodes, 0).reshape(n, -1).T.take(used(kind), 0)
+        own = [4 * k + i for k, role in enumerate(kind.nodes) for i in range(coordinates_of(role, kind.planar))]
+        x = x_places.take(nodes, 0).reshape(n, -1).T.take(own, 0)
         e = e_places.T[: len(kind.modes)].take(numbers, 1)
         values = parameters.take(numbers, 0)
         if kind.carries_flow:
@@ -119,12 +118,6 @@ def _by_measure(types: Iterable[ElementRows], angles: set[int]) -> Iterator[tupl
             here = np.flatnonzero(inside == angle)
             values = [rows.values[k] for k in here.tolist()]
             yield ElementRows(rows.kind, values, rows.numbers[here], rows.nodes[here]), angle
-
-
-@cache
-def used(kind: ElementType) -> Index:
-    """`coordinates_used` as an array."""
-    return np.array(coordinates_used(kind))
 
 
 def by_angles(deck: Deck, beams: str = "") -> set[int]:

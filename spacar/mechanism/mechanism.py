@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from spacar.arrays import Array as Array
 from spacar.arrays import Index as Index
 from spacar.deck import ELEMENT_TYPES, Deck
-from spacar.deck.table_types import lengths_of
 from spacar.mechanism.layout import Batch, Layout
 from spacar.mechanism.numbering import Numbering
 
@@ -245,10 +244,10 @@ class Mechanism:
         """Deformations that are measured in metres."""
         parts = []
         for batch in self.batches:
-            kind = ELEMENT_TYPES.get(batch.family.keyword)  # None of node inertia and normalizations
-            if kind is not None and (modes := lengths_of(kind)):
-                parts.append((batch.e if len(modes) == len(batch.e) else batch.e[modes]).ravel())
-        return parts[0] if len(parts) == 1 else np.concatenate((NO_ENTRIES[0], *parts))
+            if batch.family.keyword in ELEMENT_TYPES:  # node inertia and normalizations are not
+                modes = ELEMENT_TYPES[batch.family.keyword].modes
+                parts.append(batch.e[[k for k, (_, unit) in enumerate(modes) if unit == "m"]].ravel())
+        return np.concatenate((NO_ENTRIES[0], *parts))
 
     @cached_property
     def distance(self) -> float:

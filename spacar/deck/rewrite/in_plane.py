@@ -18,7 +18,6 @@ from spacar.deck.deck import Deck
 from spacar.deck.keyword_table import ELEMENT_TYPES
 from spacar.deck.rewrite.rebuild import Row, rebuilt
 from spacar.deck.statement import Statement, Value
-from spacar.deck.table_types import position_places
 from spacar.errors import UsageError
 
 ALIKE = ("TIMESTEP", "ERROR", "ITERSTEP", "INTEGRAT", "OUTLEVEL", "MODES", "LDEFORM", "ADEFORM")
@@ -72,7 +71,7 @@ class _Planar:
             if max(map(abs, given[:2])) > ALIGNED * abs(given[2]):
                 raise self.refusal(s)
             return {1: (1, float(np.sign(given[2])))}
-        p, q = (self.place.get(s.integer(i), np.zeros(3)) for i in position_places(kind))
+        p, q = (self.place.get(s.integer(i), np.zeros(3)) for i in kind.position_places)
         x = q - p
         y = _normalized(np.array(given), x)
         left = np.array((-x[1], x[0], 0.0)) / np.linalg.norm(x)
