@@ -16,6 +16,10 @@ from cmath import tanh as complex_tanh
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi, tanh
+from typing import NamedTuple
+
+from spacar.deck.outline import Outline
+from spacar.deck.statement import Statement
 
 TERMS = 60  # odd terms of the series: the first left out is below 1e-11 of the sum
 
@@ -64,15 +68,6 @@ def rectangle(w: float, t: float, nu: float) -> SectionConstants:
     return SectionConstants(w * t, w * t**3 / 12, t * w**3 / 12, rectangle_torsion(w, t), k, k, (w * t) ** 3 / 144)
 
 
-def tube(d: float, t: float, nu: float) -> SectionConstants:
-    inner = d - 2 * t
-    return _ring(d, inner, nu)
-
-
-def circle(d: float, nu: float) -> SectionConstants:
-    return _ring(d, 0.0, nu)
-
-
 def _ring(d: float, inner: float, nu: float) -> SectionConstants:
     """Circle with a concentric hole (0: none)."""
     A, I = pi / 4 * (d**2 - inner**2), pi / 64 * (d**4 - inner**4)
@@ -116,10 +111,6 @@ def _thin(b: float, h: float, m: float, nu: float, *, box: bool) -> float:
     return 10 * (1 + nu) * (1 + 3 * m) ** 2 / below
 
 
-def custom(A: float, Iy: float, Iz: float, It: float, ky: float, kz: float, Cw: float, nu: float) -> SectionConstants:
-    return SectionConstants(A, Iy, Iz, It, ky, kz, Cw)
-
-
 def _right(unit: str, *dims: float) -> str:
     return ""
 
@@ -144,9 +135,12 @@ SHAPES = {
     "RECT": Shape(
         "rectangle", (("w along y'", 1), ("t along z'", 1)), rectangle, _right, lambda w, t: ("RECT", (w, t))
     ),
-    "CIRC": Shape("circle", (("diameter d", 1),), circle, _right, lambda d: ("CIRC", (d,))),
+    "CIRC": Shape(
+        "circle", (("diameter d", 1),), lambda d, nu: _ring(d, 0.0, nu), _right, lambda d: ("CIRC", (d,))
+    ),
     "TUBE": Shape(
-        "tube", (("outer diameter d", 1), ("wall t", 1)), tube, _wall, lambda d, t: ("CIRCHOL", (d, d - 2 * t))
+        "tube", (("outer diameter d", 1), ("wall t", 1)), lambda d, t, nu: _ring(d, d - 2 * t, nu), _wall,
+        lambda d, t: ("CIRCHOL", (d, d - 2 * t)),
     ),
     "RECTHOL": Shape(
         "hollow rectangle",
@@ -165,11 +159,11 @@ SHAPES = {
     "CUSTOM": Shape(
         "constants as given",
         (("A", 2), ("Iy", 4), ("Iz", 4), ("It", 4), ("ky", 0), ("kz", 0), ("Cw", 6)),
-        custom,
+        lambda *given: SectionConstants(*given[:-1]),
         _right,
         None,
     ),
-}
+}  # fmt: skip
 
 
 def pictured_constants(crosstype: str, dims: tuple[float, ...]) -> SectionConstants | None:
@@ -230,3 +224,26 @@ def warping_rows(s: SectionConstants, m: Material) -> tuple[tuple[float, ...], t
     """Values of ESTIFF and EM behind the element number for BEAMW."""
     stiffness, mass = spatial_rows(s, m)
     return (*stiffness, m.E * s.Cw), (*mass, m.rho * s.Cw)
+
+
+@dataclass(frozen=True)
+class BeamSection:
+    """What one BEAMSEC says: the element, its parts (the first is the element), names, shape and dimensions [m]."""
+
+    element: int
+    parts: tuple[int, ...]
+    section: str
+    material_name: str
+    shape: str
+    dims: tuple[float, ...]
+    constants: SectionConstants
+    material: Material
+
+
+class Expansion(NamedTuple):
+    """Plain statements, the outline of their model, what was expanded, and lines for pictures."""
+
+    statements: tuple[Statement, ...]
+    outline: Outline
+    sections: tuple[BeamSection, ...]
+    visualization: tuple[str, ...]

@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
 from os.path import isfile, splitext
 from pathlib import Path
+from typing import Any
 
+from spacar.deck.cross_section import BeamSection, Expansion
 from spacar.deck.deck_reader import NOT_UTF8, Span, read_text
-from spacar.deck.deck_summary import deck_summary
-from spacar.deck.deck_writer import splice, write, write_rows
-from spacar.deck.expansion import BeamSection
+from spacar.deck.deck_writer import Row, splice, write, write_rows
 from spacar.deck.lexer import scan, visualization_of
 from spacar.deck.model_calls import ModelCalls
 from spacar.deck.statement import Statement, StatementIndex, Value, grouped
+from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_sections import UNITS
 from spacar.deck.table_types import BlockKind, Purpose
 from spacar.errors import Message, UsageError
-from spacar.summary import with_picture
+from spacar.summary import LINES, with_picture
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -56,7 +58,14 @@ class Deck(ModelCalls):
     origin: Deck | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
-        return deck_summary(self.source, self.mode, self.statements, self.messages)
+        elements = Counter(s.keyword for s in self.statements if s.keyword in ELEMENT_TYPES)
+        purpose = "all modes" if self.mode is None else f"mode {self.mode}"
+        lines = [f"Deck {self.source}, checked for {purpose}", f"  elements    {_counted(elements)}"]
+        for block, name in ((1, "kinematics"), (2, "dynamics"), (3, "third")):
+            rest = Counter(s.keyword for s in self.statements if s.block == block and s.keyword not in ELEMENT_TYPES)
+            if rest:
+                lines.append(f"  {name:<11} {_counted(rest)}")
+        return "\n".join([*lines, *(f"  {message}" for message in self.messages[: LINES - len(lines)])])
 
     def _repr_html_(self) -> str:
         """The summary with a picture of the start position, for notebooks; without it where it cannot be drawn."""
@@ -182,6 +191,11 @@ _lazily.__set_name__(Deck, "statements")
 Deck.statements = _lazily  # type: ignore[assignment]
 
 
+def _counted(found: Counter[str]) -> str:
+    words = [f"{n} {name}" if n > 1 else name for name, n in found.most_common()]
+    return ", ".join(words[:12]) + (", ..." if len(words) > 12 else "") or "none"
+
+
 def _line(statement: Statement, index: int | None) -> int:
     return statement.line if index is None or index >= len(statement.lines) else statement.lines[index]
 
@@ -237,28 +251,25 @@ def parse(
 ) -> Deck:
     """The common path of all readers; `visualization` is used when the text has no such section."""
     contents = read_text(text, source, mode)
-    if contents.visualization is not None:
-        visualization = contents.visualization
-    expansion = contents.expansion
-    drawn = expansion.visualization if expansion else ()
-    added = drawn if drawn and not _drawn_already(drawn, visualization or ()) else ()
-    if added:
-        visualization = (*drawn, *(visualization or ()))
+    lines = visualization or () if contents.visualization is None else contents.visualization
+    expansion = contents.expansion or Expansion((), contents.outline, (), ())
+    drawn = expansion.visualization
+    drawn = () if lines[: len(drawn)] == drawn else drawn  # a deck that is read again brings them along
     deck = Deck(
-        statements=expansion.statements if expansion else (),
+        statements=expansion.statements,
         source=source,
         path=path,
         text=text if text.isascii() else NOT_UTF8.sub("\ufffd", text),
         data=text.encode("utf-8", "surrogateescape") if data is None else data,
-        visualization=tuple([NOT_UTF8.sub("\ufffd", line) for line in visualization]) if visualization else (),
+        visualization=tuple([NOT_UTF8.sub("\ufffd", line) for line in (*drawn, *lines)]),
         messages=contents.messages,
         mode=mode,
         third=contents.third,
         spans=contents.spans,
         shorthand=contents.shorthand,
-        sections=expansion.sections if expansion else (),
-        drawn=len(added),
-        divided={s.element: s.parts for s in expansion.sections if len(s.parts) > 1} if expansion else {},
+        sections=expansion.sections,
+        drawn=len(drawn),
+        divided={s.element: s.parts for s in expansion.sections if len(s.parts) > 1},
     )
     if not contents.shorthand:
         own = vars(deck)
@@ -267,9 +278,18 @@ def parse(
     return deck
 
 
-def _drawn_already(lines: tuple[str, ...], visualization: tuple[str, ...]) -> bool:
-    """Whether a deck that is read again brings the lines of its sections along."""
-    return visualization[: len(lines)] == lines
+KEPT = ("data", "visualization", "drawn", "shorthand", "sections", "divided")
+
+
+def rebuilt(deck: Deck, *blocks: Iterable[Row], what: str = "") -> Deck:
+    """The deck with other statements, rows (keyword, values ...) of each block, read and checked as a text: the common
+    end of all programs that rewrite a deck. `what` follows its name.
+
+    Unit of length, sections, pictures and the digest of the file stay. Raises InputError.
+    """
+    made = parse(write_rows(blocks), f"{deck.source}{what}", deck.mode, path=deck.path)
+    same: dict[str, Any] = {k: getattr(deck, k) for k in KEPT}
+    return replace(made, origin=deck.origin or deck, **same)
 
 
 def _bytes(file: str) -> bytes:

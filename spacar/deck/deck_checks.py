@@ -1,5 +1,5 @@
 """All checks of a deck that need more than one statement, block by block; those of the elements: numbers, roles of
-nodes, planar or spatial, support."""
+nodes, planar or spatial, support; those of input and output numbers."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ from spacar.deck.check_material import CheckMaterial, check_classes, check_once
 from spacar.deck.checks_classes import classify
 from spacar.deck.checks_dynamics import check_dynamics
 from spacar.deck.checks_geometry import check_geometry
-from spacar.deck.checks_ports import check_ports
 from spacar.deck.checks_trajectory import check_trajectories
-from spacar.deck.findings import Findings
+from spacar.deck.findings import Findings, ranges
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement, StatementIndex
 from spacar.deck.table_elements import ELEMENT_TYPES
@@ -98,3 +97,25 @@ def _check_nodes(s: Statement, scene: CheckMaterial) -> None:
             at = f"{user.subject} (line {user.line})" if user is not s else "this element itself"
             text = f"{role} node {node} is used as {outline.roles[node]} node by {at}"
             scene.findings.error(s, i, text, "node-role")
+
+
+def check_ports(scene: CheckMaterial) -> None:
+    """The numbers are the positions in the vectors u and y, so there must be no gap and no second use."""
+    used: dict[str, dict[int, Statement]] = {"input": {}, "output": {}}
+    nouns = {name: scene.row(name, 3).variants[0].parameters[0].of for name in scene.index.keywords(3)}
+    for s in scene.of(*(name for name, noun in nouns.items() if noun in used), block=3):
+        noun, number = nouns[s.keyword], s.integer(0)
+        first = used[noun].setdefault(number, s)
+        if number < 1:
+            scene.findings.error(s, 0, f"{noun} number {number} must be positive", "port-number")
+        elif first is not s:
+            text = f"{noun} number {number} is already used by {first.keyword} at line {first.line}"
+            scene.findings.error(s, 0, text, "port-number")
+    for noun, numbers in used.items():
+        good = {n for n in numbers if n >= 1}
+        if not good or max(good) == len(good) or 3 in scene.outline.broken_blocks:
+            continue
+        last = max(good)
+        lowest = next(n for n in range(1, last) if n not in good)
+        text = f"{noun} numbers must be 1 to n without gaps: {lowest} is missing, {ranges(good)} are used"
+        scene.findings.error(numbers[last], 0, text, "port-number")

@@ -8,8 +8,8 @@ from operator import attrgetter
 from typing import NamedTuple
 
 from spacar.deck.arguments import read_statement
+from spacar.deck.cross_section import Expansion
 from spacar.deck.deck_checks import check
-from spacar.deck.expansion import WORDS, Expansion
 from spacar.deck.findings import Findings
 from spacar.deck.keyword_table import KEYWORDS, BlockKind, Keyword, blocks_of
 from spacar.deck.lexer import LONGEST_LINE, SourceText, integer_of, scan
@@ -18,7 +18,7 @@ from spacar.deck.raw_statements import PlainLines, Raw, raws_of, take_plain
 from spacar.deck.splitter import split, third_kind
 from spacar.deck.statement import Statement, StatementGroup, StatementIndex, grouped
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_sections import UNITS
+from spacar.deck.table_sections import UNITS, WORDS
 from spacar.deck.table_types import Purpose, third_block, uses
 from spacar.errors import InputError, Message
 
@@ -66,7 +66,9 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
             others.append((part, groups))
     outline = _with_elements(outline, list(chain.from_iterable(read)), lost)
     for raw in parts.strangers:
-        if raw.block == 1 and _may_be_element(raw):
+        # one with a number and two nodes is probably an element, whose absence has consequences that are not reported
+        numbered = len(raw.words) >= 3 and all((integer_of(w.text) or 0) > 0 for w in raw.words[:3])
+        if raw.block == 1 and numbered:
             _remember_broken(raw, outline)
     lost = []
     for part, groups in others:
@@ -85,8 +87,10 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
     before, expansion = outline, None
     shorthand: tuple[Statement, ...] = ()
     if by_geometry:
+        from spacar.deck.section_block import expand  # most models have no beams by geometry
+
         statements = given.statements()
-        expansion = _expansion(statements, outline, findings)
+        expansion = expand(statements, outline, findings)
         outline, shorthand = expansion.outline, tuple([s for s in statements if s.keyword in WORDS])
         index = StatementIndex(grouped(expansion.statements))
     check(index, outline, mode, third, told)
@@ -141,13 +145,6 @@ def _with_elements(empty: Outline, groups: list[StatementGroup], lost: list[Raw]
     return outline
 
 
-def _expansion(statements: tuple[Statement, ...], outline: Outline, findings: Findings) -> Expansion:
-    """Beams by geometry to plain statements; most models have none, and do not load what makes them."""
-    from spacar.deck.section_block import expand
-
-    return expand(statements, outline, findings)
-
-
 def _metre(statements: list[PlainLines | Raw], findings: Findings) -> float:
     """Length of the unit of length in metres, from UNITS."""
     for raw in statements:
@@ -170,17 +167,10 @@ def _lexical(text: str, source: SourceText, findings: Findings) -> None:
     if text.isascii():
         return
     for word in source.words:
-        bad = NOT_UTF8.search(word.text)
-        if bad:
-            byte = ord(bad.group()) & 0xFF
-            shown = NOT_UTF8.sub("\ufffd", word.text)
-            findings.add(
-                "error",
-                word.line,
-                "",
-                f"byte 0x{byte:02X} in '{shown}' (column {word.column}) is not UTF-8; allowed in comments only",
-                "encoding",
-            )
+        if bad := NOT_UTF8.search(word.text):
+            byte, shown = ord(bad.group()) & 0xFF, NOT_UTF8.sub("\ufffd", word.text)
+            told = f"byte 0x{byte:02X} in '{shown}' (column {word.column}) is not UTF-8; allowed in comments only"
+            findings.add("error", word.line, "", told, "encoding")
 
 
 def _remember_broken(raw: Raw, outline: Outline) -> None:
@@ -190,12 +180,6 @@ def _remember_broken(raw: Raw, outline: Outline) -> None:
     if number != 0:
         stub = Statement(raw.keyword, (number,), raw.block, raw.line, ((raw.words[0].line, raw.words[0].column),))
         outline.elements.setdefault(number, stub)
-
-
-def _may_be_element(raw: Raw) -> bool:
-    """An unknown keyword with a number and two nodes: probably an element, whose absence has consequences that are
-    not reported."""
-    return len(raw.words) >= 3 and all((integer_of(w.text) or 0) > 0 for w in raw.words[:3])
 
 
 def _number(raw: Raw) -> int:
@@ -220,13 +204,7 @@ def _report_skipped(
         return
     line, name = first.line, _NAMES[block]
     findings.add("information", line, "", f"the {name} is not used in mode {mode} and is skipped", "skipped-block")
-    errors = found.errors
-    if errors:
-        findings.add(
-            "warning",
-            line,
-            "",
-            f"the skipped {name} has {len(errors)} error{'s' * (len(errors) > 1)}, the first at line {errors[0].line}:"
-            f" {errors[0].keyword}: {errors[0].text}",
-            "skipped-block",
-        )
+    if errors := found.errors:
+        text = f"the skipped {name} has {len(errors)} error{'s' * (len(errors) > 1)}, the first at line"
+        text += f" {errors[0].line}: {errors[0].keyword}: {errors[0].text}"
+        findings.add("warning", line, "", text, "skipped-block")

@@ -8,6 +8,8 @@ from spacar.deck.lexer import LONGEST_LINE, split_lines, word_end
 from spacar.deck.statement import Statement, Value
 from spacar.errors import UsageError
 
+Row = tuple[Value, ...]  # keyword, values ...
+
 
 def value_text(value: Value) -> str:
     """Shortest text that reads back to the same value."""
@@ -32,10 +34,16 @@ def _row(keyword: str, values: Iterable[Value]) -> str:
 
 def write(statements: Iterable[Statement], visualization: Sequence[str] = ()) -> str:
     """Canonical text of statements in the order of their blocks, with the visualization section."""
-    blocks: list[list[Sequence[Value]]] = [[], [], []]
+    return write_rows(rows(statements), visualization)
+
+
+def rows(statements: Iterable[Statement], *more: Row) -> list[list[Row]]:
+    """Those of each block, with some `more` in the first one."""
+    blocks: list[list[Row]] = [[], [], []]
     for s in statements:
         blocks[s.block - 1].append((s.keyword, *s.values))
-    return write_rows(blocks, visualization)
+    blocks[0] += more
+    return blocks
 
 
 def write_rows(blocks: Sequence[Iterable[Sequence[Value]]], visualization: Sequence[str] = ()) -> str:

@@ -9,10 +9,10 @@ from functools import partialmethod
 from spacar.deck.statement import Statement
 from spacar.errors import Message
 
-_ORDINALS = [
+_ORDINALS = (
     "first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth", "eleventh",
     "twelfth",
-]  # fmt: skip
+)  # fmt: skip
 
 
 @dataclass(slots=True, eq=False)
@@ -79,3 +79,10 @@ def alternatives(counts: tuple[int, ...] | set[int]) -> str:
         return f"{values[0]} to {values[-1]}"
     texts = [str(n) for n in values]
     return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} or {texts[-1]}"
+
+
+def nearest(word: str, known: Iterable[str], cutoff: float = 0.6) -> str:
+    """The known word that looks most like one, "" when none is near; cutoff: share of equal letters."""
+    from difflib import get_close_matches
+
+    return next(iter(get_close_matches(word, list(known), 1, cutoff)), "")

@@ -129,12 +129,8 @@ class Model(ModelStatements, ModelCalls):
         try:
             deck = parse(text, self.source, mode)
         except InputError as error:
-            lines = self._places(text)
-            raise InputError([_moved(m, lines) for m in error.messages]) from None
-        if deck.messages:
-            lines = self._places(text)
-            deck = replace(deck, messages=tuple([_moved(m, lines) for m in deck.messages]))
-        return deck
+            raise InputError(self._moved(error.messages, text)) from None
+        return replace(deck, messages=tuple(self._moved(deck.messages, text))) if deck.messages else deck
 
     def save(self, path: str | Path) -> Path:
         """Write the input file; `.dat` is appended to a name without ending. Raises UsageError. Returns its path."""
@@ -157,13 +153,14 @@ class Model(ModelStatements, ModelCalls):
         return with_picture(repr(self), "inline_model", self)
 
     # -- inside -----------------------------------------------------------------------------------------------------
-    def _places(self, text: str) -> dict[int, Place]:
-        """Line of the text -> where its statement was called."""
+    def _moved(self, messages: Sequence[Message], text: str) -> list[Message]:
+        """Messages about the text with the places of the calls where they are about one."""
         ordered = sorted(self._rows, key=lambda row: row[1])  # the blocks; inside them the order stays
         lines: dict[int, Place] = {}
         for raw, (*_, place) in zip(split(scan(text), Findings("")).raws, ordered, strict=True):
             lines.update(dict.fromkeys((raw.line, *(w.line for w in raw.words)), place))
-        return lines
+        places = [lines.get(m.line or 0, (m.file, m.line)) for m in messages]
+        return [replace(m, file=file, line=line) for m, (file, line) in zip(messages, places, strict=True)]
 
     def _check(self, row: Keyword, words: tuple[str, ...], place: Place) -> None:
         """Raises InputError for what is wrong whatever follows."""
@@ -182,7 +179,7 @@ class Model(ModelStatements, ModelCalls):
         before = in_common(row)
         if len(given) > before:
             text = f"numbers in the order of the deck and by name ({', '.join(named)}) at once; give one"
-            raise _refused(row, place, text, "value")
+            raise _refused(row.name, place, text, "value")
         fitting = [v for v in row.variants if v.fits(self._outline.space, *self._whose(row, given))]
         forms = {v: [argument_name(p) for p in v.parameters[before:]] for v in fitting}
         able = {v: names for v, names in forms.items() if named.keys() <= {*names}}
@@ -190,10 +187,10 @@ class Model(ModelStatements, ModelCalls):
         if not found:
             known = "; or ".join(", ".join(names) for names in forms.values())
             text = f"there is no {' and '.join(sorted(named))} here; expected {known}"
-            raise _refused(row, place, text, "value")
+            raise _refused(row.name, place, text, "value")
         if any(other != found[0] for other in found):
             text = f"{row.variants[0].parameters[0].meaning} {given[0]} must be known before it is given by name"
-            raise _refused(row, place, f"{text}: write its element statement above", "value")
+            raise _refused(row.name, place, f"{text}: write its element statement above", "value")
         return found[0]
 
     def _whose(self, row: Keyword, given: Sequence[Value]) -> tuple[str, str]:
@@ -227,7 +224,7 @@ def _filled(row: Keyword, parameters: Sequence[Parameter], values: Sequence[Valu
         parameter = parameters[min(k, len(parameters) - 1)]
         if value is None and parameter.default is None:
             text = f"{parameter.text} must be given, because a later argument is"
-            raise _refused(row, place, text, "missing-argument")
+            raise _refused(row.name, place, text, "missing-argument")
         filled.append(_default(parameter) if value is None else value)
     return filled
 
@@ -241,12 +238,11 @@ def _row_of(keyword: str, block: int, place: Place) -> Keyword:
     for kind in blocks_of(keyword):
         if kind.number == block:
             return KEYWORDS[keyword, kind]
-    text = f"there is no keyword {keyword} in block {block}"
-    raise InputError([Message("error", place[0], place[1], keyword, text, "input.unknown-keyword")])
+    raise _refused(keyword, place, f"there is no keyword {keyword} in block {block}", "unknown-keyword")
 
 
-def _refused(row: Keyword, place: Place, text: str, code: str) -> InputError:
-    return InputError([Message("error", place[0], place[1], row.name, text, f"input.{code}")])
+def _refused(keyword: str, place: Place, text: str, code: str) -> InputError:
+    return InputError([Message("error", *place, keyword, text, f"input.{code}")])
 
 
 def _place() -> Place:
@@ -256,9 +252,3 @@ def _place() -> Place:
     while frame.f_back is not None and frame.f_code.co_filename in own:
         frame = frame.f_back
     return Path(frame.f_code.co_filename).name, frame.f_lineno
-
-
-def _moved(message: Message, lines: Mapping[int, Place]) -> Message:
-    """The message with the place of the Python statement, when it is about one."""
-    place = lines.get(message.line or 0)
-    return message if place is None else replace(message, file=place[0], line=place[1])

@@ -119,22 +119,27 @@ def without_component(meaning: str) -> str:
 
 def grouped(parameters: Sequence[Parameter], needed: int) -> list[Argument]:
     """Parameters to arguments; components of one vector are one. The first `needed` must be given."""
+    stems = [without_component(p.meaning) for p in parameters]
+    vectors = [stem if stem != p.meaning else "" for stem, p in zip(stems, parameters, strict=True)]
     found: list[Argument] = []
-    i = 0
-    while i < len(parameters):
-        stem = without_component(parameters[i].meaning)
-        n = 1
-        if stem != parameters[i].meaning:
-            while i + n < len(parameters) and without_component(parameters[i + n].meaning) == stem:
-                n += 1
-        names = {a.name for a in found}
-        name = argument_name(parameters[i])
-        while name in names:
+    for parts in _together(parameters, vectors):
+        name = argument_name(parts[0])
+        while name in {a.name for a in found}:
             name += "_2"
-        kind = "Vector" if n > 1 else TYPES[parameters[i].kind]
-        required = i + n <= needed and parameters[i].default is None
-        found.append(Argument(name, kind, tuple(parameters[i : i + n]), required))
-        i += n
+        kind = "Vector" if len(parts) > 1 else TYPES[parts[0].kind]
+        required = sum(a.count for a in found) + len(parts) <= needed and parts[0].default is None
+        found.append(Argument(name, kind, tuple(parts), required))
+    return found
+
+
+def _together(parameters: Sequence[Parameter], keys: Sequence[str]) -> list[list[Parameter]]:
+    """Those with the same key that follow each other together; one without a key is alone."""
+    found: list[list[Parameter]] = []
+    for p, key, before in zip(parameters, keys, ("", *keys), strict=False):
+        if key and key == before:
+            found[-1].append(p)
+        else:
+            found.append([p])
     return found
 
 
@@ -143,21 +148,16 @@ def element_arguments(keyword: str) -> list[Argument]:
     kind, row = ELEMENT_TYPES[keyword], KEYWORDS[keyword, BlockKind.KINEMATICS]
     longest = max(row.variants, key=lambda v: len(v.parameters)).parameters
     found = [Argument("number", "int", longest[:1], True)]
-    nodes = list(zip(kind.node_names, longest[1 : 1 + len(kind.nodes)], strict=True))
+    count = 1 + len(kind.nodes)
     ends = [name[0] if name[1:2] == " " else "" for name in kind.node_names]
-    i = 0
-    while i < len(nodes):
-        end = ends[i]
-        n = 1
-        while end and i + n < len(nodes) and ends[i + n] == end:
-            n += 1
-        parameters = tuple(p for _, p in nodes[i : i + n])
-        inside = re.search(r"\((?:wheel )?(\w+)(?: \w+)*\)", kind.node_names[i])
-        name = end or (inside[1] if inside else argument_name(parameters[0]))
-        found.append(Argument(name, "int" if n == 1 else f"tuple[{', '.join(['int'] * n)}]", parameters, True))
-        i += n
-    fewest = min(n for v in row.variants for n in v.counts) - 1 - len(nodes)
-    return found + grouped(longest[1 + len(nodes) :], fewest)
+    for nodes in _together(longest[1:count], ends):
+        first = nodes[0].meaning
+        inside = re.search(r"\((?:wheel )?(\w+)(?: \w+)*\)", first)
+        name = first[0] if first[1:2] == " " else inside[1] if inside else argument_name(nodes[0])
+        types = "int" if len(nodes) == 1 else f"tuple[{', '.join(['int'] * len(nodes))}]"
+        found.append(Argument(name, types, tuple(nodes), True))
+    fewest = min(n for v in row.variants for n in v.counts) - count
+    return found + grouped(longest[count:], fewest)
 
 
 def statement_arguments(row: Keyword) -> tuple[list[Argument], list[Argument], Argument | None]:

@@ -18,10 +18,6 @@ _HEADINGS = {
 }
 
 
-def _rows(block: BlockKind) -> list[Keyword]:
-    return [k for k in KEYWORDS.values() if k.block is block]
-
-
 def _listed(variant: Variant) -> tuple[Parameter, ...]:
     """The parameters of a variant, a repeated last one shown once."""
     shown = list(variant.parameters)
@@ -58,7 +54,7 @@ def markdown() -> str:
         "This page is made from the keyword table by `python -m spacar.deck.reference`; do not edit it. The same",
         "table is printed by `spacar keywords` and `spacar keywords NAME`.",
         "",
-        *_RULES,
+        _RULES,
         "",
         "## Element types",
         "",
@@ -70,21 +66,17 @@ def markdown() -> str:
         lines.append(f"| {t.keyword} | {t.title} | {', '.join(t.node_names)} | {modes} | {t.code} |")
     for block, heading in _HEADINGS.items():
         lines += ["", f"## {heading}"]
-        for keyword in _rows(block):
-            lines += _section(keyword)
+        for keyword in KEYWORDS.values():
+            lines += _section(keyword) if keyword.block is block else []
     return "\n".join(lines) + "\n"
 
 
-_RULES = (
-    "A statement is a keyword followed by its arguments, separated by blanks, tabs or line ends; the next keyword ends",
-    "it. Everything after `%`, `#` or `;` on a line is a comment. Case does not matter. Reals may "
-    "have an exponent with",
-    "`e` or `d`; an integral real such as `3.` is accepted as an integer. Trailing arguments with a "
-    "default may be left",
-    "out. A block ends with `END HALT` when another one follows and with `END END` at the end of the input; a section",
-    "`VISUALIZATION` for drawing may follow. Angles are in radians; the units shown are SI, any "
-    "consistent set will do.",
-)
+_RULES = """\
+A statement is a keyword followed by its arguments, separated by blanks, tabs or line ends; the next keyword ends
+it. Everything after `%`, `#` or `;` on a line is a comment. Case does not matter. Reals may have an exponent with
+`e` or `d`; an integral real such as `3.` is accepted as an integer. Trailing arguments with a default may be left
+out. A block ends with `END HALT` when another one follows and with `END END` at the end of the input; a section
+`VISUALIZATION` for drawing may follow. Angles are in radians; the units shown are SI, any consistent set will do."""
 
 
 def _section(keyword: Keyword) -> list[str]:

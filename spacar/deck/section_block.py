@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 from spacar.deck.cross_section import (
     LEAST,
     MATERIALS,
     SHAPES,
     ZERO_ALLOWED,
+    BeamSection,
+    Expansion,
     Material,
     SectionConstants,
     isotropic,
@@ -17,26 +19,18 @@ from spacar.deck.cross_section import (
     spatial_rows,
     warping_rows,
 )
-from spacar.deck.expansion import WORDS, BeamSection, Expansion
-from spacar.deck.findings import Findings, alternatives
+from spacar.deck.findings import Findings, alternatives, nearest
 from spacar.deck.outline import Outline
 from spacar.deck.rewrite.divide import PAIRS, divided, obstacles, stiffness_modes
 from spacar.deck.rewrite.references import made
 from spacar.deck.statement import Statement, StatementGroup
 from spacar.deck.table_elements import ELEMENT_TYPES
+from spacar.deck.table_sections import WORDS
 
 ROWS = {"planar beam": planar_rows, "spatial beam": spatial_rows, "spatial beam with warping": warping_rows}
 
 
-def _nearest(word: str, known: Iterable[str], cutoff: float) -> str:
-    """The known word that looks most like it, "" without one."""
-    from difflib import get_close_matches
-
-    return next(iter(get_close_matches(word, list(known), 1, cutoff)), "")
-
-
-@dataclass(frozen=True)
-class _GivenSection:
+class _GivenSection(NamedTuple):
     shape: str
     dims: tuple[float, ...]
 
@@ -90,9 +84,9 @@ def _sections(statements: Sequence[Statement], metre: float, findings: Findings)
         shape = SHAPES.get(word)
         dims = s.reals(2, len(s.values) - 2)
         if shape is None:
-            near = _nearest(word, SHAPES, 0.5)
-            nearest = f"; nearest: {near}" if near else ""
-            text = f"there is no shape '{s.values[1]}'{nearest}; shapes: {', '.join(SHAPES)}"
+            near = nearest(word, SHAPES, 0.5)
+            looks = f"; nearest: {near}" if near else ""
+            text = f"there is no shape '{s.values[1]}'{looks}; shapes: {', '.join(SHAPES)}"
             findings.error(s, 1, text, "section")
             continue
         names = [what for what, _ in shape.dims]
@@ -170,7 +164,7 @@ def _use(
         if thing is None:
             if name.casefold() in table or any(keyword == noun for keyword, _ in outline.broken):
                 return None  # its own statement is wrong
-            near = _nearest(name.casefold(), table, 0.6)
+            near = nearest(name.casefold(), table, 0.6)
             known = f"; nearest: {near}" if near else f"; known: {', '.join(table) or 'none'}"
             findings.error(s, place, f"there is no {noun} '{name}'{known}", "section")
             return None

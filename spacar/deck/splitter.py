@@ -7,7 +7,7 @@ where other plain lines stand between them. All other lines are taken word by wo
 
 from __future__ import annotations
 
-from spacar.deck.findings import Findings
+from spacar.deck.findings import Findings, nearest
 from spacar.deck.keyword_table import ALIASES, KEYWORDS, NAME_PLACES, NAMES, BlockKind, blocks_of
 from spacar.deck.lexer import SourceText, Word, words_of
 from spacar.deck.raw_statements import PlainLines, Raw, Split
@@ -104,8 +104,7 @@ class _Splitter:
             return None
         lines = self.alike.get(name)
         if lines is None or lines.width != len(words) - 1:
-            if self.fresh:
-                self._open_since(number)
+            self._open_since(number)
             self.current = None
             lines = self.lines = PlainLines(name, self.block, len(words) - 1)
             self.result.statements.append(lines)
@@ -119,15 +118,15 @@ class _Splitter:
         for word in words:
             if self._take(word):
                 return True
-        # what follows a single END or stands where a name is due is no keyword
-        wanted = self.end is not None or (self.current is not None and self._wants_first_name(self.current))
-        self.names = {} if wanted else _PLAIN[self.block]
+        # what follows a single END, or a keyword that begins with a name, is no keyword
+        open_ = self.current
+        named = open_ is not None and not open_.words and 0 in NAME_PLACES.get(open_.keyword, ())
+        self.names = {} if named or self.end is not None else _PLAIN[self.block]
         return False
 
     def _take(self, word: Word) -> bool:
         """Take the next word; true at the end of the analysis part."""
-        if self.fresh:
-            self._open_since(word.line)
+        self._open_since(word.line)
         name = word.text.upper()
         name = ALIASES.get(name, name)
         if self.end is not None:
@@ -136,7 +135,7 @@ class _Splitter:
             if taken:
                 return last
         if self.current is not None and self._wants_name(self.current, word):
-            self._append(word)
+            self.current.words.append(word)
         elif name == "END":
             self.end = word
         elif name == "HALT":
@@ -174,14 +173,6 @@ class _Splitter:
         statements.append(self.current)
         self.lines = None
 
-    def _append(self, word: Word) -> None:
-        assert self.current is not None
-        self.current.words.append(word)
-
-    def _wants_first_name(self, current: Raw) -> bool:
-        """Whether the statement has no word yet and begins with a name, so that the next word is one on any line."""
-        return not current.words and 0 in NAME_PLACES.get(current.keyword, ())
-
     def _wants_name(self, current: Raw, word: Word) -> bool:
         """Whether the word is a name; on the next line a keyword is one only as the first argument."""
         if len(current.words) not in NAME_PLACES.get(current.keyword, ()):
@@ -193,7 +184,7 @@ class _Splitter:
     def _argument(self, word: Word) -> None:
         self._detach()
         if self.current is not None:
-            self._append(word)
+            self.current.words.append(word)
         elif self.skipping:
             if self.result.strangers:
                 self.result.strangers[-1].words.append(word)
@@ -204,14 +195,13 @@ class _Splitter:
     def _stranger(self, name: str, word: Word) -> None:
         """A word that starts with a letter and is no keyword of this block."""
         self._detach()
-        blocks = blocks_of(name)
-        if blocks:
+        if blocks_of(name):
             self._other_block(name, word)
             return
         if self.current is not None and not word.first:
             room = len(self.current.words) < NAMES[self.current.block][self.current.keyword]
-            if room and (name in _NOT_NUMBERS or not name.isalpha() or not nearest(name, self.block)):
-                self._append(word)  # reported with the meaning of its position
+            if room and (name in _NOT_NUMBERS or not name.isalpha() or not nearest_keyword(name, self.block)):
+                self.current.words.append(word)  # reported with the meaning of its position
                 return
         elif self.current is None and self.skipping and not word.first:
             return
@@ -281,12 +271,8 @@ class _Splitter:
                 return True, True
             self._next_block(word)
             return True, False
-        self.error(
-            word,
-            f"END must be followed by HALT (another block follows) or END (end of the input), not by "
-            f"'{word.text}'; the {self._open()} is open",
-            "structure",
-        )
+        text = "END must be followed by HALT (another block follows) or END (end of the input), not by"
+        self.error(word, f"{text} '{word.text}'; the {self._open()} is open", "structure")
         if self.block < 3:
             self._next_block(end)
             self._open_since(word.line)
@@ -294,21 +280,13 @@ class _Splitter:
 
     def _unfinished(self, where: str) -> None:
         self._close(self.last_line, 10**6)
-        self.findings.add(
-            "error",
-            self.last_line,
-            "",
-            f"end of file{where} inside the {self._open()}; END END is missing",
-            "structure",
-        )
+        text = f"end of file{where} inside the {self._open()}; END END is missing"
+        self.findings.add("error", self.last_line, "", text, "structure")
 
 
-def nearest(name: str, block: int, cutoff: float = 0.6) -> str:
-    """The keyword of a block that looks most like a name, "" when none is near; cutoff: share of equal letters."""
-    from difflib import get_close_matches
-
-    found = get_close_matches(name, [*NAMES[block], "END", "HALT"], n=1, cutoff=cutoff)
-    return found[0] if found else ""
+def nearest_keyword(name: str, block: int, cutoff: float = 0.6) -> str:
+    """The keyword of a block that looks most like a name, as `nearest`."""
+    return nearest(name, [*NAMES[block], "END", "HALT"], cutoff)
 
 
 def unknown(word: Word, block: int, suggest: bool = True) -> str:
@@ -316,11 +294,11 @@ def unknown(word: Word, block: int, suggest: bool = True) -> str:
     text = f"unknown keyword '{word.text}' (column {word.column}) in the {_BLOCK_NAMES[block]}"
     if not suggest:
         return text
-    near = nearest(word.text.upper(), block)
+    near = nearest_keyword(word.text.upper(), block)
     if near:
         return f"{text}; nearest: {near}"
     for other in (1, 2, 3):
-        near = nearest(word.text.upper(), other, MISSPELT)
+        near = nearest_keyword(word.text.upper(), other, MISSPELT)
         if near:
             where = _BLOCK_NAMES[other]
             return f"{text}; nearest: {near} of the {where}: an END HALT may be missing or superfluous"
@@ -331,12 +309,8 @@ def third_kind(statements: list[PlainLines | Raw], kind: BlockKind | None) -> Bl
     """The kind of the third block: the one that the mode asks for, else the one its keywords belong to."""
     if kind is not None:
         return kind
-    trajectory = count = 0
-    for s in statements:
-        if s.block == 3:
-            several = len(s.lines) if isinstance(s, PlainLines) else 1
-            count += several
-            trajectory += several * ((s.keyword, BlockKind.TRAJECTORY) in KEYWORDS)
-    if not count:
+    counts = [(s.keyword, len(s.lines) if isinstance(s, PlainLines) else 1) for s in statements if s.block == 3]
+    if not counts:
         return None
-    return BlockKind.TRAJECTORY if trajectory > count // 2 else BlockKind.LINEARIZATION
+    trajectory = sum(n for name, n in counts if (name, BlockKind.TRAJECTORY) in KEYWORDS)
+    return BlockKind.TRAJECTORY if trajectory > sum(n for _, n in counts) // 2 else BlockKind.LINEARIZATION

@@ -150,11 +150,7 @@ class StatementIndex:
         self._found: dict[int, dict[str, list[tuple[int, StatementGroup]]]] = {1: {}, 2: {}, 3: {}}
         self._blocks: dict[int, dict[str, Sequence[Statement]]] = {}
         for place, group in enumerate(groups):
-            found = self._found[group.block]
-            if group.keyword in found:
-                found[group.keyword].append((place, group))
-            else:
-                found[group.keyword] = [(place, group)]
+            self._found[group.block].setdefault(group.keyword, []).append((place, group))
 
     def keywords(self, block: int) -> KeysView[str]:
         """Those that a block has statements of."""
@@ -162,31 +158,18 @@ class StatementIndex:
 
     def groups_of(self, *keywords: str, block: int | None = None) -> list[StatementGroup]:
         """All groups of one of the keywords (and in the block), in the order of their first statements."""
-        if block is not None and len(keywords) == 1:
-            return [group for _, group in self._found[block].get(keywords[0], ())]
-        entries: list[tuple[int, StatementGroup]] = []
-        for found in self._found.values() if block is None else (self._found[block],):
-            for keyword in keywords:
-                if keyword in found:
-                    entries += found[keyword]
-        if len(entries) > 1:
-            entries.sort()
-        return [group for _, group in entries] if entries else []
+        blocks = self._found.values() if block is None else (self._found[block],)
+        entries = [entry for found in blocks for keyword in keywords for entry in found.get(keyword, ())]
+        return [group for _, group in sorted(entries)]
 
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
         """All statements with one of the keywords (and in the block), in file order."""
-        groups = self.groups_of(*keywords, block=block)
-        if len(groups) < 2:
-            return [*groups[0]] if groups else []
-        found = chain.from_iterable(groups)
+        found = chain.from_iterable(self.groups_of(*keywords, block=block))
         return in_file_order(found) if self.interleaved and len(keywords) > 1 else list(found)
 
     def rows(self, keyword: str, block: int) -> Iterable[tuple[Any, ...]]:
         """The values of each statement with a keyword in a block, in file order."""
-        entries = self._found[block].get(keyword)
-        if entries is None:
-            return ()
-        return entries[0][1].rows() if len(entries) == 1 else chain.from_iterable([g.rows() for _, g in entries])
+        return chain.from_iterable([g.rows() for g in self.groups_of(keyword, block=block)])
 
     def each(self, *keywords: str, block: int) -> Iterator[tuple[StatementGroup, int, tuple[Any, ...]]]:
         """The statements with one of the keywords in a block: a group, the place in it, the values."""

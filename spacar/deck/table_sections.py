@@ -70,3 +70,4 @@ KEYWORDS = (
         ),
     ),
 )  # fmt: skip
+WORDS = frozenset(k.name for k in KEYWORDS)

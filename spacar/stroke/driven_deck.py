@@ -15,7 +15,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.deck import ELEMENT_TYPES, Deck
-from spacar.deck.rewrite.rebuild import rebuilt
+from spacar.deck.deck import rebuilt
 from spacar.deck.statement import Statement, Value
 from spacar.deck.table_types import ELEMENT_CLASSES, NODE_CLASSES, independent_of
 from spacar.dynamics.array_evaluator import Dynamics

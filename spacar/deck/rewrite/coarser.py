@@ -12,8 +12,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.deck.deck import rebuilt
+from spacar.deck.deck_writer import rows
 from spacar.deck.rewrite.divide import ALIKE, BEAMS, CLASSES
-from spacar.deck.rewrite.rebuild import rebuilt, rows
 from spacar.deck.rewrite.references import ELEMENT, NODE, about, named
 from spacar.deck.statement import Value
 from spacar.errors import UsageError

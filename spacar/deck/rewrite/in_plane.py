@@ -14,9 +14,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.deck.deck import Deck
+from spacar.deck.deck import Deck, rebuilt
+from spacar.deck.deck_writer import Row
 from spacar.deck.keyword_table import ELEMENT_TYPES
-from spacar.deck.rewrite.rebuild import Row, rebuilt
 from spacar.deck.statement import Statement, Value
 from spacar.errors import UsageError
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from spacar.deck.deck import Deck
+from spacar.deck.deck import Deck, rebuilt
+from spacar.deck.deck_writer import rows
 from spacar.deck.rewrite.divide import BEAMS, beam_modes, divided, obstacles, stiffness_modes
-from spacar.deck.rewrite.rebuild import rebuilt, rows
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.errors import UsageError
 

@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
+from spacar.deck.deck import rebuilt
+from spacar.deck.deck_writer import rows
 from spacar.deck.rewrite.divide import beam_modes
-from spacar.deck.rewrite.rebuild import rebuilt, rows
 from spacar.deck.rewrite.references import about
 from spacar.deck.rewrite.refine import flexible_beams
 from spacar.errors import UsageError

@@ -14,9 +14,10 @@ import numpy as np
 
 from spacar.calls import frames, integrator
 from spacar.deck import Deck
+from spacar.deck.deck import rebuilt
+from spacar.deck.deck_writer import rows
 from spacar.deck.rewrite.coarser import merged
 from spacar.deck.rewrite.in_plane import planar
-from spacar.deck.rewrite.rebuild import rebuilt, rows
 from spacar.deck.rewrite.refine import refine, refine_divisible
 from spacar.deck.rewrite.simpler import linear_strain, rigid
 from spacar.errors import UsageError
