@@ -235,17 +235,6 @@ class ElementType:
         return frozenset([trait for trait, has in found.items() if has])
 
 
-P, O, W = "position", "orientation", "warping"
-BEAM_NODES = ((P, O, P, O), ("p position node", "p orientation node", "q position node", "q orientation node"))
-BAR_NODES = ((P, P), ("p position node", "q position node"))
-JOINT_NODES = ((O, O), ("p orientation node", "q orientation node"))
-BODY_NODES = ((P, O, P), ("p position node", "p orientation node", "q position node"))
-STRETCH = (("elongation", "m"),)
-TURN = (("relative rotation", "rad"),)
-BODY_MODES = tuple((f"displacement along direction {i}", "m") for i in (1, 2, 3))
-"""Nodes and modes that several element types share: roles and names of nodes, names and units of modes."""
-
-
 def integer(meaning: str, of: str = "", default: float | None = None) -> Parameter:
     """An integer position."""
     return Parameter(meaning, "integer", "", default, of)

@@ -18,7 +18,7 @@ SIZES = {(True, "position"): 2, (True, "orientation"): 1, (False, "position"): 3
 SIZES[False, "warping"] = 1
 # Who else may name an element than its family and its symbolic model, and why
 NAMED = {
-    "spacar/deck/planar_types.py": "its row", "spacar/deck/spatial_types.py": "its row",
+    "spacar/deck/table_elements.py": "its row",
     "spacar/deck/checks_geometry.py": "checks of its own numbers",
     "cli/spacar_drawing/element_pictures.py": "pictures of its own",
     "spacar/deck/cross_section.py": "TUBE is a shape there",

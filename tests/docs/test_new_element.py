@@ -19,7 +19,7 @@ TEXTS = {b.name: b.text for b in blocks(HOUSE / "docs" / "developer.md") if b.na
 FOLDERS = ("spacar", "formats/spacar_formats", "cli/spacar_cli", "cli/spacar_drawing")
 # text of the guide -> file, line behind which a row is put
 ROWS = {
-    "table-row": ("spacar/deck/planar_types.py", "PLANAR = (\n"),
+    "table-row": ("spacar/deck/table_elements.py", "PLANAR = (\n"),
     "parts-row": ("cli/spacar_drawing/element_pictures.py", "PARTS: dict[str, DrawOne] = {\n"),
 }
 FUNCTIONS = {  # and before which a function is put
