@@ -16,10 +16,11 @@ from xml.etree import ElementTree
 
 from spacar.errors import AnalysisError, UsageError
 from spacar.expressions import unit_text
+from spacar.mechanism.numbering import owners
 from spacar.mechanism.user_files import STATEMENTS, function_file
 from spacar.simulation.plant import QUANTITY, Spasim
 from spacar_formats.safety import replacing
-from spacar_formats.tables import dimensions_of, owners
+from spacar_formats.tables import dimensions_of
 
 SCRIPT = "fmu_slave.py"
 DESCRIPTION = "modelDescription.xml"
@@ -68,7 +69,7 @@ def export_fmu(model: Path, target: Path, rtol: float = 1e-6, atol: float = 1e-8
 def units(plant: Spasim) -> list[str]:
     """Units of the inputs, then of the outputs; empty for a pure number."""
     n, known = plant.numbering, dimensions_of(plant.mechanism)
-    x, e = owners(n.lnp, n.nx), owners(n.le, n.ne)
+    x, e = owners(n.x_places, n.nx), owners(n.e_places, n.ne)
     names = {kind: ("x", "xd", "xdd")[k] if "X" in kind else ("e", "ed", "edd")[k] for kind, k in QUANTITY.items()}
     names |= {"INPUTS": "sig", "INPUTF": "fx"}
     signals = (*plant.u_signals, *plant.y_signals)

@@ -16,6 +16,7 @@ from spacar.errors import UsageError
 from spacar.expressions import Dimensions, evaluate, parse, unit_text
 from spacar.mechanism import Mechanism
 from spacar.mechanism.element_rows import element_list
+from spacar.mechanism.numbering import owners
 from spacar.modes import find_mode
 from spacar.result import E_VARIABLES, X_VARIABLES, Result
 from spacar.simulation.response import Response
@@ -91,7 +92,7 @@ def to_xarray(result: Result) -> xarray.Dataset:
             arrays[name] = (("t", "q", "q2"), result[name])
     if result.frames and "eigval" in result.frames[0].matrices:
         arrays["frequency"] = (("t", "mode"), result.frequencies, {"units": "Hz"})
-    x_owners, e_owners = owners(result.lnp, n.nx), owners(result.le, n.ne)
+    x_owners, e_owners = owners(n.x_places, n.nx), owners(n.e_places, n.ne)
     places = {
         "t": ("t", result.t, {"units": "s" if find_mode(result.mode).timed else ""}),
         "coordinate": ("coordinate", [f"{a},{b}" for a, b in x_owners]),
@@ -123,16 +124,8 @@ def dimensions_of(mechanism: Mechanism, stationary: bool = False) -> Dimensions:
 
 def variables(result: Result) -> Iterator[tuple[str, list[tuple[int, int]], Array]]:
     """Name, (node, coordinate) or (element, mode) of every column, values (steps, columns) of what was computed."""
-    for names, table in ((X_VARIABLES, result.lnp), (E_VARIABLES, result.le)):
+    n = result.mechanism.numbering
+    for names, labels in ((X_VARIABLES, owners(n.x_places, n.nx)), (E_VARIABLES, owners(n.e_places, n.ne))):
         for name in names:
             if result.frames and getattr(result.frames[0], name) is not None:
-                values = result[name]
-                yield name, owners(table, values.shape[1]), values
-
-
-def owners(table: Any, count: int) -> list[tuple[int, int]]:
-    """Number and entry of every column from a table of 1-based columns."""
-    found = [(0, 0)] * count
-    for row, column in zip(*np.nonzero(np.asarray(table)), strict=True):
-        found[int(table[row, column]) - 1] = (int(row) + 1, int(column) + 1)
-    return found
+                yield name, labels, result[name]

@@ -35,8 +35,7 @@ def build(deck: Deck, mode: int = 1, **options: Any) -> Mechanism:
     node_batches(batches, numbering, lumped_inertia.lumped(deck, numbering, batches))
     loads = inputs.loads(deck, numbering)
     levels = analysis.stationary or analysis.takes_setpoints  # load steps: they are computed, or linearized about
-    has_stresses = "ESTIFF" in deck.block(2) or "EDAMP" in deck.block(2)
-    stiffness, damping = _constitutive(batches) if has_stresses else (NO_ENTRIES, NO_ENTRIES)
+    stiffness, damping = _constitutive(batches)
     return Mechanism(
         deck=deck,
         numbering=numbering,
@@ -85,17 +84,13 @@ def reference_configuration(deck: Deck, numbering: Numbering, kind: type = float
 
 def _size(numbering: Numbering, x0: Array) -> float:
     """Diagonal of the box around all position nodes; 1 when there are none."""
-    if len(numbering.positions) < 2:
-        return 1.0
-    places = x0.real.take(numbering.positions)
-    places.sort(0)  # of few that takes a third of the time of both extremes
-    extent = hypot(*(places[-1] - places[0]).tolist())
+    extent = hypot(*np.ptp(x0.real.take(numbering.positions), 0)) if len(numbering.positions) else 0.0
     return extent if extent > 0.0 else 1.0
 
 
 def _constitutive(batches: list[Batch]) -> list[tuple[Index, Index, Array]]:
     """Non-zero entries of S and of S_d of all elements as rows, columns, values."""
-    found: tuple[list[tuple[Index, Index, Array]], ...] = ([], [])
+    found = [NO_ENTRIES], [NO_ENTRIES]
     for batch in batches:
         if batch.family.n_deformations:
             for parts, S in zip(found, batch.family.constitutive, strict=True):
@@ -103,12 +98,5 @@ def _constitutive(batches: list[Batch]) -> list[tuple[Index, Index, Array]]:
                     places, m = S.ravel().nonzero()[0], len(S)
                     rows, columns = batch.e.repeat(m, 0), batch.e[None].repeat(m, 0)
                     parts.append((rows.take(places), columns.take(places), S.take(places)))
-    return [_joined(parts) for parts in found]
-
-
-def _joined(parts: list[tuple[Index, Index, Array]]) -> tuple[Index, Index, Array]:
-    """Rows, columns and values of all parts."""
-    if len(parts) < 2:
-        return parts[0] if parts else NO_ENTRIES
-    rows, columns, values = map(np.concatenate, zip(*parts, strict=True))
-    return rows, columns, values
+    each = (zip(*parts, strict=True) for parts in found)
+    return [(np.concatenate(rows), np.concatenate(columns), np.concatenate(values)) for rows, columns, values in each]

@@ -11,7 +11,6 @@ Warping coordinates are dynamic without a statement, the deformations that belon
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import cache
 from itertools import chain
 from typing import Any, NamedTuple
 
@@ -73,7 +72,7 @@ def value_rows(deck: Deck, keyword: str, block: int, kind: Any = float) -> Itera
 X_ORDER = ("fixed", "calculable", "input", "dynamic", "kinematic")
 E_ORDER = ("fixed", "input", "dynamic", "kinematic", "calculable")
 ABSENT = len(X_ORDER) + len(E_ORDER)
-ROLES = ("", "position", "orientation", "warping")  # of nodes; their places are the codes of `ClassCodes.roles`
+ROLES = ("", "position", "orientation", "warping")  # of nodes; their places are the codes of `class_codes`
 
 
 def _x(name: str) -> int:
@@ -88,37 +87,38 @@ NAMES = {"prescribed": "input"}  # where the class of a statement is called othe
 _X_CODE = {keyword: _x(NAMES.get(name, name)) for keyword, name in NODE_CLASSES.items()}
 _E_CODE = {keyword: _e(NAMES.get(name, name)) for keyword, name in ELEMENT_CLASSES.items()}
 _AS_INPUT = bytes.maketrans(bytes([_x("dynamic"), _e("dynamic")]), bytes([_x("input"), _e("input")]))
-_TYPE_CODE = {keyword: code for code, keyword in enumerate(ELEMENT_TYPES, 1)}
 
 
-class ClassCodes(NamedTuple):
-    """`codes`, of which the first `of_nodes` belong to nodes; elements have `width` places each.
+def class_codes(
+    deck: Deck, types: Sequence[ElementRows], prescribed: bool
+) -> tuple[bytearray, int, int, NDArray[np.uint8]]:
+    """The classes of everything in a deck with these elements. `prescribed`: what is dynamic is an input.
 
-    roles   (1 + highest node,) place in ROLES of every node
+    Codes; how many of them, the first, belong to nodes; the places of an element; (1 + highest node,) place in ROLES of
+    every node.
     """
-
-    codes: bytearray
-    of_nodes: int
-    width: int
-    roles: NDArray[np.uint8]
-
-
-def class_codes(deck: Deck, types: Sequence[ElementRows], prescribed: bool) -> ClassCodes:
-    """The classes of everything in a deck with these elements. `prescribed`: what is dynamic is an input."""
     planar = types[0].kind.planar
     width = max([6, *[len(rows.kind.modes) for rows in types]])  # 8 in a model with warping
     roles = np.zeros(1 + max([rows.nodes.max() for rows in types]), np.uint8)
     elements = np.zeros(1 + max([rows.numbers.item(-1) for rows in types]), np.uint8)
-    for rows in types:
-        roles.put(rows.nodes, _roles_of(rows.kind))  # again for every element
-        elements[rows.numbers] = _TYPE_CODE[rows.kind.keyword]
-    codes = bytearray(_coordinates(planar).take(roles, 0))
+    of_role = np.full((len(ROLES), 4), ABSENT, np.uint8)  # without a statement
+    of_type = np.full((1 + len(types), width), ABSENT, np.uint8)
+    for code, role in enumerate(ROLES[1:], 1):
+        of_role[code, : coordinates_of(role, planar)] = _x("dynamic" if role == "warping" else "calculable")
+    for code, rows in enumerate(types, 1):
+        roles.put(rows.nodes, [ROLES.index(role) for role in rows.kind.nodes])  # again for every element
+        elements[rows.numbers] = code
+        modes = range(1, 1 + len(rows.kind.modes))
+        of_type[code, : len(modes)] = [_e("calculable" if m in rows.kind.released else "fixed") for m in modes]
+    codes = bytearray(of_role.take(roles, 0))
     of_nodes = len(codes)
-    codes += _deformations(width).take(elements, 0).tobytes()
+    codes += of_type.take(elements, 0).tobytes()
+    independent = [(), *[independent_of(role, planar) for role in ROLES[1:]]]
+    classed = [(), *[rows.kind.classed for rows in types]]
     index, given = deck.index, deck.index.keywords(1)
     for keywords, kinds, every, first, size in (
-        (_X_CODE, roles, _independent(planar), -1, 4),
-        (_E_CODE, elements, _classed(), of_nodes - 1, width),
+        (_X_CODE, roles, independent, -1, 4),
+        (_E_CODE, elements, classed, of_nodes - 1, width),
     ):
         of = kinds.tobytes()
         for keyword, code in keywords.items():
@@ -127,40 +127,4 @@ def class_codes(deck: Deck, types: Sequence[ElementRows], prescribed: bool) -> C
                     before = first + size * number
                     for k in which or every[of[number]]:
                         codes[before + k] = code
-    return ClassCodes(codes.translate(_AS_INPUT) if prescribed else codes, of_nodes, width, roles)
-
-
-@cache
-def _roles_of(kind: ElementType) -> NDArray[np.uint8]:
-    return np.array([ROLES.index(role) for role in kind.nodes], np.uint8)
-
-
-@cache
-def _coordinates(planar: bool) -> NDArray[np.uint8]:
-    """(roles, 4) codes of coordinates without a statement."""
-    table = np.full((len(ROLES), 4), ABSENT, np.uint8)
-    for place, role in enumerate(ROLES[1:], 1):
-        table[place, : coordinates_of(role, planar)] = _x("dynamic" if role == "warping" else "calculable")
-    return table
-
-
-@cache
-def _independent(planar: bool) -> list[tuple[int, ...]]:
-    """Coordinates that a statement without coordinate numbers is about."""
-    return [(), *[independent_of(role, planar) for role in ROLES[1:]]]
-
-
-@cache
-def _deformations(width: int) -> NDArray[np.uint8]:
-    """(1 + element types, width) codes of deformations without a statement."""
-    table = np.full((1 + len(ELEMENT_TYPES), width), ABSENT, np.uint8)
-    for place, kind in enumerate(ELEMENT_TYPES.values(), 1):
-        codes = [_e("calculable" if mode in kind.released else "fixed") for mode in range(1, 1 + len(kind.modes))]
-        table[place, : len(codes)] = codes[:width]
-    return table
-
-
-@cache
-def _classed() -> list[tuple[int, ...]]:
-    """Modes that a statement without mode numbers is about."""
-    return [(), *[kind.classed for kind in ELEMENT_TYPES.values()]]
+    return codes.translate(_AS_INPUT) if prescribed else codes, of_nodes, width, roles

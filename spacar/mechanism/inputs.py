@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import Array
 from spacar.deck import Deck
 from spacar.deck.table_solvers import INTEGRATOR_ALIASES
 from spacar.mechanism.mechanism import Drive, DriveState, Loads, Polynomial, SolverSettings, Start, UserSignal
@@ -67,7 +66,8 @@ def _flow(deck: Deck, numbering: Numbering, prefix: str) -> dict[int, float]:
 
 def drive(deck: Deck, numbering: Numbering, x0: Array) -> Drive:
     """Prescribed motion: the polynomials of INPUTX and INPUTE, overridden by USERINP for the inputs that it gives."""
-    polynomial = Polynomial(*_given(deck, numbering, x0, "input", ("INPUTX", "INPUTE"), 3))
+    x, e = _given(deck, numbering, x0, "input", ("INPUTX", "INPUTE"), 3)
+    polynomial = Polynomial(x, e)
     given = deck.block(2).get("USERINP")
     if not given:
         return polynomial
@@ -95,34 +95,25 @@ def start(deck: Deck, numbering: Numbering, x0: Array) -> Start:
 
 def _given(
     deck: Deck, numbering: Numbering, x0: Array, name: str, keywords: tuple[str, str], width: int, e_value: float = 0.0
-) -> tuple[Array, Array]:
+) -> list[Array]:
     """What statements `node coordinate values` and `element mode values` give to a class, (n, width) each.
 
     Without a statement: the reference configuration, deformations `e_value`, zero rates.
     """
-    index, of_x, of_e = deck.index, numbering.x_class[name], numbering.e_class[name]
-    x = e = _NOTHING[width]
-    if of_x.stop > of_x.start:
-        x = np.zeros((of_x.stop - of_x.start, width), x0.dtype)
-        x[:, 0] = x0[of_x]
-        _fill(x, index.rows(keywords[0], 2), numbering.x_places, of_x.start)
-    if of_e.stop > of_e.start:
-        e = np.zeros((of_e.stop - of_e.start, width), x0.dtype)
-        e[:, 0] = e_value
-        _fill(e, index.rows(keywords[1], 2), numbering.e_places, of_e.start)
-    return x, e
-
-
-_NOTHING = {width: np.zeros((0, width)) for width in (1, 2, 3)}
-
-
-def _fill(table: Array, rows: Iterable[tuple[Any, ...]], places: Index, first: int) -> None:
-    """Values behind the two numbers in rows of statements, in the rows of the table from the place `first` on."""
-    for number, part, *values in rows:
-        row = places.item(number, part - 1) - first
-        if 0 <= row < len(table):
-            values = values[: table.shape[1]]
-            table[row, : len(values)] = values
+    tables = []
+    for keyword, of, places, before in (
+        (keywords[0], numbering.x_class[name], numbering.x_places, x0[numbering.x_class[name]]),
+        (keywords[1], numbering.e_class[name], numbering.e_places, e_value),
+    ):
+        table: Array = np.zeros((of.stop - of.start, width), x0.dtype)
+        table[:, 0] = before
+        for number, part, *values in deck.index.rows(keyword, 2) if len(table) else ():
+            row = places.item(number, part - 1) - of.start
+            if 0 <= row < len(table):
+                values = values[:width]
+                table[row, : len(values)] = values
+        tables.append(table)
+    return tables
 
 
 def additional_drive(deck: Deck, numbering: Numbering, kind: type = float) -> DriveState | None:

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import accumulate
+from itertools import accumulate, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -131,20 +131,11 @@ class Numbering:
 
     @cached_property
     def _x_names(self) -> list[tuple[int, int]]:
-        names = [(0, 0)] * self.nx
-        for node, row in enumerate(self.x_places.tolist()):
-            for coordinate, i in enumerate(row, 1):
-                if i >= 0:
-                    names[i] = (node, coordinate)
-        return names
+        return owners(self.x_places, self.nx)
 
     @cached_property
     def _e_names(self) -> list[tuple[int, int]]:
-        names = [(0, 0)] * self.ne
-        for element, row in enumerate(self.e_places.tolist()):
-            for mode, i in enumerate(row, 1):
-                if i >= 0:
-                    names[i] = (element, mode)
+        names = owners(self.e_places, self.ne)
         for node, i in self.normalization:
             names[i] = (-int(node), 0)
         return names
@@ -345,6 +336,14 @@ class Numbering:
         raise KeyError((element, mode))
 
 
+def owners(places: Index, count: int) -> list[tuple[int, int]]:
+    """Row and column (from 1) of every place in a table; (0, 0) of those that are not in it."""
+    found = [(0, 0)] * count
+    for row, column in np.argwhere(places >= 0).tolist():
+        found[places.item(row, column)] = row, column + 1
+    return found
+
+
 def _count(places: slice) -> int:
     """How many a class has."""
     found: int = places.stop - places.start
@@ -388,9 +387,8 @@ NO_PLACES.setflags(write=False)
 
 
 def _slices(counts: Sequence[int], order: Sequence[str]) -> dict[str, slice]:
-    a, b, c, d, e = accumulate(counts)
-    i, j, k, l, m = order
-    return {i: slice(0, a), j: slice(a, b), k: slice(b, c), l: slice(c, d), m: slice(d, e)}
+    ends = pairwise(accumulate(counts, initial=0))
+    return {name: slice(first, last) for name, (first, last) in zip(order, ends, strict=True)}
 
 
 def _with_role(roles: NDArray[np.uint8], role: str) -> Index:

@@ -14,7 +14,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from hashlib import sha256
-from os.path import basename, dirname, join, splitext
 from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
@@ -129,13 +128,13 @@ class Loaded:
 def load_function(deck: Deck, statement: Statement) -> Loaded:
     """The function `name` of `name.py` in the directory of the input file."""
     refuse = partial(_refusal, deck, statement)
-    path, text = _found(deck, statement, refuse)
-    return _made(deck, statement, path, _compiled(path, text, refuse))
+    path = str(function_file(deck, statement))
+    return _made(deck, statement, path, _compiled(path, _text(path, refuse), refuse))
 
 
 def _made(deck: Deck, statement: Statement, path: str, code: CodeType) -> Loaded:
     refuse = partial(_refusal, deck, statement)
-    name, stem = str(statement.values[0]), _stem(path)
+    name, stem = str(statement.values[0]), Path(path).stem
     own = vars(_executed(code, path, stem, refuse))
     function = own.get(stem) or own.get(name)
     if not callable(function):
@@ -144,26 +143,11 @@ def _made(deck: Deck, statement: Statement, path: str, code: CodeType) -> Loaded
     return Loaded(function, breaks, deck, statement, path, code)
 
 
-def _found(deck: Deck, statement: Statement, refuse: Callable[[str], Exception]) -> tuple[str, bytes]:
-    """Path and text of `function_file`, which is looked for when it cannot be read under the name that was given."""
-    path = join(dirname(str(deck.path)) if deck.path else str(Path.cwd()), f"{statement.values[0]}.py")
-    try:
-        with open(path, "rb", buffering=0) as stream:
-            return path, stream.read()
-    except (OSError, ValueError):
-        path = str(function_file(deck, statement))
-    return path, _text(path, refuse)
-
-
 def _text(path: str, refuse: Callable[[str], Exception]) -> bytes:
     try:
         return Path(path).read_bytes()
     except BY_USERS as error:
         raise refuse(f"{path} cannot be loaded: {type_and_text(error)}") from error
-
-
-def _stem(path: str) -> str:
-    return splitext(basename(path))[0]
 
 
 def _breaks(given: Any, path: str, refuse: Callable[[str], Exception]) -> tuple[float, ...]:
@@ -187,7 +171,7 @@ def import_file(path: Path, refuse: Callable[[str], Exception]) -> ModuleType:
     """The module in a user's Python file, from its text as it stands now: no bytecode is kept beside a model. Raises
     what `refuse` makes of the reason why it cannot be loaded."""
     name = str(path)
-    return _executed(_compiled(name, _text(name, refuse), refuse), name, _stem(name), refuse)
+    return _executed(_compiled(name, _text(name, refuse), refuse), name, path.stem, refuse)
 
 
 def _compiled(path: str, text: bytes, refuse: Callable[[str], Exception]) -> CodeType:

@@ -49,26 +49,17 @@ def read_rows(name: str, what: str, rows: Any, widths: tuple[int, ...], t: float
     """Rows as numbers, filled up with zeros. A few short lists, the usual answer, are read without arrays; whatever is
     not just that goes to `checked_rows`, which raises AnalysisError naming the time and the row that is wrong.
     """
-    if type(rows) is list and len(rows) <= FEW:
-        longest = max(widths)
-        found = []
-        for row in rows:
-            if type(row) not in (list, tuple) or len(row) not in widths:
-                break
-            if not all(type(v) in NUMBERS for v in row) or not _finite(*row):
-                break
-            found.append((*row, *ZEROS[: longest - len(row)]))
-        else:
-            if len({len(row) for row in rows}) <= 1:
-                return found
+    few = type(rows) is list and len(rows) <= FEW and all([_plain(row, widths) for row in rows])
+    if few and len({len(row) for row in rows}) <= 1:
+        return [(*row, *ZEROS[: max(widths) - len(row)]) for row in rows]
     array: list[list[float]] = checked_rows(name, what, rows, widths, t).tolist()
     return array
 
 
-def _finite(*values: float) -> bool:
-    """Whether the sum of numbers is one; where it is not, `checked_rows` looks at each of them."""
+def _plain(row: Any, widths: tuple[int, ...]) -> bool:
+    """Whether a row is a list of numbers whose sum is one; where not, `checked_rows` looks at each of them."""
     try:
-        return isfinite(sum(values))
+        return type(row) in ROWS and len(row) in widths and NUMBERS.issuperset(map(type, row)) and isfinite(sum(row))
     except OverflowError:  # an integer beyond the floating-point numbers
         return False
 
@@ -107,6 +98,11 @@ def whole(row: Sequence[float]) -> tuple[int, int]:
     if not (a.is_integer() and b.is_integer()):
         raise KeyError((a, b))
     return int(a), int(b)
+
+
+def _unknown(name: str, what: str, k: int, row: Sequence[float], why: str, t: float) -> AnalysisError:
+    text = f"{name} at t = {t:.9g}: row {k + 1} of {what} names {row[0]:g} {row[1]:g}, which {why}"
+    return AnalysisError(text, "user-function.index", t=t)
 
 
 def _taken(rows: Any, places: dict[tuple[Any, Any], int], values: Any) -> Form | None:
@@ -197,13 +193,17 @@ class UserLaw:
         """Rows of sig and f with their places in e and x, checked, and the sentences of `UserForces.lost`."""
         n = self.numbering
         stresses, forces = self._found(n.e_index, sig, "sig", t), self._found(n.x_index, f, "f", t)
-        lost, first = {}, self._first
+        lost, fixed, inputs = {}, n.e_class["fixed"].stop, n.e_class["input"].stop
+        first = fixed if self.prescribed_act else inputs  # row of e on which a stress can act
         for i, row in stresses:
             if i >= first:
                 self.stresses[row[0], row[1]] = i
             elif any(row[2:]):
-                text = f"the stress of {n.e_name(i)} has no effect: {self._without_effect(i)}"
-                lost[i] = f"warning: {self.name} at t = {t:.9g}: {text}"
+                lost[i] = (
+                    f"warning: {self.name} at t = {t:.9g}: the stress of {n.e_name(i)} has no effect: the deformation"
+                    f" is {'fixed' if i < fixed else 'prescribed'}, so that its stress follows from equilibrium alone;"
+                    " a stress law needs DYNE or RLSE"
+                )
         self.forces.update({(row[0], row[1]): i for i, row in forces})
         return stresses, forces, lost
 
@@ -213,11 +213,6 @@ class UserLaw:
         read = read_rows(self.name, what, rows, (3, 5), t)
         return [(self._place(find, row, what, k, t), row) for k, row in enumerate(read)]
 
-    @property
-    def _first(self) -> int:
-        """First row of e on which a stress can act."""
-        return int(self.numbering.e_class["fixed" if self.prescribed_act else "input"].stop)
-
     def _place(self, find: Callable[[int, int], int], row: Sequence[float], what: str, k: int, t: float) -> int:
         known = (self.stresses if what == "sig" else self.forces).get((row[0], row[1]))
         if known is not None:
@@ -225,18 +220,7 @@ class UserLaw:
         try:
             return find(*whole(row))
         except KeyError:
-            text = (
-                f"{self.name} at t = {t:.9g}: row {k + 1} of {what} names {row[0]:g} {row[1]:g}, which does not exist"
-            )
-            raise AnalysisError(text, "user-function.index", t=t) from None
-
-    def _without_effect(self, i: int) -> str:
-        """Why a stress on this row cannot act."""
-        kind = "fixed" if i < self.numbering.e_class["fixed"].stop else "prescribed"
-        return (
-            f"the deformation is {kind}, so that its stress follows from equilibrium alone; a stress law needs DYNE or"
-            " RLSE"
-        )
+            raise _unknown(self.name, what, k, row, "does not exist", t) from None
 
 
 class Answering:
@@ -383,10 +367,7 @@ class UserDrive:
             except KeyError:
                 i = -1
             if not 0 <= i < target.shape[1]:
-                text = (
-                    f"{self.name} at t = {t:.9g}: row {k + 1} of {what} names {row[0]:g} {row[1]:g}, which is no {kind}"
-                )
-                raise AnalysisError(text, "user-function.index", t=t)
+                raise _unknown(self.name, what, k, row, f"is no {kind}", t)
             target[:, i] = row[2:5]
             named.add(i)
         return named
