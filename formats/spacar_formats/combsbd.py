@@ -63,7 +63,6 @@ def combsbd(
 
 
 def _check_same(first: SbfFile, other: SbfFile) -> None:
-    """Raise UsageError unless the definitions of both files agree."""
     a, b = first.step_records, other.step_records
     if list(a.values()) != list(b.values()):
         for ident in dict.fromkeys((*a, *b)):

@@ -36,8 +36,6 @@ def check_tables(file: SbfFile) -> None:
 
 
 class _Tables:
-    """The header of one file, and sentences about it."""
-
     def __init__(self, file: SbfFile) -> None:
         self.file, self.header, self.steps = file, file.header_records, file.step_records
 

@@ -1,16 +1,19 @@
-"""getss: the state space matrices A, B, C, D of one step of an `.ltv` file (reference/files.md sections 6 and 7)."""
+"""getss: the state space matrices A, B, C, D of one step of an `.ltv` file (reference/files.md sections 6 and 7), and
+its frequency response C (j omega - A)^-1 B + D; of a large model by `spacar.linearization.sparse_response`."""
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from spacar.errors import UsageError
+from spacar.errors import Report, UsageError
+from spacar.linear.lowest import WANTED, lowest_modes
 from spacar.linearization.descriptor import DescriptorSystem, of_frame
+from spacar.linearization.sparse_response import response
 from spacar.result import Result
 from spacar_formats.exports import export_to, to_mat, to_npz
 from spacar_formats.getfrsbf import stored_step
@@ -95,10 +98,8 @@ def state_space_of(result: Result, step: int = 1) -> StateSpaceStep:
     c = np.asarray(found.get("C", np.zeros((0, len(a)))), float)
     d = np.asarray(found["D"], float) if "D" in found else None
     states = result.header.get("states") or result.mechanism.numbering.state_names
-    given = (("x", states, len(a)), ("u", result.header.get("inputs", ()), b.shape[1]),
-             ("y", result.header.get("outputs", ()), len(c)))  # fmt: skip
-    names = (_fitting(tuple(lines), letter, n) for letter, lines, n in given)
-    return StateSpaceStep(a, b, c, d, float(result.t[k]), *names)
+    inputs, outputs = (result.header.get(what, ()) for what in ("inputs", "outputs"))
+    return _step(a, b, c, d, float(result.t[k]), (states, inputs, outputs))
 
 
 def getss(name: str | os.PathLike[str], step: int = 1) -> StateSpaceStep:
@@ -122,8 +123,7 @@ def getss(name: str | os.PathLike[str], step: int = 1) -> StateSpaceStep:
         if not all(np.isfinite(m).all() for m in (a, b, c, *([] if d is None else [d]))):
             text = f"A, B, C or D of step {step} in {file.path} has numbers that are not finite"
             raise UsageError(text, "files.finite")
-        names = (_fitting(file.texts(f"{s.upper()}NAMES"), s, n) for s, n in (("x", nx), ("u", nu), ("y", ny)))
-        return StateSpaceStep(a, b, c, d, t, *names)
+        return _step(a, b, c, d, t, [file.texts(name) for name in ("XNAMES", "UNAMES", "YNAMES")])
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,6 +145,44 @@ def linear_system(name: str | os.PathLike[str], step: int = 1) -> StateSpaceStep
             outputs = _fitting(file.texts("YNAMES"), "y", system.C.shape[0])
             return SparseStep(system, file.time(step), inputs, outputs)
     return getss(name, step)
+
+
+def frequency_response(system: StateSpaceStep | SparseStep, omega: np.ndarray) -> np.ndarray:
+    """(len(omega), outputs, inputs) complex; infinite where j omega is an eigenvalue. omega [rad/s]."""
+    if isinstance(system, SparseStep):
+        return response(system.system, omega)
+    n = len(system.A)
+    out = np.empty((len(omega), len(system.C), system.B.shape[1]), complex)
+    for k, w in enumerate(omega):
+        try:
+            out[k] = system.C @ np.linalg.solve(1j * w * np.eye(n) - system.A, system.B) + system.feedthrough
+        except np.linalg.LinAlgError:
+            out[k] = np.inf
+    return out
+
+
+def frequencies(system: StateSpaceStep | SparseStep, low: float | None, high: float | None, points: int) -> np.ndarray:
+    """Angular frequencies [rad/s]: a decade around the non-zero eigenvalues, denser at lightly damped ones.
+
+    Of a large model the 20 lowest eigenvalues, and no decade beyond them.
+    """
+    beyond = 10.0
+    if isinstance(system, SparseStep):
+        n, beyond = system.system.n_states, 1.0
+        poles = lowest_modes(system.system, n // 2, 0, Report(), min(WANTED, n // 2)).values
+        poles = poles[~np.isnan(poles)]
+    else:
+        poles = np.linalg.eigvals(system.A)
+    size = np.abs(poles)
+    size = size[size > 1e-6 * size.max(initial=0.0)]
+    low = low if low is not None else (0.1 * float(size.min()) if len(size) else 0.1)
+    high = high if high is not None else (beyond * float(size.max()) if len(size) else 100.0)
+    grid = [np.geomspace(low, max(high, low * (1 + 1e-9)), points)]
+    for pole in poles[poles.imag > 0.0]:
+        width = max(abs(pole.real) / abs(pole), 1e-4)
+        near = pole.imag * (1.0 + width * np.linspace(-6.0, 6.0, 25))
+        grid.append(near[(near > low) & (near < high)])
+    return np.unique(np.concatenate(grid))
 
 
 def export_getss(system: StateSpaceStep, target: Path) -> None:
@@ -171,8 +209,13 @@ def _has_feedthrough(file: SbfFile) -> bool:
     return bool(file.count("DFT")) if "DFT" in file.header else file.has("D")
 
 
-def _fitting(names: tuple[str, ...], letter: str, count: int) -> tuple[str, ...]:
-    """The names, or numbered ones when there are not as many."""
-    if len(names) == count:
-        return names
-    return tuple(f"{letter}{k + 1}" for k in range(count))
+def _step(
+    A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray | None, t: float, names: Sequence[Sequence[str]]
+) -> StateSpaceStep:
+    """The step with these names of states, inputs and outputs, or numbered ones when there are not as many."""
+    counts = len(A), B.shape[1], len(C)
+    return StateSpaceStep(A, B, C, D, t, *map(_fitting, names, "xuy", counts))
+
+
+def _fitting(names: Sequence[str], letter: str, count: int) -> tuple[str, ...]:
+    return tuple(names) if len(names) == count else tuple(f"{letter}{k + 1}" for k in range(count))

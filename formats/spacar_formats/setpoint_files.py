@@ -13,15 +13,11 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
-from spacar.inverse.nominal import Nominal, check_same_mechanism
+from spacar.inverse.nominal import Nominal
 from spacar.modes import MODES
 from spacar_formats.locate import stale_note
 from spacar_formats.safety import backup_path
 from spacar_formats.sbf import SbfError, SbfFile
-
-__all__ = ["Nominal", "check_same_model", "find_setpoints"]
-
-check_same_model = check_same_mechanism
 
 
 def find_setpoints(source: Path, name: str | None = None) -> Nominal:

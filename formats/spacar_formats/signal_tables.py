@@ -3,8 +3,9 @@
     SIGNAME   a line each: block, tab, name of the signal
     SCOPES    a line each in JSON: title, unit, labels and columns (from 1) of a panel
 
-They stand beside the motion of the mechanism; a diagram without one has a file of its own (KIND signals). What a scope
-looks at is a signal under its name.
+They stand beside the motion of the mechanism, a `.sbd` file like that of mode 1: at every output time the states and
+inputs of the Spasim block give the whole state. A diagram without one has a file of its own (KIND signals). What a
+scope looks at is a signal under its name.
 
 Units of signals from their names: "OUTXP node 8 x" is a speed, "INPUTS element 1 (HINGE) e1 ..." a moment.
 
@@ -17,7 +18,7 @@ import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,14 +27,18 @@ import numpy as np
 import spacar
 from spacar.deck import ELEMENT_TYPES
 from spacar.expressions import NONE, Dimensions, Unit, unit_text
+from spacar.modes import find_mode
 from spacar.simulation.blocks import Scope
 from spacar.simulation.diagram import wired_names
+from spacar.simulation.plant import Spasim
 from spacar.simulation.response import Response
+from spacar.stream import Run
 from spacar_formats.exports import export_to, to_csv, to_mat, to_npz
 from spacar_formats.safety import Claim
 from spacar_formats.sbf import SbfFile
 from spacar_formats.sbf.record_layout import require
 from spacar_formats.sinks import write_steps
+from spacar_formats.sinks.results import KINDS
 
 KIND = re.compile(r"(?:IN|OUT|NOM|REF|INPUT)(E|X|S|F)(DP|P|S)? ")
 NODE = re.compile(r"node \d+ (?:([xyz])|w|phi|lambda\d)")
@@ -96,23 +101,17 @@ class SignalTable:
 
 def table_of(response: Response) -> SignalTable:
     """The outputs of all blocks and the inputs of the scopes; without a scope the outputs of every mechanism."""
-
-    blocks: list[str] = []
-    names: list[str] = []
-    columns: list[np.ndarray] = []
+    arrays: dict[str, tuple[Sequence[str], np.ndarray]] = {}
     panels: list[Panel] = []
     for name, block in response.diagram.blocks.items():
         if isinstance(block, Scope):
             labels = block.labels or tuple(wired_names(response.diagram, block))
-            place = range(len(blocks), len(blocks) + block.n_in)
-            panels.append(Panel(block.title, tuple(place), labels, block.unit))
-            columns.append(response.u[:, response.inputs[name]])
+            first = sum(len(names) for names, _ in arrays.values())
+            panels.append(Panel(block.title, tuple(range(first, first + block.n_in)), labels, block.unit))
+            arrays[name] = labels, response.u[:, response.inputs[name]]
         else:
-            labels = block.outputs_
-            columns.append(response.y[:, response.outputs[name]])
-        blocks += [name] * len(labels)
-        names += labels
-    return SignalTable(tuple(blocks), tuple(names), np.hstack(columns), tuple(panels))
+            arrays[name] = block.outputs_, response.y[:, response.outputs[name]]
+    return replace(table_of_arrays(arrays), panels=tuple(panels))
 
 
 def table_of_arrays(arrays: Mapping[str, tuple[Sequence[str], np.ndarray]]) -> SignalTable:
@@ -174,6 +173,29 @@ def write_table(stem: Path, t: Sequence[float] | np.ndarray, table: SignalTable,
     steps = ({"T": time, "SIGNAL": row} for time, row in zip(t, table.values, strict=True))
     with Claim(path) as claim:
         return write_steps(claim, header | table.header(), steps)
+
+
+def write_motions(response: Response, stem: Path) -> list[Path]:
+    """Write `stem.sbd`; with several mechanisms `stem_BLOCK.sbd` each. Returns the paths.
+
+    Raises UsageError when a file cannot be written, AnalysisError when the disk refuses bytes.
+    """
+    plants = [b for b in response.diagram.blocks.values() if isinstance(b, Spasim)]
+    table = table_of(response)
+    names = [stem.name] if len(plants) == 1 else [f"{stem.name}_{plant.name}" for plant in plants]
+    return [
+        _write_motion(response, table, plant, stem.with_name(f"{name}.sbd"))
+        for plant, name in zip(plants, names, strict=True)
+    ]
+
+
+def _write_motion(response: Response, table: SignalTable, plant: Spasim, path: Path) -> Path:
+    header, values = KINDS["sbd"]
+    x, u = response.x[:, response.states[plant.name]], response.u[:, response.inputs[plant.name]]
+    states = zip(response.t.tolist(), x, u, table.values, strict=True)
+    steps = (values(plant.frame(t, state, inputs)) | {"SIGNAL": row} for t, state, inputs, row in states)
+    with Claim(path) as claim:
+        return write_steps(claim, {**header(Run(find_mode(1), plant.mechanism), ()), **table.header()}, steps)
 
 
 def export_signals(arrays: Mapping[str, np.ndarray], target: Path) -> None:

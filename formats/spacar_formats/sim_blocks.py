@@ -217,7 +217,6 @@ def explanation(name: str) -> Iterator[str]:
 
 
 def _line(key: SimKey) -> str:
-    """A key as a row of a list."""
     default = "needed" if key.default is None else key.default and f"default {key.default}"
     unit = f" [{key.unit}]" * bool(key.unit)
     kind = ", ".join(filter(None, (key.kind, default)))

@@ -39,6 +39,14 @@ def _real(text: str) -> float:
     return value
 
 
+def _reals(text: str) -> list[float]:
+    return [_real(v) for v in text.replace(",", " ").split()]
+
+
+def _matrix(text: str) -> np.ndarray:
+    return np.array([_reals(row) for row in text.split(";")])
+
+
 class Section:
     """One section with typed access to its keys."""
 
@@ -80,11 +88,14 @@ class Section:
     def wrong(self, key: str, expected: str) -> UsageError:
         return self.error(f"{key} = {self.text(key)} {expected}", key)
 
-    def number(self, key: str) -> float:
+    def _read(self, key: str, read: Callable[[str], Any], wrong: str) -> Any:
         try:
-            return _real(self.text(key))
+            return read(self.text(key))
         except ValueError:
-            raise self.wrong(key, "is no number") from None
+            raise self.wrong(key, wrong) from None
+
+    def number(self, key: str) -> float:
+        return float(self._read(key, _real, "is no number"))
 
     def integer(self, key: str, least: int = 1) -> int:
         value = self.number(key)
@@ -101,19 +112,12 @@ class Section:
 
     def matrix(self, key: str) -> np.ndarray:
         """Rows separated by ';', numbers by blanks or commas; one number gives a number."""
-        try:
-            rows = [[_real(v) for v in row.replace(",", " ").split()] for row in self.text(key).split(";")]
-            found = np.array(rows)
-        except ValueError:
-            raise self.wrong(key, "is no number and no matrix") from None
+        found: np.ndarray = self._read(key, _matrix, "is no number and no matrix")
         return found.reshape(()) if found.size == 1 else found
 
     def numbers(self, key: str) -> list[float]:
         """Numbers separated by blanks, commas or ';'."""
-        try:
-            found = [_real(v) for v in self.text(key).replace(",", " ").replace(";", " ").split()]
-        except ValueError:
-            raise self.wrong(key, "is no list of numbers") from None
+        found: list[float] = self._read(key, lambda text: _reals(text.replace(";", " ")), "is no list of numbers")
         if not found:
             raise self.wrong(key, "is no list of numbers")
         return found

@@ -71,8 +71,13 @@ def _pandas() -> Any:
     try:
         import pandas
     except ImportError:
-        raise UsageError(missing("to_pandas", "pandas"), "result.pandas-missing") from None
+        raise _missing("pandas") from None
     return pandas
+
+
+def _missing(package: str) -> UsageError:
+    text = f"to_{package} needs {package}: pip install 'spacar[tables]'"
+    return UsageError(text, f"result.{package}-missing")
 
 
 def to_xarray(result: Result) -> xarray.Dataset:
@@ -82,7 +87,7 @@ def to_xarray(result: Result) -> xarray.Dataset:
     try:
         import xarray
     except ImportError:
-        raise UsageError(missing("to_xarray", "xarray"), "result.xarray-missing") from None
+        raise _missing("xarray") from None
     n = result.mechanism.numbering
     arrays: dict[str, Any] = {}
     for variable, _, values in variables(result):
@@ -101,11 +106,6 @@ def to_xarray(result: Result) -> xarray.Dataset:
         "element": ("deformation", [a for a, _ in e_owners]),
     }
     return xarray.Dataset(arrays, places, {"model": result.mechanism.deck.source, "mode": result.mode})
-
-
-def missing(call: str, package: str) -> str:
-    """What to install."""
-    return f"{call} needs {package}: pip install 'spacar[tables]'"
 
 
 def dimensions(result: Result) -> Dimensions:

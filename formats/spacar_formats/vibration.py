@@ -81,9 +81,8 @@ def without_rounding(values: np.ndarray) -> np.ndarray:
     """Eigenvalues (n,) whose parts below n eps times the largest modulus are zero: what an undamped mode has of them is
     the rounding of the eigenvalue problem (backward error n eps |A|), and would be all that a picture shows."""
     limit = len(values) * np.finfo(float).eps * float(np.max(np.abs(values), initial=0.0))
-    return np.where(np.abs(values.real) <= limit, 0.0, values.real) + 1j * np.where(
-        np.abs(values.imag) <= limit, 0.0, values.imag
-    )
+    real, imaginary = (np.where(np.abs(part) <= limit, 0.0, part) for part in (values.real, values.imag))
+    return real + 1j * imaginary
 
 
 def read_vibrations(name: str | os.PathLike[str], lowest: int = WANTED) -> tuple[list[Vibration], list[str], list[str]]:

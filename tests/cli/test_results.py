@@ -5,13 +5,14 @@ import hashlib
 import numpy as np
 import pytest
 from spacar_formats.sbf import SbfFile
-from spacar_formats.setpoint_files import check_same_model, find_setpoints
+from spacar_formats.setpoint_files import find_setpoints
 from spacar_formats.sinks import result_sinks
 from spacar_formats.sinks.results import sbd_header
 
 import spacar
 from spacar.errors import UsageError
 from spacar.frame import Frame
+from spacar.inverse.nominal import check_same_mechanism
 from tests.examples import DATA
 
 SBD_HEADER = {
@@ -142,7 +143,7 @@ def nominal(tmp_path):
 def test_setpoints_are_found_by_name(nominal):
     found = find_setpoints(nominal)
     assert found.name == "robotinv.sbd"
-    check_same_model(found, spacar.frames(3, DATA / "robotinvlin.dat").mechanism.numbering)
+    check_same_mechanism(found, spacar.frames(3, DATA / "robotinvlin.dat").mechanism.numbering)
 
 
 def test_the_longest_name_wins(nominal):
@@ -173,4 +174,4 @@ def test_an_incomplete_nominal_motion_is_refused(tmp_path):
 def test_another_mechanism_is_refused(nominal):
     found = find_setpoints(nominal)
     with pytest.raises(UsageError, match="element 1 is PLBEAM with nodes 1 2 3 4 here, HINGE with nodes 1 2 there"):
-        check_same_model(found, spacar.frames(1, DATA / "crank.dat").mechanism.numbering)
+        check_same_mechanism(found, spacar.frames(1, DATA / "crank.dat").mechanism.numbering)

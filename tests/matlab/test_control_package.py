@@ -5,8 +5,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from spacar_formats.frequency import frequency_response
-from spacar_formats.getss import getss
+from spacar_formats.getss import frequency_response, getss
 from spacar_formats.mex import FOLDER
 
 from tests.examples import DATA

@@ -5,7 +5,7 @@ import shutil
 import numpy as np
 from spacar_cli.main import main
 from spacar_formats.getfrsbf import getfrsbf
-from spacar_formats.plant_motion import write_motions
+from spacar_formats.signal_tables import write_motions
 
 import spacar
 from spacar.simulation import Diagram, Spasim, simulate

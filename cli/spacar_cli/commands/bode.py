@@ -29,8 +29,7 @@ def command(
     stored sparse, to the highest of its 20 lowest.
     """
     import numpy as np
-    from spacar_formats.frequency import frequencies, frequency_response
-    from spacar_formats.getss import linear_system
+    from spacar_formats.getss import frequencies, frequency_response, linear_system
     from spacar_formats.locate import notes, open_result
 
     with open_result(file, "ltv") as result:

@@ -244,10 +244,12 @@ def _check_timestep(run: Run) -> None:
 
 def _along(run: Run, source: Path, setpoints: str | None) -> Run:
     """The run with the motion along which it linearizes."""
-    from spacar_formats.setpoint_files import check_same_model, find_setpoints
+    from spacar_formats.setpoint_files import find_setpoints
+
+    from spacar.inverse.nominal import check_same_mechanism
 
     nominal = find_setpoints(source, setpoints)
-    check_same_model(nominal, run.mechanism.numbering)
+    check_same_mechanism(nominal, run.mechanism.numbering)
     return replace(run, nominal=nominal)
 
 

@@ -21,9 +21,8 @@ def command(environment: Environment, file: Path, output: tuple[Path, ...], comp
     Writes the signals, FILE_sim.log, and FILE_sim.sbd with signals and the motion of the mechanism for draw, plot and
     report. Pictures and the window show the scopes; without a scope the outputs of the mechanisms, or of all blocks.
     """
-    from spacar_formats.plant_motion import write_motions
     from spacar_formats.safety import write_text
-    from spacar_formats.signal_tables import export_signals, panels_by_quantity, table_of, write_table
+    from spacar_formats.signal_tables import export_signals, panels_by_quantity, table_of, write_motions, write_table
     from spacar_formats.simfile import read_model
 
     from spacar.simulation.blocks import Scope

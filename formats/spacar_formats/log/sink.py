@@ -148,7 +148,6 @@ def _kinematics(run: Run) -> list[str]:
 
 
 def _condition(run: Run) -> list[str]:
-    """The measure of how well the degrees of freedom were chosen."""
     title = "Condition number of the part of the difference matrix that is inverted"
     return [f"{title}: {real(float(run.header['condition']))}", ""] if "condition" in run.header else []
 

@@ -80,11 +80,6 @@ def transfer_functions(run: Run, frame: Frame) -> list[str]:
     return lines
 
 
-def engine(found: tuple[str, str]) -> list[str]:
-    """Which engine evaluates, on what level or why."""
-    return [f"Engine: {found[0]} ({found[1]})"]
-
-
 def integration(mechanism: Mechanism, evaluated_by: tuple[str, str] | None = None) -> list[str]:
     """Name of the integrator and its accuracy settings; the engine."""
     s = mechanism.settings
@@ -99,9 +94,12 @@ def integration(mechanism: Mechanism, evaluated_by: tuple[str, str] | None = Non
         lines.append("No TIMESTEP: only the initial state is analysed")
     else:
         lines.append(f"Duration {real(s.duration)} s in {s.n_steps} output steps")
-    if evaluated_by is not None:
-        lines += engine(evaluated_by)
-    return [*lines, ""]
+    return [*lines, *engine(evaluated_by), ""]
+
+
+def engine(found: tuple[str, str] | None) -> list[str]:
+    """Which engine evaluates, on what level or why."""
+    return [] if found is None else [f"Engine: {found[0]} ({found[1]})"]
 
 
 def iteration(mechanism: Mechanism) -> list[str]:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacar.deck.findings import nearest
 from spacar.errors import UsageError
 
 MAGIC = b"\x89SBF\r\n\x1a\n"
@@ -302,14 +303,12 @@ def find(name: str, ids: Container[str]) -> str | None:
 
 def not_found(name: str, ids: Iterable[str], file: str) -> UsageError:
     """The error for a variable that the file does not have, with the nearest name and what would store it."""
-    from difflib import get_close_matches
-
     known = {ident.lower(): ident for ident in ids}
     known |= {full: ident for ident, full in MATLAB_NAMES.items() if ident in known.values()}
     text = f"ID not found: {name} in {file}"
-    near = get_close_matches(name.strip().lower(), known, 1, 0.5)
+    near = nearest(name.strip().lower(), known, 0.5)
     if name.strip().upper() in _TRANSFER:
         text += "; transfer functions are stored on request: OUTLEVEL 0 1 (dx, de), 0 2 (d2x, d2e) or 0 3 (all)"
     elif near:
-        text += f"; nearest: {near[0]}"
+        text += f"; nearest: {near}"
     return UsageError(text, "files.id-not-found")
