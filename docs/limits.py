@@ -15,7 +15,7 @@ from typing import NamedTuple
 HOUSE = Path(__file__).resolve().parents[1]
 SMALL, GUARD = 1e-3, 1e-200  # below GUARD: a divisor that shall not be zero, it decides nothing
 NO_LIMIT = {
-    "table_sections.py": "a unit",
+    "table_kinematics.py": "a unit",
     "table_solvers.py": "defaults of ERROR and ITERSTEP, in docs/keywords.md",
     "mechanism.py": "the same defaults",
     "dop853.py": "coefficients of the method",

@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from spacar.deck import Deck, read_deck
-from spacar.deck.rewrite.refine import refine_divisible
-from spacar.deck.rewrite.simpler import rigid
+from spacar.deck.rewrite.refine import refine_divisible, rigid
 from spacar.deck.table_solvers import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
 from spacar.errors import UsageError
 from spacar.mechanism import SolverSettings, build

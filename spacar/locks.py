@@ -85,7 +85,6 @@ def _holder_lives(beside: Path) -> bool:
 
 
 def _named(beside: Path) -> tuple[str, ...]:
-    """Host and process number in the file."""
     return beside.read_text("utf-8", "replace")[:200].strip().rpartition(" ")[::2]
 
 

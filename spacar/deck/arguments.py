@@ -45,12 +45,9 @@ def read_statement(raw: Raw, keyword: Keyword, outline: Outline, findings: Findi
         values = _in_metres(raw, values, variant, role, outline)
     if values is None or not _count(raw, words, variants, variant, kind, role, findings):
         return None
-    statement = _statement(raw, words, values)
+    places = tuple([(w.line, w.column) for w in words])
+    statement = Statement(raw.keyword, values, raw.block, raw.line, places)
     return statement if _references(statement, variant, outline, findings) else None
-
-
-def _statement(raw: Raw, words: list[Word], values: tuple[Value, ...]) -> Statement:
-    return Statement(raw.keyword, values, raw.block, raw.line, tuple([(w.line, w.column) for w in words]))
 
 
 def _subject(raw: Raw) -> str:
@@ -162,7 +159,6 @@ def _expected(parameter: Parameter, kind: str, role: str, raw: Raw) -> str:
 
 
 def _an(noun: str) -> str:
-    """The noun with its article."""
     return f"an {noun}" if noun[0] in "aeio" else f"a {noun}"
 
 
@@ -179,29 +175,23 @@ def _count(
     takes = f"{raw.keyword} takes {alternatives(counts)} argument{'s' if counts != {1} else ''}{whom}"
     extra = _surplus_node(raw, words, counts)
     if extra is not None:
-        element = _an(ELEMENT_TYPES[raw.keyword].title)
-        text = f"surplus node '{extra.text}': {element} joins {_nodes(raw.keyword)}; {takes}"
+        element, names = _an(ELEMENT_TYPES[raw.keyword].title), ELEMENT_TYPES[raw.keyword].node_names
+        text = f"surplus node '{extra.text}': {element} joins {', '.join(names[:-1])} and {names[-1]} only; {takes}"
         findings.add("error", extra.line, _subject(raw), text, "surplus-argument")
         return False
     if given > max(counts):
         rest = words[max(counts) :]
         surplus = next((w for w in rest if raw.keyword in _COEFFICIENTS and number_of(w.text) != 0.0), rest[0])
-        findings.add(
-            "error", surplus.line, _subject(raw), f"surplus argument '{surplus.text}'; {takes}", "surplus-argument"
-        )
+        text = f"surplus argument '{surplus.text}'; {takes}"
+        findings.add("error", surplus.line, _subject(raw), text, "surplus-argument")
         return False
     fuller = min((v for v in variants if v.counts[-1] > given), key=lambda v: min(n for n in v.counts if n > given))
     missing = fuller.parameters[given] if given < len(fuller.parameters) else variant.parameters[-1]
     needed = min(n for n in counts if n > given)
     line = words[-1].line if words else raw.line
-    findings.add(
-        "error",
-        line,
-        _subject(raw),
-        f"too few arguments: {given} given, {needed} needed; the {ordinal(given)} one is missing: "
-        f"{_expected(missing, kind, role, raw)}; {takes}",
-        "missing-argument",
-    )
+    text = f"too few arguments: {given} given, {needed} needed; the {ordinal(given)} one is missing:"
+    text += f" {_expected(missing, kind, role, raw)}; {takes}"
+    findings.add("error", line, _subject(raw), text, "missing-argument")
     return False
 
 
@@ -214,12 +204,6 @@ def _surplus_node(raw: Raw, words: list[Word], counts: set[int]) -> Word | None:
     if max(counts) == place or len(words) - 1 not in counts or not words[place].text.isdecimal():
         return None
     return words[place] if int(words[place].text) > 0 else None
-
-
-def _nodes(keyword: str) -> str:
-    """The nodes of an element type in words."""
-    names = ELEMENT_TYPES[keyword].node_names
-    return f"{', '.join(names[:-1])} and {names[-1]} only"
 
 
 def _references(statement: Statement, variant: Variant, outline: Outline, findings: Findings) -> bool:

@@ -7,6 +7,10 @@ from spacar.deck.statement import Statement, StatementGroup
 from spacar.deck.table_solvers import INTEGRATOR_ALIASES, INTEGRATORS, alias_note
 
 _SIGNS = {"XM": "mass or inertia", "EM": "mass", "ESTIFF": "stiffness", "EDAMP": "damping", "MEE": "mass"}
+READ_AS = {
+    3: "three {} are read as a moment about the global axes",
+    4: "four {} are read as forces dual to lambda0 ... lambda3",
+}
 _SETTINGS = ("TIMESTEP", "INTEGRAT", "ERROR", "ITERSTEP", "MODES", "XGYRO")
 _ADDITIONAL = ("DELXF", "DELGRAV", "DELOMF", "DELESIG", "DELINPX", "DELINPE")
 
@@ -76,7 +80,6 @@ def check_tensor(scene: CheckMaterial, s: Statement) -> None:
 
 
 def _check_settings(scene: CheckMaterial, s: Statement) -> None:
-    """Ranges of single values."""
     findings = scene.findings
     check_ranges(findings, s)
     if s.keyword == "INTEGRAT":
@@ -158,18 +161,11 @@ def _check_moments(scene: CheckMaterial) -> None:
         node = s.integer(0)
         if scene.outline.roles[node] != "orientation" or scene.outline.coordinates(node) != 4:
             continue
-        count = len(s.values) - 1
-        if count == 3:
-            text = "three numbers on a spatial orientation node are read as a moment about the global axes"
-            scene.findings.information(s, 1, text, "moment")
-        elif count == 4:
-            text = "four numbers on a spatial orientation node are read as forces dual to lambda0 ... lambda3"
-            scene.findings.information(s, 1, text, "moment")
+        count, where = len(s.values) - 1, "numbers on a spatial orientation node"
+        if count in READ_AS:
+            scene.findings.information(s, 1, READ_AS[count].format(where), "moment")
         else:
-            text = (
-                f"{count} of four numbers on a spatial orientation node: read as dual to lambda0 ...; "
-                "is a moment meant?"
-            )
+            text = f"{count} of four {where}: read as dual to lambda0 ...; is a moment meant?"
             scene.findings.warning(s, 1, text, "moment")
 
 
@@ -193,7 +189,6 @@ def _check_additional(scene: CheckMaterial) -> None:
 
 
 def _check_motion(scene: CheckMaterial) -> None:
-    """Prescribed coordinates and deformations without a time function."""
     if scene.of("USERINP"):
         return
     moved = {(name, *row[:2]) for name in ("INPUTX", "INPUTE") for row in scene.index.rows(name, 2)}

@@ -218,17 +218,9 @@ def _check_directions(scene: CheckMaterial, s: Statement) -> None:
         scene.findings.error(s, 1, text, "direction")
 
 
-def _norm(v: Vector) -> float:
-    largest = max(map(abs, v))
-    return largest * hypot(*[c / largest for c in v]) if largest > 0.0 else 0.0
-
-
 def _unit(v: Vector) -> Vector:
-    """Unit vector; scaled first so that neither tiny nor huge components lose their direction."""
-    largest = max(map(abs, v))
-    scaled = [c / largest for c in v]
-    length = hypot(*scaled)
-    return tuple([c / length for c in scaled])
+    length = hypot(*v)  # which scales, so that neither tiny nor huge components lose their direction
+    return tuple([c / length for c in v])
 
 
 def _sine(a: Vector, b: Vector) -> float:
@@ -236,7 +228,7 @@ def _sine(a: Vector, b: Vector) -> float:
     if not any(a) or not any(b):
         return 1.0
     a3, b3 = ((*_unit(v), 0.0)[:3] for v in (a, b))
-    return min(1.0, _norm(_cross(a3, b3)))
+    return min(1.0, hypot(*_cross(a3, b3)))
 
 
 def _cross(a: Vector, b: Vector) -> Vector:

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
-from os.path import isfile, splitext
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +14,43 @@ from spacar.deck.cross_section import BeamSection, Expansion
 from spacar.deck.deck_reader import NOT_UTF8, Span, read_text
 from spacar.deck.deck_writer import Row, splice, write, write_rows
 from spacar.deck.lexer import scan, visualization_of
-from spacar.deck.model_calls import ModelCalls
 from spacar.deck.statement import Statement, StatementIndex, Value, grouped
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_sections import UNITS
+from spacar.deck.table_kinematics import UNITS
 from spacar.deck.table_types import BlockKind, Purpose
 from spacar.errors import Message, UsageError
+from spacar.modes import registered
 from spacar.summary import LINES, with_picture
+
+
+class ModelCalls:
+    """The public calls of spacar with a deck or a Model: `model.run(7)` is `spacar.run(7, model)`.
+
+    >>> import spacar
+    >>> cantilever = spacar.read_deck("data/plbeam5.dat")
+    >>> print(f"{cantilever.run(7).frequencies[0, 0]:.4f} Hz")
+    0.1251 Hz
+    """
+
+    def run(self, mode: int, **options: Any) -> Any:
+        """`spacar.run(mode, self, ...)`: a `Result`."""
+        return registered("run")(mode, self, **options)
+
+    def flexure(self, **options: Any) -> Any:
+        """`spacar.flexure(self, ...)`: a `Flexure`."""
+        return registered("flexure")(self, **options)
+
+    def sensitivity(self, parameters: Sequence[str], quantities: Sequence[str], **options: Any) -> Any:
+        """`spacar.sensitivity(self, ...)`: a `Sensitivity`."""
+        return registered("sensitivity")(self, parameters, quantities, **options)
+
+    def sweep(self, change: Mapping[str, Any], results: str | Sequence[str], **options: Any) -> Any:
+        """`spacar.sweep(self, ...)`: its rows."""
+        return registered("sweep")(self, change, results, **options)
+
+    def trade(self, target: float = 1e-4, **options: Any) -> Any:
+        """`spacar.trade(self, ...)`: a `TradeAnswer`."""
+        return registered("trade")(self, target, **options)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -213,17 +242,11 @@ def read_deck(path: str | Path, mode: Purpose = None) -> Deck:
     if not isinstance(path, str | PathLike):
         raise UsageError(f"the path of an input file is a text or a Path, not {path!r:.60}", "usage.model")
     file = Path(path)
-    name = str(file)
-    stem, ending = splitext(name)
-    if ending.lower() != ".dat" and not isfile(name):
+    if file.suffix.lower() != ".dat" and not file.is_file():
         file = file.with_name(file.name + ".dat")
-        stem, name = name, str(file)
-    data = _bytes(name)
+    data, beside = _bytes(file), file.with_suffix(".spv")
     text = data.decode("utf-8", "surrogateescape")
-    beside = f"{stem}.spv"
-    visualization = None
-    if isfile(beside):
-        visualization = visualization_of(_bytes(beside).decode("utf-8", "replace"))
+    visualization = visualization_of(_bytes(beside).decode("utf-8", "replace")) if beside.is_file() else None
     return parse(text, file.name, mode, path=file, data=data, visualization=visualization)
 
 
@@ -292,10 +315,9 @@ def rebuilt(deck: Deck, *blocks: Iterable[Row], what: str = "") -> Deck:
     return replace(made, origin=deck.origin or deck, **same)
 
 
-def _bytes(file: str) -> bytes:
+def _bytes(file: Path) -> bytes:
     try:
-        with open(file, "rb", buffering=0) as stream:
-            return stream.read()
+        return file.read_bytes()
     except (OSError, ValueError) as problem:
         reason = getattr(problem, "strerror", None) or str(problem)
         raise UsageError(f"cannot read {file}: {reason}", "files.not-readable") from None

@@ -18,7 +18,7 @@ from spacar.deck.raw_statements import PlainLines, Raw, raws_of, take_plain
 from spacar.deck.splitter import split, third_kind
 from spacar.deck.statement import Statement, StatementGroup, StatementIndex, grouped
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_sections import UNITS, WORDS
+from spacar.deck.table_kinematics import UNITS, WORDS
 from spacar.deck.table_types import Purpose, third_block, uses
 from spacar.errors import InputError, Message
 
@@ -146,7 +146,6 @@ def _with_elements(empty: Outline, groups: list[StatementGroup], lost: list[Raw]
 
 
 def _metre(statements: list[PlainLines | Raw], findings: Findings) -> float:
-    """Length of the unit of length in metres, from UNITS."""
     for raw in statements:
         if isinstance(raw, Raw) and raw.keyword == "UNITS" and raw.words:
             word = raw.words[0]

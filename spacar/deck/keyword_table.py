@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from spacar.deck import table_dynamics, table_elements, table_io, table_kinematics, table_sections, table_solvers
+from spacar.deck import table_dynamics, table_elements, table_io, table_kinematics, table_solvers
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import BlockKind, ElementType, Keyword, coordinates_of
 
-_TABLES = (table_elements, table_kinematics, table_sections, table_dynamics, table_solvers, table_io)
+_TABLES = (table_elements, table_kinematics, table_dynamics, table_solvers, table_io)
 _ROWS = tuple(row for table in _TABLES for row in table.KEYWORDS)
 
 KEYWORDS: dict[tuple[str, BlockKind], Keyword] = {(k.name, k.block): k for k in _ROWS}

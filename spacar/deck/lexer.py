@@ -69,8 +69,6 @@ def split_lines(text: str) -> list[str]:
 
 def words_of(line: str, number: int) -> list[Word]:
     """The words of one line without its comment."""
-    if line.isascii() and line.isalpha():
-        return [Word(line, number, 1, True)]
     comment = _COMMENT.search(line)
     found = _WORD.finditer(line, 0, comment.start() if comment else len(line))
     return [Word(m.group(), number, m.start() + 1, i == 0) for i, m in enumerate(found)]
@@ -99,7 +97,7 @@ def scan(text: str) -> SourceText:
     visualization = None
     if _VISUALIZATION in capitals:
         for number, line in enumerate(lines, 1):
-            if _is_visualization(next(iter(words_of(line, number)), None)):
+            if [word.text.upper() for word in words_of(line, number)[:1]] == [_VISUALIZATION]:
                 visualization = tuple(_without_last_blank(given[number:]))
                 lines, given = lines[: number - 1], given[: number - 1]
                 break
@@ -108,10 +106,6 @@ def scan(text: str) -> SourceText:
     if longest > LONGEST_LINE:
         long_lines = [n for n, line in enumerate(given, 1) if len(line) > LONGEST_LINE]
     return SourceText(lines, _odd_lines(lines, capitals, longest), visualization, long_lines)
-
-
-def _is_visualization(word: Word | None) -> bool:
-    return word is not None and len(word.text) == len(_VISUALIZATION) and word.text.upper() == _VISUALIZATION
 
 
 def without_comments(text: str) -> str:

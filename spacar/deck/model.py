@@ -23,14 +23,13 @@ from pathlib import Path
 
 from spacar.deck import model_methods
 from spacar.deck.arguments import read_statement
-from spacar.deck.deck import Deck, parse
+from spacar.deck.deck import Deck, ModelCalls, parse
 from spacar.deck.deck_writer import value_text, write_rows
 from spacar.deck.findings import Findings
 from spacar.deck.keyword_methods import ModelStatements, Vector
 from spacar.deck.keyword_table import ELEMENT_TYPES, KEYWORDS, blocks_of
 from spacar.deck.lexer import Word, integer_of, scan, split_lines
 from spacar.deck.model_arguments import argument_name, in_common
-from spacar.deck.model_calls import ModelCalls
 from spacar.deck.outline import Outline
 from spacar.deck.raw_statements import Raw
 from spacar.deck.splitter import split

@@ -74,7 +74,6 @@ def _element(row: Keyword) -> Callable[..., int | None]:
 
 
 def _statement(row: Keyword) -> Callable[..., int | None]:
-    """The method of another keyword."""
     arguments, named, repeated = statement_arguments(row)
     declared = [_declared(a) for a in arguments]
     more = repeated.name if repeated else "values" if row.variants[1:] and not _one_list(row) else ""
@@ -106,7 +105,6 @@ def _bound(method: Any, model: Any, values: Sequence[Any], by_name: dict[str, An
 
 
 def _words(arguments: Sequence[Argument], given: dict[str, Any]) -> list[Any]:
-    """The values of a statement."""
     words: list[Any] = []
     for a in arguments:
         value = given[a.name]

@@ -25,7 +25,7 @@ from spacar.deck.rewrite.divide import PAIRS, divided, obstacles, stiffness_mode
 from spacar.deck.rewrite.references import made
 from spacar.deck.statement import Statement, StatementGroup
 from spacar.deck.table_elements import ELEMENT_TYPES
-from spacar.deck.table_sections import WORDS
+from spacar.deck.table_kinematics import WORDS
 
 ROWS = {"planar beam": planar_rows, "spatial beam": spatial_rows, "spatial beam with warping": warping_rows}
 
@@ -176,7 +176,6 @@ def _use(
 
 
 def _outline_of(statements: Sequence[Statement], before: Outline) -> Outline:
-    """The outline of the divided model."""
     outline = Outline(
         complete=before.complete, broken=before.broken, broken_blocks=before.broken_blocks, metre=before.metre
     )

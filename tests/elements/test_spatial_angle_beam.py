@@ -5,7 +5,7 @@ import pytest
 
 import spacar
 from spacar import Deck
-from spacar.deck.rewrite.simpler import linear_strain
+from spacar.deck.rewrite.refine import linear_strain
 from spacar.elements.spatial.angle_measure import rotation_factor
 from spacar.elements.spatial.beam import SpatialBeam
 from spacar.elements.spatial.beam_angle import SpatialAngleBeam, SpatialAngleTube

@@ -6,8 +6,7 @@ import pytest
 import spacar
 from spacar.deck import Deck
 from spacar.deck.rewrite import divide
-from spacar.deck.rewrite.refine import flexible_beams, refine
-from spacar.deck.rewrite.simpler import linear_strain, rigid
+from spacar.deck.rewrite.refine import flexible_beams, linear_strain, refine, rigid
 from spacar.errors import UsageError
 from spacar.mechanism import build
 

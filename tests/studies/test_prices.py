@@ -9,8 +9,7 @@ import pytest
 import spacar
 from spacar.deck import parse_deck
 from spacar.deck.rewrite.coarser import merged
-from spacar.deck.rewrite.refine import refine
-from spacar.deck.rewrite.simpler import rigid
+from spacar.deck.rewrite.refine import refine, rigid
 from spacar.errors import UsageError
 from spacar.studies.policies.budget import TradeSearch
 from spacar.studies.policies.simplification import simplify, variations

@@ -81,11 +81,6 @@ def _pairs(deck: Deck) -> list[tuple[int, int, tuple[int, ...]]]:
     return found
 
 
-def _zero(s: Statement) -> bool:
-    """Is it a start value of zero, which changes nothing?"""
-    return s.keyword == "STARTDE" and not any(s.reals(2, len(s.values) - 2))
-
-
 def _about(statements: Sequence[Statement], element: int) -> list[tuple[str, tuple[Value, ...]]] | object:
     """What statements say of an element; when it cannot be merged, an object that equals no other."""
     found = []
@@ -93,6 +88,6 @@ def _about(statements: Sequence[Statement], element: int) -> list[tuple[str, tup
         if element in named(s, ELEMENT) and s.keyword not in ELEMENT_TYPES:
             if s.keyword in (*CLASSES, *ALIKE) and s.block < 3:
                 found.append((s.keyword, s.values[1:]))
-            elif not _zero(s):
+            elif s.keyword != "STARTDE" or any(s.reals(2, len(s.values) - 2)):  # zero changes nothing
                 return object()
     return sorted(found, key=repr)

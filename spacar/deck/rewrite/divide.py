@@ -78,16 +78,12 @@ def obstacles(
         modes = modes_of.get(number, {})
         for m, c in modes.items():
             if c == "RLSE" and not stiffness.get(number, {}).get(m):
-                yield number, None, (
-                    f"its mode {m} is released without stiffness; put the joint into an element of its own (a hinge, or"
-                    " a node that the beams do not share)"
-                )
+                reason = f"its mode {m} is released without stiffness; put the joint into an element of its own"
+                yield number, None, f"{reason} (a hinge, or a node that the beams do not share)"
         for p, q in PAIRS[beams[number]]:
             if len({"DYNE" if c == "RLSE" else c for c in (modes.get(p), modes.get(q))}) > 1:
-                yield number, None, (
-                    f"its bending modes {p} and {q} are of different classes ({modes.get(p, 'fixed')},"
-                    f" {modes.get(q, 'fixed')})"
-                )
+                classes = f"({modes.get(p, 'fixed')}, {modes.get(q, 'fixed')})"
+                yield number, None, f"its bending modes {p} and {q} are of different classes {classes}"
     for s in statements:
         if s.keyword not in ELEMENT_TYPES and (s.keyword, s.block) not in RULES:
             for beam in sorted(split.intersection(named(s, ELEMENT))):
@@ -145,9 +141,7 @@ RULES: dict[tuple[str, int], Rule] = {
 """Keyword and block of the statements about a beam that can be divided -> what they become."""
 
 
-def divided(
-    statements: Sequence[Statement], pieces: Mapping[int, int]
-) -> tuple[list[Statement], dict[int, list[int]]]:
+def divided(statements: Sequence[Statement], pieces: Mapping[int, int]) -> tuple[list[Statement], dict[int, list[int]]]:
     """The statements of the model with `pieces[element]` beams in the place of the element, and the numbers of the
     beams that each of these elements became; limits see above."""
     pieces = {number: n for number, n in pieces.items() if n > 1}

@@ -163,6 +163,5 @@ class _Planar:
 
 
 def _normalized(v: Array, x: Array) -> Array:
-    """The unit vector of v normal to x."""
     y = v - (v @ x) / (x @ x) * x
     return y / np.linalg.norm(y)

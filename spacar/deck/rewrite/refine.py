@@ -1,5 +1,6 @@
-"""The same mechanism with more beams: n equal ones in the place of every flexible beam, or as many as are wanted in the
-place of each. How a beam is divided, and what cannot be, stands in `spacar.deck.rewrite.divide`.
+"""Other models of the same mechanism: with n beams in the place of every flexible one, or as many as are wanted in the
+place of each; with rigid beams; with beams without the non-linear strain terms. How a beam is divided, and what cannot
+be, stands in `spacar.deck.rewrite.divide`.
 
 Tubes are not divided: a curved one would have to be divided along its arc (TUBE, PLTUBE).
 """
@@ -12,6 +13,8 @@ from dataclasses import replace
 from spacar.deck.deck import Deck, rebuilt
 from spacar.deck.deck_writer import rows
 from spacar.deck.rewrite.divide import BEAMS, beam_modes, divided, obstacles, stiffness_modes
+from spacar.deck.rewrite.references import about
+from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.errors import UsageError
 
@@ -99,3 +102,46 @@ def divisible_beams(deck: Deck) -> tuple[tuple[int, ...], dict[int, str]]:
         kept.setdefault(number, f"{reason}{where}")
     beams = tuple(n for n in flexible if n not in kept)
     return beams, kept | dict.fromkeys(_flexible(deck, TUBES), UNDIVIDED)
+
+
+def rigid(deck: Deck, beams: Iterable[int] = ()) -> Deck:
+    """The mechanism with all dynamic deformations of its beams (of these, when some are named) fixed: DYNE of beams and
+    what belongs to it left out.
+
+    Raises UsageError when none of them has a dynamic deformation.
+    """
+    named = set(beams)
+    classes = {n: set(found.values()) for n, found in beam_modes(deck.statements).items()}
+    stiff = {n for n, found in classes.items() if "DYNE" in found and (not named or n in named)}
+    if not stiff:
+        raise UsageError(f"{deck.source} has no beam with dynamic deformations (DYNE)", "study.rigid")
+    free = {n for n, found in classes.items() if found - {"DYNE"}}
+
+    def keep(s: Statement) -> bool:
+        beam = about(s)
+        if beam not in stiff or s.keyword not in ("DYNE", "STARTDE", "ESTIFF", "EDAMP", "ESIG", "LDEFORM"):
+            return True
+        return s.keyword not in ("DYNE", "STARTDE") and beam in free
+
+    held = [("FIX", node) for node in _free_warping(deck, stiff - free)]
+    return rebuilt(deck, *rows(filter(keep, deck.statements), *held), what=" (rigid)")
+
+
+def _free_warping(deck: Deck, rigid: set[int]) -> list[int]:
+    """Warping nodes that only rigid beams use and no statement gives a class to: they must be fixed."""
+    used: dict[int, bool] = {}
+    for s in deck.of(*ELEMENT_TYPES, block=1):
+        for place in ELEMENT_TYPES[s.keyword].warping:
+            node = s.integer(1 + place)
+            used[node] = used.get(node, True) and s.integer(0) in rigid
+    given = {s.integer(0) for s in deck.of("FIX", "INPUTX", "DYNX", "KINX", block=1)}
+    return [node for node, only in used.items() if only and node not in given]
+
+
+def linear_strain(deck: Deck) -> Deck:
+    """The mechanism with LDEFORM for every flexible beam. Raises UsageError when there is none that has not got it."""
+    have = {s.integer(0) for s in deck.of("LDEFORM", block=1)}
+    more = [("LDEFORM", n) for n in flexible_beams(deck) if n not in have]
+    if not more:
+        raise UsageError(f"{deck.source} has no flexible beam with non-linear strain terms", "study.linear")
+    return rebuilt(deck, *rows(deck.statements, *more), what=" (LDEFORM)")

@@ -27,8 +27,6 @@ Edit = tuple[Statement, int, float]  # statement of the deck, argument from 1, n
 
 
 class _Template:
-    """What all variants of a deck have in common."""
-
     def __init__(self, deck: Deck) -> None:
         self.usable = not deck.shorthand and deck.text.isascii()
         self.deck = deck

@@ -18,8 +18,7 @@ from spacar.deck.deck import rebuilt
 from spacar.deck.deck_writer import rows
 from spacar.deck.rewrite.coarser import merged
 from spacar.deck.rewrite.in_plane import planar
-from spacar.deck.rewrite.refine import refine, refine_divisible
-from spacar.deck.rewrite.simpler import linear_strain, rigid
+from spacar.deck.rewrite.refine import linear_strain, refine, refine_divisible, rigid
 from spacar.errors import UsageError
 from spacar.integrators.methods import METHODS
 from spacar.mechanism import build
