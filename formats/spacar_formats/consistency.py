@@ -5,14 +5,17 @@ number that serves as an index is compared with the size of what it points into,
 sections 4 to 6). Variables that are not there are not asked for.
 """
 
+from collections.abc import Iterable, Mapping
+
 import numpy as np
 
 from spacar.modes import MODES
-from spacar_formats.sbf import SbfFile
+from spacar_formats.sbf import Record, SbfFile
 from spacar_formats.sbf.record_layout import INTEGER, TEXT, require
 
 COORDINATES = ("X", "XD", "XDD", "FX", "FXGRAV", "FXT")
 DEFORMATIONS = ("E", "ED", "EDD", "SIG")
+X_ROWS, E_ROWS = ("DX", "DXC", "XCOMPL", "XERR"), ("DE", "DEC")
 TEXTS = ("ETYPE", "ACCWAY", "SOURCE", "SHA256", "VERSION")
 COUNTS = ("NX", "NE", "NDOF", "NDDOF", "NKDOF", "NKDDOF", "NNOM", "NU", "NY", "NRBM", "NYS", "MODE", "DFT")
 ROWS = ("LE", "LN", "RXYZ", "RQ", "DR0", "STIF", "EDAMP", "RL0", "KDEF")  # a row, or a number, for every element
@@ -33,6 +36,11 @@ def check_tables(file: SbfFile) -> None:
         tables.matrices()
     else:
         tables.state_space()
+
+
+def _among(names: Iterable[str], records: Mapping[str, Record]) -> list[tuple[str, Record]]:
+    """Those of the variables that are there."""
+    return [(ident, records[ident]) for ident in names if ident in records]
 
 
 class _Tables:
@@ -58,30 +66,28 @@ class _Tables:
         return None if value is None or value.size != 1 else int(value.ravel()[0])
 
     def kinds(self) -> None:
-        for ident in TEXTS:
-            self.require(ident not in self.header or self.header[ident].type == TEXT, f"{ident} is no text")
+        for ident, record in _among(TEXTS, self.header):
+            self.require(record.type == TEXT, f"{ident} is no text")
         for ident in COUNTS:
             value = self.whole(ident)
             self.require(value is None or (value.size == 1 and value.ravel()[0] >= 0), f"{ident} is no count")
         mode = self.count("MODE")
         self.require(mode is None or mode in MODES, f"there is no mode {mode}")
-        for ident in (*COLUMNS, *ROWS):
-            self.require(ident not in self.header or self.header[ident].type != TEXT, f"{ident} is text")
+        for ident, record in _among((*COLUMNS, *ROWS), self.header):
+            self.require(record.type != TEXT, f"{ident} is text")
         for ident, record in self.steps.items():
             self.require(record.type != TEXT, f"the step variable {ident} is text")
         if "T" in self.steps:
             self.require(self.steps["T"].size == 1, "T is not one number a step")
-        for ident in TRIPLES:
-            if ident in self.steps:
-                self.require(self.steps[ident].cols == 3, f"{ident} does not have three columns")
+        for ident, record in _among(TRIPLES, self.steps):
+            self.require(record.cols == 3, f"{ident} does not have three columns")
 
     def mechanism(self) -> None:
         nx, ne = self.count("NX"), self.count("NE")
-        for ident, columns in COLUMNS.items():
-            if ident in self.header:
-                size, cols = self.header[ident].size, self.header[ident].cols
-                fits = size in columns if ident in ("NXP", "NEP") else cols in columns or not size
-                self.require(fits, f"{ident} has {cols} columns, {' or '.join(map(str, columns))} are needed")
+        for ident, record in _among(COLUMNS, self.header):
+            size, cols, columns = record.size, record.cols, COLUMNS[ident]
+            fits = size in columns if ident in ("NXP", "NEP") else cols in columns or not size
+            self.require(fits, f"{ident} has {cols} columns, {' or '.join(map(str, columns))} are needed")
         lnp, ln = self.whole("LNP"), self.whole("LN")
         self.index("LNP", lnp, nx, "coordinate")
         self.index("LE", self.whole("LE"), ne, "deformation")
@@ -95,27 +101,22 @@ class _Tables:
         if "ETYPE" in self.header:
             lines = len(self.file.header_value("ETYPE"))
             self.require(elements in (None, lines), f"ETYPE has {lines} elements, LN {elements}")
-        for ident in ROWS:
-            if ident in self.header and elements is not None:
-                record = self.header[ident]
-                rows = record.size if ident in ("RL0", "KDEF") else record.rows
-                self.require(rows == elements, f"{ident} has {rows} rows for {elements} elements")
-        for ident in FINITE:
-            if ident in self.header:
-                value = np.asarray(self.file.header_value(ident), float)
-                self.require(bool(np.all(np.abs(value) <= LARGEST)), f"{ident} has numbers that are not finite")
-        for names, total in ((COORDINATES, nx), (DEFORMATIONS, ne)):
-            for ident in names:
-                if ident in self.steps and total is not None:
-                    size = self.steps[ident].size
-                    self.require(size == total, f"{ident} has {size} numbers a step, {total} are needed")
-        for ident, needed in (("DX", nx), ("DXC", nx), ("XCOMPL", nx), ("XERR", nx), ("DE", ne), ("DEC", ne)):
-            if ident in self.steps and needed is not None:
-                found, empty = self.steps[ident].rows, not self.steps[ident].size
-                self.require(found == needed or empty, f"{ident} has {found} rows, {needed} are needed")
+        for ident, record in _among(ROWS, self.header):
+            rows = record.size if ident in ("RL0", "KDEF") else record.rows
+            self.require(elements in (None, rows), f"{ident} has {rows} rows for {elements} elements")
+        for ident, _ in _among(FINITE, self.header):
+            value = np.asarray(self.file.header_value(ident), float)
+            self.require(bool(np.all(np.abs(value) <= LARGEST)), f"{ident} has numbers that are not finite")
+        for of_steps, of_rows, total in ((COORDINATES, X_ROWS, nx), (DEFORMATIONS, E_ROWS, ne)):
+            for ident, record in _among(of_steps, self.steps):
+                size = record.size
+                self.require(total in (None, size), f"{ident} has {size} numbers a step, {total} are needed")
+            for ident, record in _among(of_rows, self.steps):
+                right = total in (None, record.rows) or not record.size
+                self.require(right, f"{ident} has {record.rows} rows, {total} are needed")
 
     def matrices(self) -> None:
-        sizes = {ident: (self.steps[ident].rows, self.steps[ident].cols) for ident in SQUARE if ident in self.steps}
+        sizes = {ident: (record.rows, record.cols) for ident, record in _among(SQUARE, self.steps)}
         for ident, size in sizes.items():
             self.require(size[0] <= size[1] or not size[0] * size[1], f"{ident} is {size[0]} x {size[1]}")
             # non-holonomic: K0, N0, G0 have columns for more positions than there are velocities (M0, C0)

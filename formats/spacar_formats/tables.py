@@ -15,7 +15,6 @@ from spacar.calls import texts
 from spacar.errors import UsageError
 from spacar.expressions import Dimensions, evaluate, parse, unit_text
 from spacar.mechanism import Mechanism
-from spacar.mechanism.element_rows import element_list
 from spacar.mechanism.numbering import owners
 from spacar.modes import find_mode
 from spacar.result import E_VARIABLES, X_VARIABLES, Result
@@ -115,10 +114,9 @@ def dimensions(result: Result) -> Dimensions:
 
 def dimensions_of(mechanism: Mechanism, stationary: bool = False) -> Dimensions:
     """The same of a mechanism."""
-    numbering, deck = mechanism.numbering, mechanism.deck
+    numbering = mechanism.numbering
     positions = frozenset(k for k, kind in numbering.kind.items() if kind == "position")
-    elements = {number: keyword for number, keyword, _ in element_list(deck)}
-    keywords = [elements.get(number, "") for number in range(1, max(elements, default=0) + 1)]
+    keywords = [numbering.keyword.get(number, "") for number in range(1, len(numbering.le) + 1)]
     return Dimensions(numbering.planar, stationary, positions, keywords)
 
 

@@ -32,11 +32,11 @@ class CheckMaterial:
     findings: Findings
     coordinates: Classes = field(default_factory=dict)
     deformations: Classes = field(default_factory=dict)
-    analysis: modes.Mode | None = field(init=False)
-    """The row of the mode that the file is checked for, if it is checked for one."""
 
-    def __post_init__(self) -> None:
-        self.analysis = facts(self.mode)
+    @property
+    def analysis(self) -> modes.Mode | None:
+        """The row of the mode that the file is checked for, if it is checked for one."""
+        return facts(self.mode)
 
     def has(self, keywords: Iterable[str], block: int) -> bool:
         """Whether there is a statement with one of these keywords in the block."""

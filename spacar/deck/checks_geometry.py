@@ -157,11 +157,10 @@ def _check_element(
     length = hypot(*chord)
     if length <= ZERO_LENGTH * size:
         if kind.length == "always" or (kind.length == "with direction" and direction is not None):
-            text = (
-                f"length {length:.6g} between nodes {ends[0]} and {ends[1]} is zero"
-                f"{_missing(scene, ends, positions)} (size of the model {size:.6g})"
-            )
-            scene.findings.error(s, None, text, "zero-length")
+            without = [str(n) for n in ends if n not in positions]
+            missing = f"; no X for node {' and '.join(without)}" if without else ""
+            text = f"length {length:.6g} between nodes {ends[0]} and {ends[1]} is zero{missing}"
+            scene.findings.error(s, None, f"{text} (size of the model {size:.6g})", "zero-length")
         return
     if 0.0 < length <= least_length(s):
         text = f"the pulleys with radii {s.real(5):.6g} and {s.real(6):.6g} are only {length:.6g} apart: no free belt"
@@ -169,16 +168,9 @@ def _check_element(
     if kind.direction is not None and kind.direction[2] != "axis" and direction is not None:
         sine = _sine(chord, direction)
         if sine < PARALLEL:
-            text = (
-                f"the direction vector is parallel to the line from node {ends[0]} to node {ends[1]} "
-                f"(angle {degrees(asin(sine)):.2g} degrees, length {length:.6g})"
-            )
+            text = f"the direction vector is parallel to the line from node {ends[0]} to node {ends[1]}"
+            text += f" (angle {degrees(asin(sine)):.2g} degrees, length {length:.6g})"
             scene.findings.error(s, kind.direction[0] - 1, text, "direction")
-
-
-def _missing(scene: CheckMaterial, ends: list[int], positions: dict[int, Vector]) -> str:
-    without = [str(n) for n in ends if n not in positions]
-    return f"; no X for node {' and '.join(without)}" if without else ""
 
 
 def _check_radii(scene: CheckMaterial, s: Statement) -> None:

@@ -25,8 +25,11 @@ def check(
     check_geometry(scene)
     classify(scene)
     check_once(scene, 1)
-    if scene.has(("OUTLEVEL",), 1):
-        _check_output_level(scene)
+    for s in scene.of("OUTLEVEL", block=1):
+        for i, most in enumerate((15, 3)[: len(s.values)]):
+            if not -1 <= s.integer(i) <= most:
+                text = f"output level {s.values[i]} has flags without meaning; allowed: -1 to {most}"
+                scene.findings.warning(s, i, text, "choice")
     scene.findings = findings[2]
     if statements.keywords(2):
         check_once(scene, 2)
@@ -39,14 +42,6 @@ def check(
         check_classes(scene, 3)
     if third is not None:
         check_ports(scene)
-
-
-def _check_output_level(scene: CheckMaterial) -> None:
-    for s in scene.of("OUTLEVEL", block=1):
-        for i, most in enumerate((15, 3)[: len(s.values)]):
-            if not -1 <= s.integer(i) <= most:
-                text = f"output level {s.values[i]} has flags without meaning; allowed: -1 to {most}"
-                scene.findings.warning(s, i, text, "choice")
 
 
 _HARM = ("not supported", "slips")  # what a type may have that speaks against its elements, at least in some modes

@@ -22,10 +22,8 @@ NAME_PLACES = {
 }
 """Keyword -> its arguments (from 0) that are one word, whatever it looks like."""
 
-NAMES: dict[int, dict[str, int]] = {number: {} for number in (1, 2, 3)}
+NAMES = {number: {k.name: k.most for k in _ROWS if k.block.number == number} for number in (1, 2, 3)}
 """For each block number the keywords that may stand there, with the largest number of arguments of any form."""
-for _row in _ROWS:
-    NAMES[_row.block.number][_row.name] = _row.most
 
 
 def blocks_of(name: str) -> tuple[BlockKind, ...]:

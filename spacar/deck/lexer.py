@@ -169,10 +169,8 @@ def _without_last_blank(lines: list[str]) -> list[str]:
 def visualization_of(text: str) -> tuple[str, ...]:
     """The raw lines of a separate visualization file; a heading line VISUALIZATION is left out."""
     lines = _without_last_blank(split_lines(text.removeprefix("\ufeff")))
-    for i, line in enumerate(lines):
-        if line.strip().upper() == _VISUALIZATION:
-            return tuple(lines[i + 1 :])
-    return tuple(lines)
+    headings = (i for i, line in enumerate(lines, 1) if line.strip().upper() == _VISUALIZATION)
+    return tuple(lines[next(headings, 0) :])
 
 
 def number_of(text: str) -> float | None:

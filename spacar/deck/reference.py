@@ -26,12 +26,6 @@ def _listed(variant: Variant) -> tuple[Parameter, ...]:
     return tuple(shown)
 
 
-def _heading(variant: Variant) -> str:
-    """For what a variant is, and its numbers of arguments."""
-    plural = "" if variant.counts == (1,) else "s"
-    return f"{' '.join(variant.scope) or 'all models'} ({alternatives(variant.counts)} argument{plural})"
-
-
 def rules(keyword: Keyword) -> list[str]:
     """Sentences about a keyword beyond its positions: notes, classes, how often it may be given."""
     found = list(keyword.notes)
@@ -84,7 +78,9 @@ def _section(keyword: Keyword) -> list[str]:
     if keyword.aliases:
         lines[-1] += f" Older name: {', '.join(keyword.aliases)}."
     for variant in keyword.variants:
-        lines += ["", f"*{_heading(variant)}*", "", "| position | meaning | unit | default |", "|---|---|---|---|"]
+        plural = "" if variant.counts == (1,) else "s"
+        heading = f"{' '.join(variant.scope) or 'all models'} ({alternatives(variant.counts)} argument{plural})"
+        lines += ["", f"*{heading}*", "", "| position | meaning | unit | default |", "|---|---|---|---|"]
         for i, p in enumerate(_listed(variant), 1):
             last = i == len(_listed(variant)) and len(_listed(variant)) < len(variant.parameters)
             default = "" if p.default is None else f"{p.default:g}"

@@ -56,13 +56,9 @@ MASS_FORMS = {
 }  # fmt: skip
 
 
-def _mass() -> tuple[Variant, ...]:
-    def types(name: str) -> str:
-        return types_that(lambda t: t.mass == name)
-
-    return tuple(
-        form((ELEMENT, *parameters), *counts, types=types(name)) for name, (parameters, counts) in MASS_FORMS.items()
-    )
+def _mass(name: str) -> Variant:
+    parameters, counts = MASS_FORMS[name]
+    return form((ELEMENT, *parameters), *counts, types=types_that(lambda t: t.mass == name))
 
 
 # -- stiffness and damping ----------------------------------------------------------------------------------
@@ -156,7 +152,7 @@ KEYWORDS = (
         ),
     ),
     Keyword(
-        "EM", _D, "distributed mass of an element", _mass(), unique=1,
+        "EM", _D, "distributed mass of an element", tuple(map(_mass, MASS_FORMS)), unique=1,
         notes=("End condition of a tube: 0 spherical flow at p and q, 1 jet at p, 2 jet at q, 3 jets at both.",),
     ),
     Keyword(

@@ -13,7 +13,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from spacar.arrays import Array
 from spacar.deck.deck import Deck, rebuilt
 from spacar.deck.deck_writer import Row
 from spacar.deck.keyword_table import ELEMENT_TYPES
@@ -73,7 +72,8 @@ class _Planar:
             return {1: (1, float(np.sign(given[2])))}
         p, q = (self.place.get(s.integer(i), np.zeros(3)) for i in kind.position_places)
         x = q - p
-        y = _normalized(np.array(given), x)
+        y = np.array(given) - (np.array(given) @ x) / (x @ x) * x
+        y /= np.linalg.norm(y)
         left = np.array((-x[1], x[0], 0.0)) / np.linalg.norm(x)
         self.normal_is_y[s.integer(0)] = upright = abs(y[2]) > 0.5
         if abs(y @ left if upright else y[2]) > ALIGNED:
@@ -160,8 +160,3 @@ class _Planar:
         elif upright is not None or any(given[1:]):
             raise self.refusal(s)
         return s.keyword, number, *found
-
-
-def _normalized(v: Array, x: Array) -> Array:
-    y = v - (v @ x) / (x @ x) * x
-    return y / np.linalg.norm(y)

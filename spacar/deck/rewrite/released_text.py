@@ -29,7 +29,11 @@ def released(deck: Deck, pairs: Sequence[Pair]) -> Deck:
     deck = deck.origin or deck
     changed, missing = edits(deck, pairs)
     assert not missing, missing
-    text = _edited(deck.text, changed)
+    mark = "\ufeff" if deck.text.startswith("\ufeff") else ""
+    lines = split_lines(deck.text.removeprefix(mark))
+    for edit in sorted(changed, key=lambda e: (e.statement.lines[0], e.statement.columns[0]), reverse=True):
+        _change(lines, edit)  # beginning at the end, so that earlier places stay right
+    text = mark + "\n".join(lines)
     return parse(text, deck.source, deck.mode, path=deck.path, visualization=deck.written_visualization or None)
 
 
@@ -65,15 +69,6 @@ def edits(deck: Deck, pairs: Sequence[Pair]) -> tuple[list[Edit], list[Pair]]:
             found.append(Edit(s, tuple(m for m in modes if m not in released), released))
     done = {(e.statement.integer(0), m) for e in found for m in e.released}
     return found, [pair for pair in pairs if pair not in done]
-
-
-def _edited(text: str, changed: list[Edit]) -> str:
-    """The text with every DYNE of the edits changed, beginning at the end so that earlier places stay right."""
-    mark = "\ufeff" if text.startswith("\ufeff") else ""
-    lines = split_lines(text.removeprefix(mark))
-    for edit in sorted(changed, key=lambda e: (e.statement.lines[0], e.statement.columns[0]), reverse=True):
-        _change(lines, edit)
-    return mark + "\n".join(lines)
 
 
 def _change(lines: list[str], edit: Edit) -> None:
