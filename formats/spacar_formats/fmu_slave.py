@@ -29,14 +29,19 @@ class SpacarPlant(Fmi2Slave):
         self._plant = self._make(0.0)
         self._known: np.ndarray | None = None
         for k, (name, text) in enumerate(zip(words["inputs"], words["input_texts"], strict=True)):
-            access = {"getter": lambda k=k: float(self._plant.u[k]), "setter": lambda v, k=k: self._set(k, v)}
-            self._variable(name, text, Fmi2Causality.input, access)
+            self.register_variable(
+                Real(
+                    name, causality=Fmi2Causality.input, variability=Fmi2Variability.continuous, description=text,
+                    getter=lambda k=k: float(self._plant.u[k]), setter=lambda v, k=k: self._set(k, v),
+                )
+            )  # fmt: skip
         for k, (name, text) in enumerate(zip(words["outputs"], words["output_texts"], strict=True)):
-            self._variable(name, text, Fmi2Causality.output, {"getter": lambda k=k: self._get(k)})
-
-    def _variable(self, name: str, text: str, causality: Any, access: dict[str, Any]) -> None:
-        kind = Fmi2Variability.continuous
-        self.register_variable(Real(name, causality=causality, variability=kind, description=text, **access))
+            self.register_variable(
+                Real(
+                    name, causality=Fmi2Causality.output, variability=Fmi2Variability.continuous, description=text,
+                    getter=lambda k=k: self._get(k),
+                )
+            )  # fmt: skip
 
     def _set(self, k: int, value: float) -> None:
         self._plant.u[k], self._known = value, None

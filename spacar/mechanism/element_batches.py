@@ -55,41 +55,33 @@ def element_groups(deck: Deck, numbering: Numbering, x0: Array, beams: str = "")
     """What the constructors of the families get, in the order of `element_batches`."""
     block, x_places, e_places = deck.block(1), numbering.x_places, numbering.e_places
     parameters = parameter_table(deck, len(e_places), x0.dtype)
-    linear = np.zeros(len(e_places), bool)
-    for s in block.get("LDEFORM", ()):
-        linear[s.integer(0)] = True
-    nonlinear = ~linear
+    nonlinear = np.ones(len(e_places), bool)
+    nonlinear[[s.integer(0) for s in block.get("LDEFORM", ())]] = False
     directions = _vectors(block, "ORPINBOD", "ORTUBE")
     projections = _vectors(block, "DRPINBOD")
     angles = by_angles(deck, beams)
     first_elastic = numbering.e_class["input"].stop
     for rows, angle in _by_measure(numbering.types, angles):
         kind, given_values, numbers, nodes = rows
-        n, first = len(numbers), 1 + len(kind.nodes)
+        n, first, those = len(numbers), 1 + len(kind.nodes), numbers.tolist()
         own = [4 * k + i for k, role in enumerate(kind.nodes) for i in range(coordinates_of(role, kind.planar))]
         x = x_places.take(nodes, 0).reshape(n, -1).T.take(own, 0)
         e = e_places.T[: len(kind.modes)].take(numbers, 1)
         values = parameters.take(numbers, 0)
         if kind.carries_flow:
             given = {s.values[0] for s in deck.block(2).get("EM", ()) if len(s.values) > 1 + SHAPE_FACTOR}
-            values[[number not in given for number in numbers.tolist()], SHAPE_FACTOR] = 1.0
+            values[[number not in given for number in those], SHAPE_FACTOR] = 1.0
         geometry = tuple([row[first:] for row in given_values]) if kind.geometry else ((),) * n
         group = ElementGroup(
             kind.keyword, numbers, x0.take(x), geometry, nonlinear.take(numbers),
-            _of(directions, numbers), _of(projections, numbers), values[:, EM], values[:, ESTIFF], values[:, EDAMP],
-            e >= first_elastic if angle else None,
+            tuple(map(directions.get, those)), tuple(map(projections.get, those)),
+            values[:, EM], values[:, ESTIFF], values[:, EDAMP], e >= first_elastic if angle else None,
         )  # fmt: skip
         yield PlacedGroup(family_of(kind.angle_family if angle else kind.family), group, x, e)
 
 
 def _vectors(block: Mapping[str, Sequence[Statement]], *keywords: str) -> dict[int, tuple[float, ...]]:
-    """Values behind the element numbers."""
     return {s.values[0]: s.values[1:] for keyword in keywords for s in block.get(keyword, ())}  # type: ignore[misc]
-
-
-def _of(vectors: dict[int, tuple[float, ...]], numbers: Index) -> tuple[tuple[float, ...] | None, ...]:
-    """What elements have of them."""
-    return tuple(map(vectors.get, numbers.tolist())) if vectors else (None,) * len(numbers)
 
 
 def parameter_table(deck: Deck, n: int, kind: Any = float) -> Array:
@@ -106,9 +98,6 @@ def parameter_table(deck: Deck, n: int, kind: Any = float) -> Array:
 def _by_measure(types: Iterable[ElementRows], angles: set[int]) -> Iterator[tuple[ElementRows, bool]]:
     """Elements of one type and measure; `angles`: numbers of those in the angle measure."""
     for rows in types:
-        if not angles:
-            yield rows, False
-            continue
         numbers = rows.numbers.tolist()
         if angles.isdisjoint(numbers) or angles.issuperset(numbers):
             yield rows, numbers[0] in angles

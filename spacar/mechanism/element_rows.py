@@ -57,7 +57,6 @@ def element_list(deck: Deck) -> list[tuple[int, str, tuple[int, ...]]]:
 
 
 def _table(rows: Sequence[Sequence[Any]], kind: Any) -> Array:
-    """Rows with equally many numbers as an array."""
     return np.fromiter(chain.from_iterable(rows), kind, len(rows) * len(rows[0])).reshape(len(rows), -1)
 
 

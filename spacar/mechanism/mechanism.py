@@ -217,9 +217,8 @@ class Mechanism:
         """(nx,) typical size of every coordinate: `length` for positions, 1 for angles and Euler parameters, 1/length
         for twist rates."""
         n = self.numbering
-        scale = np.empty(n.nx)
-        scale.fill(1.0)
-        scale.put(n.positions, self.length)
+        scale = np.ones(n.nx)
+        scale[n.positions] = self.length
         if n.warped:
             scale[[n.x_index(node.number, 1) for node in n.nodes if node.kind == "warping"]] = 1.0 / self.length
         return scale
@@ -228,26 +227,16 @@ class Mechanism:
     def is_length(self) -> NDArray[np.bool_]:
         """(ne,) whether a deformation is measured in metres."""
         found = np.zeros(self.numbering.ne, bool)
-        found[self._lengths] = True
+        for batch in self.batches:
+            if batch.family.keyword in ELEMENT_TYPES:  # node inertia and normalizations are not
+                modes = ELEMENT_TYPES[batch.family.keyword].modes
+                found[batch.e[[k for k, (_, unit) in enumerate(modes) if unit == "m"]]] = True
         return found
 
     @cached_property
     def deformation_scale(self) -> Array:
         """(ne,) typical size of every deformation: `length` for those in metres, 1 for rotations and normalizations."""
-        scale = np.empty(self.numbering.ne)
-        scale.fill(1.0)
-        scale[self._lengths] = self.length
-        return scale
-
-    @cached_property
-    def _lengths(self) -> Index:
-        """Deformations that are measured in metres."""
-        parts = []
-        for batch in self.batches:
-            if batch.family.keyword in ELEMENT_TYPES:  # node inertia and normalizations are not
-                modes = ELEMENT_TYPES[batch.family.keyword].modes
-                parts.append(batch.e[[k for k, (_, unit) in enumerate(modes) if unit == "m"]].ravel())
-        return np.concatenate((NO_ENTRIES[0], *parts))
+        return np.where(self.is_length, self.length, 1.0)
 
     @cached_property
     def distance(self) -> float:

@@ -345,15 +345,13 @@ def owners(places: Index, count: int) -> list[tuple[int, int]]:
 
 
 def _count(places: slice) -> int:
-    """How many a class has."""
     found: int = places.stop - places.start
     return found
 
 
 def _ranges(*ranges: tuple[int, int]) -> Index:
     """Consecutive numbers from each first to before each last one."""
-    parts = [np.arange(first, last) for first, last in ranges if first < last]
-    return parts[0] if len(parts) == 1 else np.concatenate((NO_PLACES, *parts))
+    return np.concatenate([np.arange(first, last) for first, last in ranges])
 
 
 def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -> Numbering:
@@ -392,5 +390,4 @@ def _slices(counts: Sequence[int], order: Sequence[str]) -> dict[str, slice]:
 
 
 def _with_role(roles: NDArray[np.uint8], role: str) -> Index:
-    """Numbers of the nodes with a role."""
     return (roles == ROLES.index(role)).nonzero()[0]

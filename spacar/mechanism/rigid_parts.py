@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import count
+from itertools import count, zip_longest
 from typing import NamedTuple
 
 import numpy as np
@@ -186,7 +186,6 @@ class RigidParts:
 
 
 def _deck(deck: Deck, statements: Iterable[Statement], more: Iterable[Statement]) -> Deck:
-    """The deck with other statements."""
     return replace(deck, statements=(*statements, *more))
 
 
@@ -206,10 +205,7 @@ def _element(kind: ElementType, number: int, nodes: tuple[int, ...]) -> Statemen
 
 
 def _sum(a: Sequence[Value], b: Sequence[Value]) -> tuple[Value, ...]:
-    """Values of two statements together."""
-    size = max(len(a), len(b))
-    first, second = ([*map(float, values), *[0.0] * (size - len(values))] for values in (a, b))
-    return tuple(u + v for u, v in zip(first, second, strict=True))
+    return tuple(float(u) + float(v) for u, v in zip_longest(a, b, fillvalue=0.0))
 
 
 def fixed_nodes(n: Numbering) -> NDArray[np.bool_]:

@@ -58,7 +58,6 @@ def rigid_parts(mechanism: Mechanism, mode: Mode) -> RigidParts | None:
 
 
 def _most(n: Numbering, fixed: NDArray[np.bool_]) -> int:
-    """How many elements could be left out."""
     found = 0
     for rows in n.types:
         if is_plain(rows.kind):
@@ -160,7 +159,9 @@ class _Search:
                     continue
                 member = members[number]
                 new_points, new_turns = set(member.points) - points, set(member.turns) - turns
-                if chosen and not self._joins(member, new_points, new_turns, bool(points)):
+                # it must share an orientation with the body, and a point, where both have points
+                apart = len(new_turns) == len(set(member.turns))
+                if chosen and (apart or (points and member.points and len(new_points) == len(set(member.points)))):
                     continue
                 del members[number]
                 first = self.size[0] if member.points and not points else 0
@@ -173,13 +174,6 @@ class _Search:
                 waiting.extend([other for node in (*new_points, *new_turns) for other in users[node]])
             if len(points & self.fixed) < 2 and len(turns & self.fixed) < 2:
                 yield tuple(sorted(chosen)), frozenset(points | turns)
-
-    @staticmethod
-    def _joins(member: Member, new_points: set[int], new_turns: set[int], has_points: bool) -> bool:
-        """Does it share an orientation with a body, and a point, where both have points?"""
-        if len(new_turns) == len(set(member.turns)):
-            return False
-        return not (member.points and has_points) or len(new_points) < len(set(member.points))
 
     def _used(self, grown: Sequence[tuple[tuple[int, ...], frozenset[int]]], immovable: Sequence[int]) -> set[int]:
         """Nodes of the elements that stay, and those that several bodies share."""

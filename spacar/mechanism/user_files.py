@@ -151,7 +151,6 @@ def _text(path: str, refuse: Callable[[str], Exception]) -> bytes:
 
 
 def _breaks(given: Any, path: str, refuse: Callable[[str], Exception]) -> tuple[float, ...]:
-    """The times of jumps that a module declares."""
     try:
         times = np.asarray(given, dtype=float)
     except (TypeError, ValueError):

@@ -155,16 +155,31 @@ class UserLaw:
         given = self._given(placed(e, "e"), placed(ed, "ep"), placed(x, "x"), placed(xd, "xp"))
         sig, f = call(self._function, self.name, t, *given)
         (sigma, k_e, d_e), (force, k_x, d_x) = np.zeros((3, n.ne)), np.zeros((3, n.nx))
-        if self._take(sig, f, sigma, force) is not None:
-            return UserForces(sigma, force, k_e, d_e, k_x, d_x)
-        *found, lost = self._rows(t, sig, f)
-        for rows, (value, k, d) in zip(found, ((sigma, k_e, d_e), (force, k_x, d_x)), strict=True):
-            value[:] = 0.0
+        _, found, lost = self.answer(t, sig, f, sigma, force)
+        for rows, (k, d) in zip(found, ((k_e, d_e), (k_x, d_x)), strict=False):
             for i, row in rows:
-                value[i] += row[2]
                 k[i] += row[3]
                 d[i] += row[4]
         return UserForces(sigma, force, k_e, d_e, k_x, d_x, lost)
+
+    def answer(
+        self, t: float, sig: Any, f: Any, sigma: Array, force: Array
+    ) -> tuple[tuple[Form, Form] | None, Sequence[Rows], dict[int, str]]:
+        """Write sig and f into sigma and force, which are zero: `_taken` of both, or None and all their rows; the
+        sentences of `UserForces.lost`."""
+        found, lost = list[Rows](), dict[int, str]()
+        for places_known in (False, True):
+            of_sig = _taken(sig, self.stresses, sigma)
+            of_f = None if of_sig is None else _taken(f, self.forces, force)
+            if of_sig is not None and of_f is not None:
+                return (of_sig, of_f), (), {}
+            sigma[:] = force[:] = 0.0  # a part may have been written
+            if not places_known:
+                *found, lost = self._rows(t, sig, f)
+        for rows, values in zip(found, (sigma, force), strict=True):
+            for i, row in rows:
+                values[i] += row[2]
+        return None, found, lost
 
     def answering(self, told: tuple[PlacedVector, ...], sigma: Array, force: Array) -> Answering:
         """What asks the function at the guarded vectors e, ed, x, xd and writes what it returns into sigma and force,
@@ -182,12 +197,6 @@ class UserLaw:
     def _given(self, e: PlacedVector, ed: PlacedVector, x: PlacedVector, xd: PlacedVector) -> tuple[Any, ...]:
         """What the function is called with, behind the time."""
         return self.numbering.ne, self.le, e, ed, self.numbering.nx, self.lnp, x, xd
-
-    def _take(self, sig: Any, f: Any, sigma: Array, force: Array) -> tuple[Form, Form] | None:
-        """`_taken` of both, None where one of them is not."""
-        of_sig = _taken(sig, self.stresses, sigma)
-        of_f = None if of_sig is None else _taken(f, self.forces, force)
-        return None if of_sig is None or of_f is None else (of_sig, of_f)
 
     def _rows(self, t: float, sig: Any, f: Any) -> tuple[Rows, Rows, dict[int, str]]:
         """Rows of sig and f with their places in e and x, checked, and the sentences of `UserForces.lost`."""
@@ -208,8 +217,6 @@ class UserLaw:
         return stresses, forces, lost
 
     def _found(self, find: Callable[[int, int], int], rows: Any, what: str, t: float) -> Rows:
-        if type(rows) is list and not rows:
-            return []
         read = read_rows(self.name, what, rows, (3, 5), t)
         return [(self._place(find, row, what, k, t), row) for k, row in enumerate(read)]
 
@@ -253,22 +260,14 @@ class Answering:
             _, sig, f = given
         except BY_USERS as error:
             raise self.failed(t, error) from error
-        law, (sigma, force) = self.law, self.values
-        for form, values in zip(self.forms or (), self.values, strict=False):  # a part may have been written
+        if self.forms is None:
+            for values in self.values:
+                values[:] = 0.0
+        for form, values in zip(self.forms or (), self.values, strict=False):
             for i in form[2::3]:
                 values[i] = 0.0
-        self.forms = law._take(sig, f, sigma, force)
-        if self.forms is None:
-            sigma[:] = force[:] = 0.0
-            *found, lost = law._rows(t, sig, f)
-            self.forms = law._take(sig, f, sigma, force)  # the places are known now
-            if self.forms is None:
-                sigma[:] = force[:] = 0.0
-                for rows, values in zip(found, self.values, strict=True):
-                    for i, row in rows:
-                        values[i] += row[2]
-                return lost
-        return {}
+        self.forms, _, lost = self.law.answer(t, sig, f, *self.values)
+        return lost
 
 
 Law = TypeVar("Law", UserLaw, "UserDrive")
