@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from spacar_drawing.mechanism_picture import Extras
+from spacar_drawing.picture_source import PictureSource, open_source
 from spacar_drawing.settings import ALL, DIMENSIONS, PictureSettings, SectionShape, statement_section
 from spacar_drawing.symbols import KINDS
 
@@ -44,6 +45,12 @@ class Choices:
     fps: float
     show: bool
     stale_ok: bool
+
+    def opened(self, file: str) -> PictureSource:
+        """A result, with the settings of the file and of the command line. Raises UsageError."""
+        source = open_source(file, self.stale_ok)
+        check_elements(self.hide, [e.number for e in source.scene.elements], "--hide: element")
+        return replace(source, settings=self.overridden(source.settings))
 
     def extras(self) -> Extras:
         return Extras(

@@ -103,14 +103,15 @@ class Environment:
         refused = self.variables.get("NO_COLOR") or self.variables.get("TERM") == "dumb"
         return text if refused or not self.error_is_terminal else f"\x1b[{colour}m{text}\x1b[0m"
 
-    def say(self, text: str) -> None:
-        """One line for the user of the result: standard output."""
-        print(escaped(text), file=self.stdout, flush=True)
+    def say(self, *lines: str) -> None:
+        """Lines for the user of the result: standard output."""
+        for line in lines:
+            print(escaped(line), file=self.stdout, flush=True)
 
-    def wrote(self, text: object) -> None:
-        """A file that was written, or a summary: a line of standard output, unless quiet."""
+    def wrote(self, *lines: object) -> None:
+        """Files that were written, or a summary: lines of standard output, unless quiet."""
         if not self.quiet:
-            self.say(str(text))
+            self.say(*map(str, lines))
 
     def tell(self, text: str) -> None:
         """One line about the work itself: standard error. Work goes on when nobody can be told."""

@@ -34,10 +34,8 @@ class Done:
         found = self.release.diagnosis
         if self.release.parts:
             environment.wrote(f"released {len(self.release.parts)} flexible deformations; lines of the input file:")
-            for line in self.lines:
-                environment.wrote(f"  {line}")
-            for line in found.lines()[: None if self.release.left else 2]:
-                environment.wrote(line)
+            environment.wrote(*(f"  {line}" for line in self.lines))
+            environment.wrote(*found.lines()[: None if self.release.left else 2])
         else:
             environment.wrote("no flexible deformation to release")
         if self.written is not None:

@@ -43,5 +43,5 @@ def say_table(
         Console(file=environment.stdout, no_color=bool(environment.variables.get("NO_COLOR"))).print(table)
         return
     widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
-    for row in (header, *rows):
-        environment.say("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
+    cells = ([cell.ljust(width) for cell, width in zip(row, widths, strict=True)] for row in (header, *rows))
+    environment.say(*("  ".join(row).rstrip() for row in cells))

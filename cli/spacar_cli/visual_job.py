@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,20 +10,14 @@ from spacar_drawing.files import FILM, FILM_DPI, MovingFigure, check_name, check
 from spacar_drawing.look import extent_of
 from spacar_drawing.mechanism_picture import camera_of, step_text
 from spacar_drawing.mode_picture import PHASES, constraint_still, constraints, mode_pictures, mode_still
-from spacar_drawing.mode_shapes import (
-    ModeShape,
-    buckling_modes,
-    open_matrices,
-    suitable_factor,
-    vibration_modes,
-)
-from spacar_drawing.picture_source import PictureSource, open_source
+from spacar_drawing.mode_shapes import ModeShape, buckling_modes, open_matrices, suitable_factor, vibration_modes
+from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.stress_picture import diagram_still, stress_still
 from spacar_formats.getfrsbf import step_numbers, stored_step
 
 from spacar.errors import UsageError
 from spacar.modes import find_mode
-from spacar_cli.drawing_options import Choices, check_elements
+from spacar_cli.drawing_options import Choices
 from spacar_cli.environment import Environment
 from spacar_cli.progress import frame_progress
 
@@ -35,28 +28,27 @@ if TYPE_CHECKING:
 def visual(
     environment: Environment, file: str, mode: int | None, choices: Choices, numbers: str | None, factor: float | None,
     at: int, rest: bool, stress: str | None, diagram: str | None, over_section: bool, as_list: bool,
-) -> list[str]:  # fmt: skip
-    """Draw what was asked for; returns the lines to print. Raises UsageError."""
-    source = open_source(file, choices.stale_ok)
-    source = replace(source, settings=choices.overridden(source.settings))
-    check_elements(choices.hide, [e.number for e in source.scene.elements], "--hide: element")
+) -> list[str] | list[Path]:  # fmt: skip
+    """Draw what was asked for; returns the files, or names of modes. Raises UsageError."""
+    source = choices.opened(file)
     step = stored_step(at, source.steps, source.name)
     if stress or diagram:
         return _stresses(source, choices, step, stress, diagram, over_section)
     kind = _kind(source, mode)
     if kind == "constraints":
-        return _constraints(source, choices, step)
+        outputs = _outputs(source, choices, kind)
+        check_stills(outputs)
+        return _finish(constraint_still(source, step, choices.extras(), constraints(source, step)), outputs, choices)
     with open_matrices(source) as matrices:
         modes = (vibration_modes if kind == "vibration" else buckling_modes)(source, matrices, step)
     if not modes:
-        raise UsageError(
-            f"{source.name} has no {kind} modes: no dynamic degrees of freedom, or no stress", "draw.modes"
-        )
+        text = f"{source.name} has no {kind} modes: no dynamic degrees of freedom, or no stress"
+        raise UsageError(text, "draw.modes")
     if as_list:
         return [m.label for m in modes]
     default = source.settings.vibration_mode if kind == "vibration" else source.settings.buckling_mode
     chosen = _numbers(numbers, modes, default or 1)
-    return [str(p) for m in chosen for p in _mode(environment, source, choices, step, m, factor, rest, len(chosen) > 1)]
+    return [p for m in chosen for p in _mode(environment, source, choices, step, m, factor, rest, len(chosen) > 1)]
 
 
 def _kind(source: PictureSource, mode: int | None) -> str:
@@ -70,16 +62,10 @@ def _kind(source: PictureSource, mode: int | None) -> str:
     if wanted.linearized and ran.linearized:
         return "vibration"
     if mode is None or wanted == ran:
-        raise UsageError(
-            f"{source.name} is a result of mode {ran.number}, which has no modes of vibration or buckling; use "
-            "spacar draw, or --stress or --diagram",
-            "draw.modes",
-        )
-    raise UsageError(
-        f"{source.name} is a result of mode {ran.number}; for pictures of mode {wanted.number} run: "
-        f"spacar {wanted.number} {source.scene.title}",
-        "draw.modes",
-    )
+        advice = ", which has no modes of vibration or buckling; use spacar draw, or --stress or --diagram"
+    else:
+        advice = f"; for pictures of mode {wanted.number} run: spacar {wanted.number} {source.scene.title}"
+    raise UsageError(f"{source.name} is a result of mode {ran.number}{advice}", "draw.modes")
 
 
 def _numbers(text: str | None, modes: list[ModeShape], default: int) -> list[ModeShape]:
@@ -93,9 +79,8 @@ def _numbers(text: str | None, modes: list[ModeShape], default: int) -> list[Mod
     for n in wanted:
         if n not in known:
             finite = " with a finite load multiplier" if modes[0].kind == "buckling" else ""
-            raise UsageError(
-                f"{modes[0].kind} mode {n} does not exist; there are {len(known)} modes{finite}", "draw.modes"
-            )
+            text = f"{modes[0].kind} mode {n} does not exist; there are {len(known)} modes{finite}"
+            raise UsageError(text, "draw.modes")
     return [known[n] for n in wanted]
 
 
@@ -119,13 +104,14 @@ def _mode(
     if factor is None:
         factor = suitable_factor(source.scene, mode.motion, extent_of(source, step))
     outputs = _outputs(source, choices, f"{mode.kind}{mode.number}", several)
+    films = [p for p in outputs if p.suffix.lower() in FILM]
     for path in outputs:
-        if path.suffix.lower() not in FILM:
+        if path not in films:
             save(mode_still(source, step, extras, mode, factor, rest), path, choices.dpi)
-    if choices.show or any(p.suffix.lower() in FILM for p in outputs):
+    if choices.show or films:
         pictures, bounds = mode_pictures(source, step, extras, mode, factor, rest)
         camera = camera_of(source.scene, choices.view)
-        for path in (p for p in outputs if p.suffix.lower() in FILM):
+        for path in films:
             with frame_progress(environment, PHASES, path.name) as tick:
                 moving = MovingFigure.create(bounds, camera)
                 film(moving, pictures, PHASES, path, choices.fps, min(choices.dpi, FILM_DPI), tick)
@@ -136,16 +122,9 @@ def _mode(
     return outputs
 
 
-def _constraints(source: PictureSource, choices: Choices, step: int) -> list[str]:
-    found = constraints(source, step)
-    outputs = _outputs(source, choices, "constraints")
-    check_stills(outputs)
-    return _finish(constraint_still(source, step, choices.extras(), found), outputs, choices)
-
-
 def _stresses(
     source: PictureSource, choices: Choices, step: int, stress: str | None, diagram: str | None, over_section: bool
-) -> list[str]:
+) -> list[Path]:
     if stress and diagram:
         raise UsageError("--stress and --diagram exclude each other")
     quantity = stress or diagram or ""
@@ -156,11 +135,11 @@ def _stresses(
     return _finish(draw(source, step, choices.extras(), quantity, note), outputs, choices)
 
 
-def _finish(figure: Figure, outputs: list[Path], choices: Choices) -> list[str]:
+def _finish(figure: Figure, outputs: list[Path], choices: Choices) -> list[Path]:
     for path in outputs:
         save(figure, path, choices.dpi)
     if choices.show:
         from spacar_drawing.window import still_window
 
         still_window(figure)
-    return [str(p) for p in outputs]
+    return outputs

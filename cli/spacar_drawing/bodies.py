@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar_drawing import look as paint
-from spacar_drawing.drawn_shapes import Colour, Faces, Line, Shape, disc_outline, solid, together
+from spacar_drawing.drawn_shapes import Colour, Faces, Line, Shape, bordered, disc_outline, solid, together, unit
 from spacar_drawing.look import Look
 from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.sections import breadth, hole, outline
@@ -40,8 +40,8 @@ def elastic_line(ends: Array, tangents: Array, l0: Array | float, across: Array,
     bending along y', z'.
     """
     N, L = shape_functions(np.linspace(0.0, 1.0, n))
-    slopes = np.asarray(l0)[..., None, None] * tangents
-    y = np.stack((ends[..., 0, :], slopes[..., 0, :], ends[..., 1, :], slopes[..., 1, :]), axis=-2)
+    y = np.stack((ends, np.asarray(l0)[..., None, None] * tangents), axis=-2)  # (..., 2 ends, place and slope, 3)
+    y = y.reshape(*y.shape[:-3], 4, 3)
     points = N.T @ y
     if np.any(Phi):
         shear = (L - N).T @ y
@@ -58,10 +58,10 @@ def section_axes(points: Array, y_p: Array, y_q: Array, slopes: Array | None = N
     It turns linearly from y_p to y_q (..., 3); with `slopes` (..., 2) [rad], twist rates at the ends times the length,
     as the cubic with these slopes (theory-warping.md section 3).
     """
-    tangent = _unit(np.gradient(points, axis=-2))
+    tangent = unit(np.gradient(points, axis=-2))
     xi = np.linspace(0.0, 1.0, points.shape[-2])[:, None]
     y = (1 - xi) * y_p[..., None, :] + xi * y_q[..., None, :]
-    y = _unit(y - np.sum(y * tangent, axis=-1, keepdims=True) * tangent)
+    y = unit(y - np.sum(y * tangent, axis=-1, keepdims=True) * tangent)
     z = np.cross(tangent, y)
     if slopes is not None:
         last, first = y[..., -1, :], (y[..., 0, :], z[..., 0, :])
@@ -76,14 +76,10 @@ def section_axes(points: Array, y_p: Array, y_q: Array, slopes: Array | None = N
 def chord_axes(ends: Array, y_p: Array, y_q: Array) -> Array:
     """(..., 2, 3) y', z' normal to the chords of ends (..., 2, 3), midway between the ends: the directions in which the
     shear part acts."""
-    d = _unit(ends[..., 1, :] - ends[..., 0, :])
+    d = unit(ends[..., 1, :] - ends[..., 0, :])
     y = y_p + y_q
-    y = _unit(y - np.sum(y * d, axis=-1, keepdims=True) * d)
+    y = unit(y - np.sum(y * d, axis=-1, keepdims=True) * d)
     return np.stack((y, np.cross(d, y)), axis=-2)
-
-
-def _unit(v: Array) -> Array:
-    return v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-300)
 
 
 Z = np.array([0.0, 0.0, 1.0])
@@ -165,7 +161,7 @@ def bodies(scene: Scene, pose: Pose, look: Look, elements: Sequence[Element]) ->
     for g in alike_bodies(scene, look, elements):
         first = g.elements[0]
         section = look.settings.section(first.number, first.shape)
-        if first.shape == "truss" and (section is None or outline(section) is None):
+        if first.shape == "truss" and outline(section) is None:
             nodes = scene.node_table[rows_of(g.elements)][:, [0, 2]]
             shapes.append(Line(pose.place[nodes - 1], g.colour, g.width, 2))
         else:
@@ -185,17 +181,14 @@ def slender(
     """
     settings, first = look.settings, alike[0]
     section, alpha = settings.section(first.number, first.shape), settings.opacity_of(first.number)
-    thin = scene.planar
-    if section is not None and section.shape == "LINE":
-        section, thin = None, True
     points, y, z = beam_lines(scene, pose, alike, n)
     if scene.planar:
         return planar_bodies(points, y, breadth(section), colour, width, alpha)
     ends = open_ends(scene, alike, points) if len(alike) > 1 and alpha >= 1 else None
-    contour = outline(section) if section is not None else None
+    contour = outline(section)
     if contour is not None and section is not None:
         return solid(contour, points, y, z, colour, alpha, settings.light, hole(section), None, ends)
-    if thin:
+    if section is not None:  # LINE
         return _pieces(points, colour, width, alpha)
     sides = paint.ROD_SIDES if n > paint.LEAST_POINTS else paint.ROD_SIDES // 2
     return solid(disc_outline(radius * look.size, sides), points, y, z, colour, alpha, settings.light, ends=ends)
@@ -204,8 +197,7 @@ def slender(
 def open_ends(scene: Scene, alike: Sequence[Element], points: Array) -> NDArray[np.bool_]:
     """(m, 2) whether an end can be seen: not where two of these bodies go on smoothly in each other."""
     nodes = scene.node_table[rows_of(alike)][:, [0, 2]]
-    inward = np.stack((points[:, 1] - points[:, 0], points[:, -2] - points[:, -1]), axis=1)
-    inward /= np.maximum(np.linalg.norm(inward, axis=-1, keepdims=True), 1e-300)
+    inward = unit(np.stack((points[:, 1] - points[:, 0], points[:, -2] - points[:, -1]), axis=1))
     total, count = np.zeros((len(scene.lnp), 3)), np.zeros(len(scene.lnp), int)
     np.add.at(total, nodes - 1, inward)
     np.add.at(count, nodes - 1, 1)
@@ -224,14 +216,11 @@ def planar_bodies(
     if isinstance(colour, np.ndarray):
         quads = np.stack((left[:, :-1], left[:, 1:], right[:, 1:], right[:, :-1]), axis=2)
         return [Faces(quads.reshape(-1, 4, 3), colour.reshape(-1, 3), None, alpha, 1, False)]
-    around = np.concatenate((left, right[:, ::-1]), axis=1)
-    edge = np.concatenate((around, around[:, :1]), axis=1)
-    return [Faces(around, colour, None, 0.75 * alpha, 1, False), Line(edge, colour, 0.8, 2)]
+    return bordered(np.concatenate((left, right[:, ::-1]), axis=1), colour, colour, 0.8, (1, 2), 0.75 * alpha)
 
 
 def _pieces(points: Array, colour: Colour | Array, width: float, alpha: float) -> list[Shape]:
     if not isinstance(colour, np.ndarray):
         return [Line(points, colour, width, 2, alpha=alpha)]
-    pairs = np.stack((points[:, :-1], points[:, 1:]), axis=2).reshape(-1, 2, 3)
-    colours = colour.reshape(-1, 3)
+    pairs, colours = Line(points).pieces, colour.reshape(-1, 3)
     return [Line(pair, (c[0], c[1], c[2]), width, 2, alpha=alpha) for pair, c in zip(pairs, colours, strict=True)]

@@ -190,9 +190,7 @@ def stress(
     return stress_results(source_of(result), steps, elements, points)
 
 
-def flexure_page(
-    study: Flexure, path: str | Path | None = None, *, view: str | None = None, body: bool = False
-) -> str:
+def flexure_page(study: Flexure, path: str | Path | None = None, *, view: str | None = None, body: bool = False) -> str:
     """One self-contained HTML page of `spacar.flexure`, as text; also written to `path` when that is given.
 
     study   what `spacar.flexure` gave
@@ -212,9 +210,7 @@ def _page(text: str, path: str | Path | None) -> str:
 
 
 @plain
-def flexure_plot(
-    study: Flexure, path: str | Path | None = None, *, body: bool = False, dpi: float = DPI
-) -> Figure:
+def flexure_plot(study: Flexure, path: str | Path | None = None, *, body: bool = False, dpi: float = DPI) -> Figure:
     """A matplotlib figure of `spacar.flexure`: remaining support stiffness, errors, frequencies, stress.
 
     study   what `spacar.flexure` gave;  path: file that it is also written to (png, svg, pdf);  dpi: dots per inch

@@ -89,43 +89,57 @@ def marks_alike(shapes: Sequence[Shape]) -> list[tuple[Mark, Array]]:
     return [(alike[0], np.concatenate([m.at.reshape(-1, 3) for m in alike])) for alike in kinds.values()]
 
 
+def unit(v: Array) -> Array:
+    """Vectors (..., 3) of length one; zero stays zero."""
+    return v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-300)
+
+
+def bordered(
+    outlines: Array, face: Colour, edge: Colour, width: float, layers: tuple[int, int], alpha: float = 1.0
+) -> list[Shape]:
+    """Areas of a planar picture, (k, 3) or (n, k, 3), with a line around each; `layers` of both."""
+    around = np.concatenate((outlines, outlines[..., :1, :]), axis=-2)
+    areas = outlines.reshape(-1, *outlines.shape[-2:])
+    return [Faces(areas, face, None, alpha, layers[0], False), Line(around, edge, width, layers[1])]
+
+
+def arrow_head(tip: Array, base: Array, side: Array, colour: Colour) -> Faces:
+    """A triangle from `side` to the one and the other side of its base."""
+    return Faces(np.stack((tip, base + side, base - side))[None], colour, None, 1.0, 7, False)
+
+
 def circle(
-    centre: Array, u: Array, v: Array, radius: float, n: int = 48, span: tuple[float, float] | None = None
+    centre: Array, u: Array, v: Array, radius: float, n: int, span: tuple[float, float] = (0.0, 2 * np.pi)
 ) -> Array:
     """(n, 3) points of a circle, or of the arc between two angles [rad], in the plane of the unit vectors u, v."""
-    a, b = span if span is not None else (0.0, 2 * np.pi)
-    angle = np.linspace(a, b, n)[:, None]
+    angle = np.linspace(*span, n)[:, None]
     return centre + radius * (np.cos(angle) * u + np.sin(angle) * v)
 
 
 def normal_pair(axis: Array) -> tuple[Array, Array]:
     """Two unit vectors normal to an axis (3,) and to each other."""
-    axis = axis / max(float(np.linalg.norm(axis)), 1e-300)
-    other = np.eye(3)[int(np.argmin(np.abs(axis)))]
-    u = np.cross(axis, other)
-    u /= np.linalg.norm(u)
+    axis = unit(axis)
+    u = unit(np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))]))
     return u, np.cross(axis, u)
+
+
+def placed(outline: Array, centre: Array, y: Array, z: Array) -> Array:
+    """(..., k, 3) the outline (k, 2) at places (..., 3) with axes y, z."""
+    return centre[..., None, :] + outline[:, 0, None] * y[..., None, :] + outline[:, 1, None] * z[..., None, :]
 
 
 def sweep(outline: Array, centre: Array, y: Array, z: Array) -> Array:
     """Quadrilaterals (... (m - 1) k, 4, 3) of an outline (k, 2) moved along centre (..., m, 3) with axes y, z."""
-    rings = (
-        centre[..., None, :] + outline[:, 0, None] * y[..., None, :] + outline[:, 1, None] * z[..., None, :]
-    )  # (..., m, k, 3)
-    after = np.roll(rings, -1, axis=-2)
-    near, far = slice(None, -1), slice(1, None)
-    corners = (rings[..., near, :, :], after[..., near, :, :], after[..., far, :, :], rings[..., far, :, :])
-    quads = np.stack(corners, axis=-2)
-    return quads.reshape(-1, 4, 3)
+    rings = placed(outline, centre, y, z)
+    near, far = rings[..., :-1, :, :], rings[..., 1:, :, :]
+    corners = (near, np.roll(near, -1, axis=-2), np.roll(far, -1, axis=-2), far)
+    return np.stack(corners, axis=-2).reshape(-1, 4, 3)
 
 
 def cap(outline: Array, centre: Array, y: Array, z: Array) -> Array:
     """(... pieces, k, 3) the outline (k, 2) at places (..., 3), in convex pieces."""
-    pieces = outline[convex_pieces(outline)]  # (pieces, k, 2)
-    corners = (
-        centre[..., None, None, :] + pieces[..., :1] * y[..., None, None, :] + pieces[..., 1:] * z[..., None, None, :]
-    )
-    return corners.reshape(-1, *corners.shape[-2:])
+    pieces = convex_pieces(outline)
+    return placed(outline, centre, y, z)[..., pieces, :].reshape(-1, pieces.shape[1], 3)
 
 
 def convex_pieces(outline: Array) -> Index:
@@ -165,30 +179,26 @@ def solid(
 
     One colour, or one per piece (..., m - 1, 3); `ends` (..., 2) says which ends are closed, default all.
     """
-    k = len(outline)
-    many = isinstance(colour, np.ndarray)
-    along = np.repeat(colour, k, axis=-2).reshape(-1, 3) if isinstance(colour, np.ndarray) else colour
-    inside = hole is not None
-    shapes: list[Shape] = [
-        Faces(sweep(outline, centre, y, z), along, edge, alpha, light=light, width=0.3, closed=not inside)
-    ]
-    for end, at in ((0, 0), (-1, -1)):
+    look: dict[str, Any] = {"edge": edge, "alpha": alpha, "light": light, "width": 0.3, "closed": hole is None}
+    along = np.repeat(colour, len(outline), axis=-2).reshape(-1, 3) if isinstance(colour, np.ndarray) else colour
+    shapes: list[Shape] = [Faces(sweep(outline, centre, y, z), along, **look)]
+    for end in (0, -1):
         chosen: Any = ... if ends is None else ends[..., end]
-        a, b, c = (v[..., at, :][chosen] for v in (centre, y, z))
+        a, b, c = (v[..., end, :][chosen] for v in (centre, y, z))
         if not a.size:
             continue
         if hole is None:
             corners = cap(outline, a, b, c)
             corners = corners[:, ::-1] if end == 0 else corners
         else:
-            ring = np.stack((outline, np.roll(outline, -1, 0), np.roll(hole, -1, 0), hole), axis=1)
-            a, b, c = (v[..., None, None, :] for v in (a, b, c))
-            corners = (a + ring[..., :1] * b + ring[..., 1:] * c).reshape(-1, 4, 3)
+            outer, inner = placed(outline, a, b, c), placed(hole, a, b, c)
+            corners = np.stack((outer, np.roll(outer, -1, -2), np.roll(inner, -1, -2), inner), axis=-2)
+            corners = corners.reshape(-1, 4, 3)
         paint: Colour | Array = colour
-        if many:
-            own = np.reshape(np.asarray(colour)[..., end, :][chosen], (-1, 3))
+        if isinstance(colour, np.ndarray):
+            own = colour[..., end, :][chosen].reshape(-1, 3)
             paint = np.repeat(own, len(corners) // len(own), axis=0)
-        shapes.append(Faces(corners, paint, edge, alpha, light=light, width=0.3, closed=not inside))
+        shapes.append(Faces(corners, paint, **look))
     if hole is not None:
         shapes.append(Faces(sweep(hole, centre, y, z), along, None, alpha, light=light))
     return shapes
@@ -198,38 +208,25 @@ def cylinder(
     a: Array, b: Array, radius: float, colour: Colour, n: int = 18, alpha: float = 1.0, light: bool = True
 ) -> list[Shape]:
     """A closed cylinder between two points (3,), in pieces short enough to be sorted by depth."""
-    u, v = normal_pair(b - a)
     rings = int(np.clip(np.linalg.norm(b - a) / (1.5 * radius), 6, 40)) + 1
-    m = np.ones((rings, 1))
-    line = a + np.linspace(0.0, 1.0, rings)[:, None] * (b - a)
-    return solid(disc_outline(radius, n), line, m * u, m * v, colour, alpha, light)
+    line = np.linspace(a, b, rings)
+    u, v = (np.broadcast_to(w, line.shape) for w in normal_pair(b - a))
+    return solid(disc_outline(radius, n), line, u, v, colour, alpha, light)
 
 
-def torus(
-    centre: Array, axis: Array, turn: Array, radius: float, tread: float, colour: Colour, n: int = 36
-) -> list[Shape]:
+def torus(centre: Array, axis: Array, turn: Array, radius: float, tread: float, colour: Colour) -> list[Shape]:
     """A torus about the unit vector axis; `turn` (3,) is a radial direction that turns with it."""
-    u = turn
-    v = np.cross(axis, u)
-    angle = np.linspace(0.0, 2 * np.pi, n + 1)[:, None]
-    radial = np.cos(angle) * u + np.sin(angle) * v
+    radial = circle(np.zeros(3), turn, np.cross(axis, turn), 1.0, 37)
     quads = sweep(disc_outline(tread, 10), centre + radius * radial, radial, np.broadcast_to(-axis, radial.shape))
     return [Faces(quads, colour, closed=True)]
 
 
 def merge_bounds(shapes: Sequence[Shape]) -> tuple[Array, Array] | None:
     """Smallest and largest coordinates (3,) of shapes; None when there are none."""
-    parts = []
-    for s in shapes:
-        if isinstance(s, Line):
-            parts.append(s.points.reshape(-1, 3))
-        elif isinstance(s, Faces):
-            parts.append(s.corners.reshape(-1, 3))
-        else:
-            parts.append(s.at.reshape(-1, 3))
+    parts = [s.points if isinstance(s, Line) else s.corners if isinstance(s, Faces) else s.at for s in shapes]
     if not parts:
         return None
-    stacked = np.concatenate(parts)
+    stacked = np.concatenate([part.reshape(-1, 3) for part in parts])
     return stacked.min(0), stacked.max(0)
 
 

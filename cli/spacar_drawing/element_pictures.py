@@ -10,7 +10,20 @@ import numpy as np
 from spacar.arrays import Array
 from spacar_drawing import look as paint
 from spacar_drawing.bodies import beam_lines, bodies
-from spacar_drawing.drawn_shapes import Colour, Faces, Line, Mark, Shape, circle, cylinder, normal_pair, solid, torus
+from spacar_drawing.drawn_shapes import (
+    Colour,
+    Line,
+    Mark,
+    Shape,
+    bordered,
+    circle,
+    cylinder,
+    disc_outline,
+    normal_pair,
+    solid,
+    torus,
+    unit,
+)
 from spacar_drawing.look import Look, middle
 from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.sections import outline
@@ -22,11 +35,9 @@ DrawOne = Callable[[Scene, Pose, Look, Element], list[Shape]]
 def spring(scene: Scene, ends: Array, look: Look, colour: Colour, l0: float) -> list[Shape]:
     """Zigzag (planar) or coil (spatial) between two points; the number of coils follows from the undeformed length."""
     s = look.size
-    d = ends[1] - ends[0]
-    l = max(float(np.linalg.norm(d)), 1e-300)
+    l, u = float(np.linalg.norm(ends[1] - ends[0])), unit(ends[1] - ends[0])
     coils = int(np.clip(0.45 * l0 / s, 4, 12))
     lead = min(0.18 * l, 2.0 * s)
-    u = d / l
     if scene.planar:
         v = np.cross(Z, u)
         along = lead + (l - 2 * lead) * np.concatenate(([0.0], (np.arange(2 * coils) + 0.5) / (2 * coils), [1.0]))
@@ -37,26 +48,20 @@ def spring(scene: Scene, ends: Array, look: Look, colour: Colour, l0: float) -> 
         angle = np.linspace(0.0, 2 * np.pi * coils, 14 * coils + 1)
         ramp = 0.6 * s * np.minimum(1.0, np.minimum(angle, angle[::-1]) / 1.5)
         along = lead + (l - 2 * lead) * angle / angle[-1]
-        points = (
-            ends[0] + along[:, None] * u + ramp[:, None] * (np.cos(angle)[:, None] * v + np.sin(angle)[:, None] * w)
-        )
+        side = ramp * np.array((np.cos(angle), np.sin(angle)))
+        points = ends[0] + np.column_stack((along, *side)) @ np.stack((u, v, w))
     return [Line(np.concatenate((ends[:1], points, ends[1:])), colour, 1.3, 2)]
 
 
 def dashpot(ends: Array, look: Look, colour: Colour) -> list[Shape]:
     """Cylinder at p, piston at q."""
-    s = look.size
-    d = ends[1] - ends[0]
-    l = max(float(np.linalg.norm(d)), 1e-300)
-    u, half = d / l, min(1.2 * s, 0.2 * l)
-    v = 0.75 * s * np.cross(Z, u)
-    mid = ends[0] + 0.5 * d
-    a, b, piston = mid - half * u, mid + half * u, mid + 0.2 * half * u
-    return [
-        Line(np.stack((ends[0], a)), colour, 1.3, 2), Line(np.stack((b + v, a + v, a - v, b - v)), colour, 1.3, 2),
-        Line(np.stack((piston + 0.8 * v, piston - 0.8 * v)), colour, 1.8, 2),
-        Line(np.stack((piston, ends[1])), colour, 1.3, 2),
-    ]  # fmt: skip
+    s, d = look.size, ends[1] - ends[0]
+    half, v = min(1.2 * s, 0.2 * float(np.linalg.norm(d))) * unit(d), 0.75 * s * np.cross(Z, unit(d))
+    mid = ends.mean(0)
+    a, b, piston = mid - half, mid + half, mid + 0.2 * half
+    strokes = (ends[0], a), (b + v, a + v, a - v, b - v), (piston, ends[1])
+    across = Line(np.stack((piston + 0.8 * v, piston - 0.8 * v)), colour, 1.8, 2)
+    return [*(Line(np.stack(stroke), colour, 1.3, 2) for stroke in strokes), across]
 
 
 def hinge(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
@@ -66,18 +71,17 @@ def hinge(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     colour = look.colour(e.number, paint.DRIVE if driven else paint.HINGE)
     s = look.size
     if scene.planar:
-        ring = circle(at, X, Y, 0.62 * s, 28)
-        return [Faces(ring[None], "#ffffff", None, 1.0, 5, False), Line(ring, colour, 1.6, 5)]
+        return bordered(circle(at, X, Y, 0.62 * s, 28)[:-1], "#ffffff", colour, 1.6, (5, 5))
     axis = pose.frame(scene, e)[0]
     crowd = sum(place == look.hinges[e.number] for place in look.hinges.values())
-    usual = (
-        (0.62 * s, 2.6 * s) if crowd == 1 else (0.42 * s, 4.0 * s)
-    )  # several at one place: slender, to be told apart
+    # several at one place: slender, to be told apart
+    usual = (0.62 * s, 2.6 * s) if crowd == 1 else (0.42 * s, 4.0 * s)
     radius, length = look.settings.hinges.get(e.number, look.settings.hinges.get(0, usual))
-    a, b = at - 0.5 * length * axis, at + 0.5 * length * axis
+    half = 0.5 * length * axis
     if scene.e_class(e.number, 2) != "fixed":  # no bearing: it only measures the rotation
-        return [Line(np.stack((at - 1.5 * length * axis, at + 1.5 * length * axis)), colour, 0.9, 5, (6, 2, 1, 2))]
-    return cylinder(a, b, radius, colour, light=look.settings.light, alpha=look.settings.opacity_of(e.number))
+        return [Line(np.stack((at - 3 * half, at + 3 * half)), colour, 0.9, 5, (6, 2, 1, 2))]
+    alpha = look.settings.opacity_of(e.number)
+    return cylinder(at - half, at + half, radius, colour, alpha=alpha, light=look.settings.light)
 
 
 def slides(scene: Scene, e: Element) -> bool:
@@ -105,9 +109,7 @@ def slider(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
         a, b = ends
         return cylinder(a, b, 0.9 * s, colour, 4, look.settings.opacity_of(e.number), look.settings.light)
     side = 0.65 * s * np.cross(Z, along) / length
-    box = np.concatenate((ends + side, (ends - side)[::-1]))
-    edge = np.concatenate((box, box[:1]))
-    return [Faces(box[None], "#ffffff", None, 1.0, 4, False), Line(edge, colour, 1.6, 4)]
+    return bordered(np.concatenate((ends + side, (ends - side)[::-1])), "#ffffff", colour, 1.6, (4, 4))
 
 
 def span(scene: Scene, pose: Pose, e: Element) -> tuple[Array, Array]:
@@ -117,12 +119,10 @@ def span(scene: Scene, pose: Pose, e: Element) -> tuple[Array, Array]:
     """
     radii = scene.data[e.number - 1, :2] if scene.data.shape[1] > 1 else np.zeros(2)
     ends = pose.place[[e.p - 1, e.q - 1]]
-    delta = ends[1] - ends[0]
-    d = max(float(np.linalg.norm(delta)), 1e-300)
-    sine = float(np.clip(-(radii[0] - radii[1]) / d, -1.0, 1.0))
-    cosine = np.sqrt(1.0 - sine**2)
-    u = delta / d
-    n_b = cosine * np.cross(Z, u) - sine * u
+    d = max(float(np.linalg.norm(ends[1] - ends[0])), 1e-300)
+    sine = float(np.clip((radii[1] - radii[0]) / d, -1.0, 1.0))
+    u = (ends[1] - ends[0]) / d
+    n_b = np.sqrt(1.0 - sine**2) * np.cross(Z, u) - sine * u
     return ends + radii[:, None] * n_b, radii
 
 
@@ -133,12 +133,9 @@ def belt(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     shapes: list[Shape] = [Line(tangent, colour, 1.5, 3)]
     for place, turn, r in ((e.p, e.p_turn, radii[0]), (e.q, e.q_turn, radii[1])):
         centre = pose.place[place - 1]
-        rim = circle(centre, X, Y, abs(r), 48)
+        rim = circle(centre, X, Y, abs(r), 48)[:-1]
         spoke = centre + np.outer([0.35, 0.92], abs(r) * pose.turn[turn - 1][:, 0])
-        shapes += [
-            Faces(rim[None], paint.PULLEY, None, 0.55, 0, False), Line(rim, "#7d8a96", 0.9, 1),
-            Line(spoke, "#7d8a96", 1.1, 1),
-        ]  # fmt: skip
+        shapes += [*bordered(rim, paint.PULLEY, "#7d8a96", 0.9, (0, 1), 0.55), Line(spoke, "#7d8a96", 1.1, 1)]
     return shapes
 
 
@@ -172,8 +169,7 @@ def planar_wheel(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape
     centre, half = pose.place[e.p - 1], 0.16 * r
     corners = [centre + a * r * heading + b * half * axle for a, b in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
     colour = look.colour(e.number, paint.WHEEL)
-    edge = np.array([*corners, corners[0]])
-    shapes: list[Shape] = [Faces(np.array(corners)[None], colour, None, 0.45, 3, False), Line(edge, colour, 1.2, 4)]
+    shapes = bordered(np.array(corners), colour, colour, 1.2, (3, 4), 0.45)
     spin = pose.turn[e.q_turn - 1] if e.q_turn else np.eye(3)
     angle = np.arctan2(spin[1, 0], spin[0, 0]) + np.arange(10) * np.pi / 5
     for a in angle[np.cos(angle) > 0.05]:  # the upper half of the tread moves forwards
@@ -193,11 +189,9 @@ def wheel(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     tread = float(scene.data[e.number - 1, 1]) if e.keyword == "TWHEEL" and scene.data.shape[1] > 1 else 0.055 * radius
     colour = look.colour(e.number, paint.WHEEL)
     shapes = torus(centre, axis, spoke, radius - tread, tread, colour)
-    side = np.cross(axis, spoke)
-    for k in range(6):
-        a = k * np.pi / 3
-        rim = centre + (radius - 2 * tread) * (np.cos(a) * spoke + np.sin(a) * side)
-        shapes.append(Line(np.stack((centre, rim)), colour if k else paint.DRIVE, 1.3 if k else 1.8))
+    rim = circle(centre, spoke, np.cross(axis, spoke), radius - 2 * tread, 7)
+    shapes.append(Line(np.stack((centre, rim[0])), paint.DRIVE, 1.8))
+    shapes += [Line(np.stack((centre, at)), colour, 1.3) for at in rim[1:-1]]
     shapes += cylinder(centre - 0.12 * radius * axis, centre + 0.12 * radius * axis, 0.09 * radius, colour)
     return shapes
 
@@ -213,31 +207,23 @@ def screw(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     colour = look.colour(e.number, paint.SCREW)
     shapes = cylinder(a, b, 0.32 * s, colour, light=look.settings.light)
     turns = max(int(np.linalg.norm(b - a) / (0.55 * s)), 4)
-    angle = np.linspace(0.0, 2 * np.pi * turns, 12 * turns + 1)[:, None]
-    thread = a + angle / angle[-1] * (b - a) + 0.40 * s * (np.cos(angle) * frame[1] + np.sin(angle) * frame[2])
+    n = 12 * turns + 1
+    thread = circle(np.linspace(a, b, n), frame[1], frame[2], 0.40 * s, n, (0.0, 2 * np.pi * turns))
     shapes.append(Line(thread, "#4a545d", 0.8))
-    nut = 0.75 * s * np.stack((np.cos(np.arange(6) * np.pi / 3), np.sin(np.arange(6) * np.pi / 3)), axis=-1)
-    turned = pose.frame(scene, e, "q")
     ends = np.stack((q - 0.6 * s * axis, q + 0.6 * s * axis))
-    shapes += solid(
-        nut, ends, np.stack((turned[1],) * 2), np.stack((turned[2],) * 2), paint.HINGE, light=look.settings.light
-    )
-    return shapes
+    y, z = (np.stack((v, v)) for v in pose.frame(scene, e, "q")[1:])
+    return shapes + solid(disc_outline(0.75 * s, 6), ends, y, z, paint.HINGE, light=look.settings.light)
 
 
 def divided(scene: Scene, look: Look) -> tuple[list[Element], list[tuple[DrawOne, Element]]]:
     """Elements that are drawn along their lines, those that look alike together; and the others, each with the function
     that draws it. Beams that slide are among both. Those that the settings hide are left out."""
     seen = [e for e in scene.elements if e.number not in look.settings.hidden]
-    lines: list[Element] = []
-    single: list[tuple[DrawOne, Element]] = []
-    for e in (e for shape in ALONG_LINES for e in seen if e.shape == shape):
-        if e.shape != "truss" or is_bar(scene, look, e):
-            lines.append(e)
-        else:
-            single.append((free_truss, e))
+    along = [e for shape in ALONG_LINES for e in seen if e.shape == shape]
+    free = dict.fromkeys(e for e in along if e.shape == "truss" and not is_bar(scene, look, e))
+    single: list[tuple[DrawOne, Element]] = [(free_truss, e) for e in free]
     single += [(PARTS.get(e.shape, plain), e) for e in seen if e.shape not in ALONG_LINES]
-    return lines, single + [(slider, e) for e in seen if slides(scene, e)]
+    return [e for e in along if e not in free], single + [(slider, e) for e in seen if slides(scene, e)]
 
 
 def element_shapes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
@@ -251,8 +237,7 @@ def element_shapes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
 
 def is_bar(scene: Scene, look: Look, e: Element) -> bool:
     """A truss that is drawn as a bar, because it has a cross-section or keeps its length."""
-    section = look.settings.section(e.number, e.shape)
-    shown = section is not None and outline(section) is not None
+    shown = outline(look.settings.section(e.number, e.shape)) is not None
     return shown or scene.e_class(e.number, 1) in ("fixed", "input")
 
 

@@ -71,7 +71,7 @@ class MovingFigure:
                     self.figure.canvas.mpl_connect("draw_event", self._keep)
                     self.listens = True
             quick = self.camera.planar or all(s.alpha >= 1 for s in shapes if isinstance(s, Faces))
-            self.raster.show(shapes if quick else ())
+            self.raster.shapes = shapes if quick else ()
             self.artists = (paint_labels if quick else paint)(self.axes, self.camera, shapes)
         else:
             self.artists = paint(self.axes, self.camera, shapes)

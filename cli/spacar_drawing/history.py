@@ -131,13 +131,11 @@ def scope_figure(table: SignalTable, t: Array, panels: Sequence[Panel], title: s
 
 
 class TimeLine:
-    """Panels in a part of a figure, with a line that `show` moves to a time. `left` inches of the figure stay free."""
+    """Scopes in a part of a figure, with a line that `show` moves to a time. `left` inches of the figure stay free."""
 
-    def __init__(
-        self, figure: Figure, table: SignalTable, t: Array, panels: Sequence[Panel], left: float = 0.0
-    ) -> None:
+    def __init__(self, figure: Figure, table: SignalTable, t: Array, left: float = 0.0) -> None:
         width, height = figure.get_size_inches()
-        shown = list(panels)[:MOST_BESIDE]
+        shown = table.panels[:MOST_BESIDE]
         x, wide = (left + 0.55) / width, (width - left - 0.75) / width
         each = (height - 0.45) / len(shown)
         self.figure, self.lines = figure, []
@@ -153,9 +151,9 @@ class TimeLine:
         self.figure.canvas.draw_idle()
 
 
-def beside(figure: Figure, table: SignalTable, t: Array, panels: Sequence[Panel]) -> TimeLine:
-    """Panels to the right of what a figure shows; the figure becomes wider."""
-    return TimeLine(figure, table, t, panels, widened(figure, WIDTH))
+def beside(figure: Figure, table: SignalTable, t: Array) -> TimeLine:
+    """Scopes to the right of what a figure shows; the figure becomes wider."""
+    return TimeLine(figure, table, t, widened(figure, WIDTH))
 
 
 def _fill(axes: Any, table: SignalTable, t: Array, panel: Panel, last: bool) -> None:

@@ -34,9 +34,7 @@ def start_source(mechanism: Mechanism) -> PictureSource:
     n = mechanism.numbering
     x, e = np.zeros(n.nx), np.zeros(n.ne)
     force = sum((_forces(loads, n.nx) for loads in (mechanism.loads, mechanism.additional) if loads), x)
-    frame = Frame(
-        t=0.0, x=mechanism.x0, xd=x, xdd=x, e=e, ed=e, edd=e, sig=e, fx=np.asarray(force), fxgrav=x, fxtot=x
-    )
+    frame = Frame(t=0.0, x=mechanism.x0, xd=x, xdd=x, e=e, ed=e, edd=e, sig=e, fx=np.asarray(force), fxgrav=x, fxtot=x)
     return source_of_result(Result(mechanism, 0, [frame], (), {}))
 
 

@@ -148,7 +148,6 @@ class Look:
     pins: tuple[int, ...]
     ranges: Array
     tints: dict[int, Colour] = field(default_factory=dict)
-    supports: bool = True
 
     def colour(self, element: int, default: Colour) -> Colour:
         return self.tints.get(element) or self.settings.colour(element) or default

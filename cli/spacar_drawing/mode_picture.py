@@ -55,9 +55,7 @@ def mode_look(scene: Scene, x: Array, settings: PictureSettings, whole_period: A
 
 
 @plain
-def mode_still(
-    source: PictureSource, step: int, extras: Extras, mode: ModeShape, factor: float, rest: bool
-) -> Figure:
+def mode_still(source: PictureSource, step: int, extras: Extras, mode: ModeShape, factor: float, rest: bool) -> Figure:
     """The mode at its extreme, the opposite extreme pale, and the position at rest dashed (when `rest`)."""
     scene, settings, x = source.scene, source.settings, source.x(step)
     whole = period(mode, x, factor, QUARTERS)

@@ -63,8 +63,7 @@ def stored_gradient(source: PictureSource, step: int) -> Array | csr_array:
 
 
 def redundancy(scene: Scene, bigd: Array | csr_array, extent: float) -> Redundancy:
-    """The constraint analysis of a configuration; bigd (ne, nx), dense or sparse, extent the size of the mechanism [m].
-    """
+    """The constraint analysis of a configuration; bigd (ne, nx), dense or sparse, extent: size of the mechanism [m]."""
     nx, ne = int(scene.nxp.sum()), int(scene.nep.sum())
     column_scale, row_scale = np.ones(nx), np.ones(ne)
     k = 2 if scene.planar else 3

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spacar.arrays import Array
-from spacar_drawing.drawn_shapes import Faces, Label, Line, Shape, marks_alike
+from spacar_drawing.drawn_shapes import Faces, Label, Line, Shape, marks_alike, together, unit
 from spacar_drawing.stage import Camera
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def place_labels(axes: Axes, camera: Camera, labels: Sequence[Label], shapes: Se
     sizes = [(0.62 * len(v.text) + (0.7 if v.boxed else 0.2)) * POINTS * scale for v in shown]
     h = 1.45 * POINTS * scale
     reach = float(np.max(RINGS)) * 0.8 * POINTS * scale + max([h, *sizes])
-    dots = _Dots(to_pixels(covered) if len(covered) else np.zeros((0, 2)), reach)
+    dots = to_pixels(covered) if len(covered) else np.zeros((0, 2))
     x0, y0, x1, y1 = axes.bbox.extents
     others = np.array([text.get_window_extent().extents for text in axes.texts]).reshape(-1, 4)
     boxes = np.concatenate((others, np.zeros((len(shown), 4))))
@@ -57,7 +57,7 @@ def place_labels(axes: Axes, camera: Camera, labels: Sequence[Label], shapes: Se
         half = np.array([0.5 * w, 0.5 * h])
         centre = at + AROUND * (RINGS[:, None] * 0.8 * POINTS * scale + half)
         low, high = centre - half, centre + half  # (24, 2)
-        near = dots.near(at)
+        near = dots[np.all(np.abs(dots - at) < reach, axis=1)]
         inside = np.all((near > low[:, None]) & (near < high[:, None]), axis=2).sum(1)
         before = boxes[:n]
         overlap = np.all((low[:, None] < before[:, 2:]) & (before[:, :2] < high[:, None]), axis=2).sum(1)
@@ -82,26 +82,6 @@ def _note(axes: Axes, every: Sequence[int]) -> list[Any]:
         return []
     text = " and ".join(words).replace("every 2th", "every 2nd")
     return [axes.text(0.995, 0.01, text, transform=axes.transAxes, fontsize=7, ha="right", color="#7d868e", zorder=31)]
-
-
-class _Dots:
-    """Points (n, 2) sorted into square cells, so that a label looks at those around it only."""
-
-    def __init__(self, dots: Array, cell: float) -> None:
-        self.cell = cell
-        keys = np.floor(dots / cell).astype(np.int64)
-        order = np.lexsort(keys.T)
-        self.dots, keys = dots[order], keys[order]
-        edges = np.flatnonzero(np.any(np.diff(keys, axis=0) != 0, axis=1)) + 1
-        starts, stops = [0, *edges.tolist()], [*edges.tolist(), len(keys)]
-        self.cells = {(int(keys[i, 0]), int(keys[i, 1])): (i, j) for i, j in zip(starts, stops, strict=True) if j > i}
-
-    def near(self, at: Array) -> Array:
-        """The points in the cell of a place and in the eight around it: all that are nearer than a cell, and more."""
-        i, j = (int(v) for v in np.floor(at / self.cell))
-        around = ((i + a, j + b) for a in (-1, 0, 1) for b in (-1, 0, 1))
-        found = [self.cells[key] for key in around if key in self.cells]
-        return np.concatenate([self.dots[a:b] for a, b in found]) if found else np.zeros((0, 2))
 
 
 def _samples(camera: Camera, shapes: Sequence[Shape]) -> Array:
@@ -131,11 +111,10 @@ def paint(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
     """Add the shapes to the axes; returns the artists, to be removed before the next frame."""
     artists: list[Any] = _planar(axes, camera, shapes) if camera.planar else _spatial(axes, camera, shapes)
     for first, places in marks_alike(shapes):
-        x, y = camera.project(places).T
-        look: dict[str, Any] = {
-            "ms": first.size, "mfc": first.face, "mec": first.edge, "mew": 0.8, "zorder": 10 + first.layer
-        }
-        artists += axes.plot(x, y, "o", scalex=False, scaley=False, **look)
+        artists += axes.plot(
+            *camera.project(places).T, "o", scalex=False, scaley=False, ms=first.size, mfc=first.face, mec=first.edge,
+            mew=0.8, zorder=10 + first.layer,
+        )  # fmt: skip
     return artists + paint_labels(axes, camera, shapes)
 
 
@@ -150,19 +129,14 @@ def _planar(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
     from matplotlib.collections import LineCollection
 
     artists: list[Any] = []
-    for layer in sorted({s.layer for s in shapes if isinstance(s, Faces)}):
-        parts = [_faces(camera, s) for s in shapes if isinstance(s, Faces) and s.layer == layer]
-        artists.append(_polygons(axes, parts, 10 + layer, False))
-    layers = sorted({(s.layer, s.alpha >= 1) for s in shapes if isinstance(s, Line)})
-    for layer, opaque in layers:
-        lines = [s for s in shapes if isinstance(s, Line) and (s.layer, s.alpha >= 1) == (layer, opaque)]
-        collection = LineCollection(
-            **_polylines(camera, lines),
-            capstyle="round" if opaque else "butt",  # round ends of pale lines would show where two meet
-            joinstyle="round",
-        )
-        collection.set_zorder(10.5 + layer)
-        artists.append(axes.add_collection(collection, autolim=False))
+    of_layers = together((s.layer, s) for s in shapes if isinstance(s, Faces))
+    for layer, faces in sorted(of_layers.items()):
+        artists.append(_polygons(axes, [_faces(camera, s) for s in faces], 10 + layer, False))
+    kinds = together(((s.layer, s.alpha >= 1), s) for s in shapes if isinstance(s, Line))
+    for (layer, opaque), lines in sorted(kinds.items(), key=lambda kind: kind[0]):
+        ends = "round" if opaque else "butt"  # round ends of pale lines would show where two meet
+        look = _polylines(camera, lines) | {"capstyle": ends, "joinstyle": "round", "zorder": 10.5 + layer}
+        artists.append(axes.add_collection(LineCollection(**look), autolim=False))
     return artists
 
 
@@ -176,9 +150,7 @@ def _spatial(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
         parts = [_faces(camera, s) if isinstance(s, Faces) else _pieces(camera, s) for s in behind]
         artists.append(_polygons(axes, parts, 10, True))
     if front:
-        lines = LineCollection(**_polylines(camera, front))
-        lines.set_zorder(15)
-        artists.append(axes.add_collection(lines, autolim=False))
+        artists.append(axes.add_collection(LineCollection(**_polylines(camera, front), zorder=15), autolim=False))
     return artists
 
 
@@ -219,37 +191,32 @@ def _polygons(axes: Axes, parts: Sequence[Part], height: int, by_depth: bool) ->
     order = np.argsort(depths, kind="stable") if by_depth else np.arange(len(depths))
     collection = PolyCollection(
         list(polygons[order]), facecolors=faces[order], edgecolors=edges[order], linewidths=widths[order],
-        joinstyle="round" if by_depth else None,
+        joinstyle="round" if by_depth else None, zorder=height,
     )  # fmt: skip
-    collection.set_zorder(height)
     return axes.add_collection(collection, autolim=False)
 
 
 def _polylines(camera: Camera, lines: Sequence[Line]) -> dict[str, Any]:
     """Arguments of a LineCollection."""
     points = [camera.project(s.points).reshape(-1, *s.points.shape[-2:-1], 2) for s in lines]
-    look: dict[str, list[Any]] = {"segments": [p for many in points for p in many]}
-    look |= {"colors": [], "linewidths": [], "linestyles": []}
-    for s, many in zip(lines, points, strict=True):
-        look["colors"] += [rgba(s.colour, s.alpha)[0]] * len(many)
-        look["linewidths"] += [s.width] * len(many)
-        look["linestyles"] += [(0, s.dashes) if s.dashes else "solid"] * len(many)
-    return look
+    each = [s for s, many in zip(lines, points, strict=True) for _ in many]
+    return {
+        "segments": [p for many in points for p in many], "colors": [rgba(s.colour, s.alpha)[0] for s in each],
+        "linewidths": [s.width for s in each], "linestyles": [(0, s.dashes) if s.dashes else "solid" for s in each],
+    }  # fmt: skip
 
 
 def _alike(polygons: Sequence[Array]) -> Any:
     """(n, k, 2) polygons with equally many corners, by repeating the last one: matplotlib takes them in one piece."""
     k = max(p.shape[1] for p in polygons)
-    return np.concatenate([np.concatenate((p, np.repeat(p[:, -1:], k - p.shape[1], axis=1)), axis=1) for p in polygons])
+    return np.concatenate([np.pad(p, ((0, 0), (0, k - p.shape[1]), (0, 0)), "edge") for p in polygons])
 
 
 def brightness(camera: Camera, corners: Array) -> Array:
     """(n,) between DARKEST and 1 of polygons (n, k, 3): a lamp over the viewer's left shoulder, both sides lit."""
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    normal = unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
     normal *= np.where(normal @ camera.near < 0, -1.0, 1.0)[:, None]
-    lamp = np.array(LIGHT) @ np.stack((camera.right, camera.up, camera.near))
-    lamp /= np.linalg.norm(lamp)
+    lamp = unit(np.array(LIGHT) @ np.stack((camera.right, camera.up, camera.near)))
     return DARKEST + (1 - DARKEST) * np.clip(normal @ lamp, 0.0, 1.0) ** 0.8
 
 
@@ -258,7 +225,5 @@ def rgba(colour: Any, alpha: float, n: int = 1) -> Array:
     from matplotlib.colors import to_rgba, to_rgba_array
 
     if isinstance(colour, np.ndarray) and colour.ndim == 2:
-        rgba = to_rgba_array(colour).astype(float)
-        rgba[:, 3] = alpha
-        return rgba
+        return to_rgba_array(colour, alpha)
     return np.tile(to_rgba(colour, alpha), (n, 1)).astype(float)

@@ -15,7 +15,7 @@ from matplotlib.path import Path
 from matplotlib.transforms import Affine2D, IdentityTransform
 
 from spacar.arrays import Array
-from spacar_drawing.drawn_shapes import Faces, Line, Mark, Shape, marks_alike, together
+from spacar_drawing.drawn_shapes import Faces, Line, Mark, Shape, marks_alike, together, unit
 from spacar_drawing.paint import brightness, in_front, rgba
 from spacar_drawing.stage import Camera
 
@@ -29,7 +29,7 @@ def can_raster(canvas: Any) -> bool:
 
 
 class Raster(Artist):
-    """The shapes of one picture as one artist of the axes; `show` exchanges them."""
+    """The shapes of one picture as one artist of the axes."""
 
     def __init__(self, axes: Axes, camera: Camera) -> None:
         super().__init__()
@@ -38,9 +38,6 @@ class Raster(Artist):
         self.set_animated(True)
         self.set_zorder(10)
         axes.add_artist(self)
-
-    def show(self, shapes: Sequence[Shape]) -> None:
-        self.shapes = shapes
 
     def draw(self, renderer: Any) -> None:
         assert self.axes is not None
@@ -65,10 +62,7 @@ class _Drawing:
         return self.camera.project(points) @ self.turn + self.shift
 
     def planar(self, shapes: Sequence[Shape]) -> list[tuple[float, Call]]:
-        calls: list[tuple[float, Call]] = []
-        for s in shapes:
-            if isinstance(s, Faces):
-                calls.append((10.0 + s.layer, self.areas(s)))
+        calls = [(10.0 + s.layer, self.areas(s)) for s in shapes if isinstance(s, Faces)]
         return calls + self.lines([s for s in shapes if isinstance(s, Line)], None) + self.marks(shapes)
 
     def spatial(self, shapes: Sequence[Shape]) -> list[tuple[float, Call]]:
@@ -84,7 +78,8 @@ class _Drawing:
         return [(key[0], self._stroke(found)) for key, found in kinds.items()]
 
     def _stroke(self, lines: Sequence[Line]) -> Call:
-        parts = [_with_gaps(self.pixels(s.points.reshape(-1, *s.points.shape[-2:]))) for s in lines]
+        every = [self.pixels(s.points.reshape(-1, *s.points.shape[-2:])) for s in lines]
+        parts = [np.pad(p, ((0, 0), (0, 1), (0, 0)), constant_values=np.nan).reshape(-1, 2) for p in every]  # gaps
         path, look = Path(np.concatenate(parts)), lines[0]
         colour = tuple(rgba(look.colour, look.alpha)[0])
 
@@ -106,7 +101,10 @@ class _Drawing:
         x, y = corners[..., 0], corners[..., 1]
         area = np.sum(x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y, axis=1)
         corners = np.where(area[:, None, None] < 0, corners[:, ::-1], corners)  # else opposite ones would cut holes
-        path = _closed(corners)
+        points = np.concatenate((corners, corners[:, :1]), axis=1)
+        codes = np.full(points.shape[:2], Path.LINETO, Path.code_type)
+        codes[:, 0], codes[:, -1] = Path.MOVETO, Path.CLOSEPOLY
+        path = Path(points.reshape(-1, 2), codes.ravel())
         face, edge = (*rgba(s.colour, s.alpha)[0],), s.edge
 
         def call(renderer: Any, gc: Any) -> None:
@@ -168,31 +166,15 @@ class _Drawing:
         return parts
 
     def _ribbons(self, s: Line) -> list[tuple[Array, Array, Array]]:
-        pieces = s.pieces
-        depth = self.camera.depth(pieces).mean(axis=1)
-        return self._bands(pieces, depth, s.width, rgba(s.colour, s.alpha, len(pieces)))
+        depth = self.camera.depth(s.pieces).mean(axis=1)
+        return self._bands(s.pieces, depth, s.width, rgba(s.colour, s.alpha, len(depth)))
 
     def _bands(self, pieces: Array, depth: Array, width: float, colour: Array) -> list[tuple[Array, Array, Array]]:
         """Straight pieces (n, 2, 3) as bands of a width [points]."""
         ends = self.pixels(pieces)
-        along = ends[:, 1] - ends[:, 0]
-        along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
+        along = unit(ends[:, 1] - ends[:, 0])
         half = 0.5 * max(width * self.point - DILATED, 0.05)
         side = half * np.stack((-along[:, 1], along[:, 0]), axis=1)
         a, b = ends[:, 0], ends[:, 1]
         both = np.stack((a + side, b + side, b - side, a + side, b - side, a - side), axis=1)
         return [(both.reshape(-1, 3, 2), np.repeat(depth, 2), np.repeat(colour, 2, axis=0))]
-
-
-def _with_gaps(lines: Array) -> Array:
-    """(m, n, 2) lines as one row of points with a gap behind each."""
-    gap = np.full((len(lines), 1, 2), np.nan)
-    return np.concatenate((lines, gap), axis=1).reshape(-1, 2)
-
-
-def _closed(polygons: Array) -> Path:
-    """One path of closed polygons (m, k, 2)."""
-    points = np.concatenate((polygons, polygons[:, :1]), axis=1)
-    codes = np.full(points.shape[:2], Path.LINETO, Path.code_type)
-    codes[:, 0], codes[:, -1] = Path.MOVETO, Path.CLOSEPOLY
-    return Path(points.reshape(-1, 2), codes.ravel())

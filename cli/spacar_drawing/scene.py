@@ -16,8 +16,10 @@ from numpy.typing import NDArray
 
 from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES
+from spacar.elements.rotations.rotation import rotate
 from spacar.errors import UsageError
 from spacar.modes import Mode, find_mode
+from spacar_drawing.drawn_shapes import together, unit
 
 Flags = NDArray[np.bool_]
 CLASSES = ("fixed", "calculable", "input", "dynamic", "kinematic")
@@ -120,12 +122,8 @@ class Scene:
     @cached_property
     def ends(self) -> dict[int, list[tuple[Element, str]]]:
         """Position node -> the elements that end there, with the end, p or q."""
-        found: dict[int, list[tuple[Element, str]]] = {}
-        for e in self.elements:
-            for end, place in (("p", e.p), ("q", e.q)):
-                if place:
-                    found.setdefault(place, []).append((e, end))
-        return found
+        ends = ((place, (e, end)) for e in self.elements for end, place in (("p", e.p), ("q", e.q)))
+        return together((place, end) for place, end in ends if place)
 
     @cached_property
     def position_nodes(self) -> Index:
@@ -215,14 +213,7 @@ class Scene:
 
     def orientation_class(self, node: int) -> str:
         """fixed, input or "" of an orientation node: what keeps it from turning freely."""
-        if self.planar:
-            found = {self.x_class(node, 1)}
-            need = 1
-        else:
-            classes = [self.x_class(node, k) for k in (2, 3, 4)]
-            found, need = set(classes), 3
-            if classes.count("fixed") < need and "input" not in found:
-                return ""
+        found = {self.x_class(node, k) for k in ((1,) if self.planar else (2, 3, 4))}
         return "fixed" if found == {"fixed"} else "input" if "input" in found else ""
 
 
@@ -240,8 +231,7 @@ def rotations(scene: Scene, x: Array) -> Array:
 
     Spatial: R of the normalized Euler parameters (theory-spatial.md section 1); planar: turn by phi about z.
     """
-    R = np.zeros((len(scene.lnp), 3, 3))
-    R[:] = np.eye(3)
+    R = np.tile(np.eye(3), (len(scene.lnp), 1, 1))
     rows = scene.orientation_nodes - 1
     x = np.ravel(x)
     if scene.planar:
@@ -250,17 +240,8 @@ def rotations(scene: Scene, x: Array) -> Array:
         R[rows, 1, 0] = np.sin(phi)
         R[rows, 0, 1] = -np.sin(phi)
         return R
-    quaternion = x[scene.lnp[rows] - 1]
-    quaternion = quaternion / np.maximum(np.linalg.norm(quaternion, axis=1, keepdims=True), 1e-300)
-    a, b, c, d = quaternion.T
-    R[rows] = np.stack(
-        (
-            np.stack((a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)), -1),
-            np.stack((2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)), -1),
-            np.stack((2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d), -1),
-        ),
-        -2,
-    )
+    quaternions = unit(x[scene.lnp[rows] - 1]).T
+    R[rows] = np.stack([rotate(quaternions, axis[:, None]).T for axis in np.eye(3)], axis=-1)
     return R
 
 

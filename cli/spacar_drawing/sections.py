@@ -13,8 +13,10 @@ def rectangle(w: float, h: float) -> Array:
     return 0.5 * np.array([[w, h], [-w, h], [-w, -h], [w, -h]])
 
 
-def outline(section: SectionShape, n: int = 20) -> Array | None:
-    """(k, 2) outer contour; None for LINE."""
+def outline(section: SectionShape | None, n: int = 20) -> Array | None:
+    """(k, 2) outer contour; None for LINE and for no section."""
+    if section is None:
+        return None
     if section.shape in ("RECT", "RECTHOL"):
         return rectangle(*section.dims[:2])
     if section.shape in ("CIRC", "CIRCHOL"):
@@ -32,26 +34,24 @@ def _i_outline(b: float, h: float, tw: float, tf: float) -> Array:
     return 0.5 * np.stack((y, z), axis=1)
 
 
-def hole(section: SectionShape, n: int = 20) -> Array | None:
+def hole(section: SectionShape) -> Array | None:
     """(k, 2) inner contour; None when the section is full."""
     if section.shape == "RECTHOL":
         return rectangle(*section.dims[2:4])
     if section.shape == "CIRCHOL":
-        return disc_outline(0.5 * section.dims[1], n)
+        return disc_outline(0.5 * section.dims[1], 20)
     return None
 
 
 def inside(section: SectionShape, y: Array, z: Array) -> NDArray[np.bool_]:
     """Whether points lie in the material of a section, its outline included. False everywhere for LINE."""
-    d, a, b = section.dims, np.abs(y), np.abs(z)
+    d, a, b = (*section.dims, 0.0, 0.0), np.abs(y), np.abs(z)
     edge = 1.0 + 1e-9  # points on the outline are in it, whatever the rounding
     if section.shape in ("RECT", "RECTHOL"):
-        found = (a <= 0.5 * d[0] * edge) & (b <= 0.5 * d[1] * edge)
-        return found & ~((a < 0.5 * d[2]) & (b < 0.5 * d[3])) if section.shape == "RECTHOL" else found
+        return (a <= 0.5 * d[0] * edge) & (b <= 0.5 * d[1] * edge) & ~((a < 0.5 * d[2]) & (b < 0.5 * d[3]))
     if section.shape in ("CIRC", "CIRCHOL"):
         r = np.hypot(y, z)
-        found = r <= 0.5 * d[0] * edge
-        return found & (r * edge >= 0.5 * d[1]) if section.shape == "CIRCHOL" else found
+        return (r <= 0.5 * d[0] * edge) & (r * edge >= 0.5 * d[1])
     if section.shape == "I":
         flange = (a <= 0.5 * d[0] * edge) & (b >= (0.5 * d[1] - d[3]) / edge)
         return (flange | (a <= 0.5 * d[2] * edge)) & (b <= 0.5 * d[1] * edge)

@@ -7,12 +7,25 @@ import numpy as np
 from spacar.arrays import Array
 from spacar_drawing import look as paint
 from spacar_drawing.bodies import beam_lines
-from spacar_drawing.drawn_shapes import Faces, Label, Line, Mark, Shape, circle, normal_pair, solid
+from spacar_drawing.drawn_shapes import (
+    Faces,
+    Label,
+    Line,
+    Mark,
+    Shape,
+    arrow_head,
+    bordered,
+    circle,
+    normal_pair,
+    placed,
+    solid,
+)
 from spacar_drawing.element_pictures import span
 from spacar_drawing.look import Look, middle, node_names
 from spacar_drawing.scene import ROUND, Element, Pose, Scene
 
 X, Y, Z = np.eye(3)
+SQUARE = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 
 
 def support_shapes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
@@ -22,8 +35,8 @@ def support_shapes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
         shapes += (planar_support if scene.planar else spatial_support)(scene, pose, look, node)
         shapes += _linear_drive(scene, pose, look, node)
     if look.pins:
-        rings = circle(pose.place[np.array(look.pins) - 1, None], X, Y, 0.38 * look.size, 24)
-        shapes += [Faces(rings, "#ffffff", None, 1.0, 5, False), Line(rings, paint.INK, 1.1, 5)]
+        rings = circle(pose.place[np.array(look.pins) - 1, None], X, Y, 0.38 * look.size, 24)[:, :-1]
+        shapes += bordered(rings, "#ffffff", paint.INK, 1.1, (5, 5))
     return shapes
 
 
@@ -37,10 +50,8 @@ def _held(scene: Scene, node: int) -> tuple[str, Array | None]:
             continue
         held = scene.orientation_class(turn)
         if held and best[0] != "fixed":
-            frame = scene.frame_p[e.number - 1] if end == "p" else scene.frame_q[e.number - 1]
-            if not frame.any():
-                frame = scene.frame_p[e.number - 1]
-            best = (held, frame[0] if end == "p" else -frame[0])
+            first, last = scene.frame_p[e.number - 1], scene.frame_q[e.number - 1]
+            best = (held, first[0] if end == "p" else -(last if last.any() else first)[0])
     return best
 
 
@@ -59,14 +70,9 @@ def planar_support(scene: Scene, pose: Pose, look: Look, node: int) -> list[Shap
         low, high = look.ranges[node - 1]
         a, b = float((low - at) @ along) - 2.2 * s, float((high - at) @ along) + 2.2 * s
         ground = at + 0.75 * s * away
-        block = np.array(
-            [at + i * 1.1 * s * along + j * 0.75 * s * away for i, j in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
-        )
+        block = placed(SQUARE * [1.1 * s, 0.75 * s], at, along, away)
         shapes += _wall(ground + 0.5 * (a + b) * along, along, away, 0.5 * (b - a), s)
-        shapes += [
-            Faces(block[None], "#e4e9ed", None, 1.0, 0, False),
-            Line(np.concatenate((block, block[:1])), paint.GROUND, 1.1, 1),
-        ]
+        shapes += bordered(block, "#e4e9ed", paint.GROUND, 1.1, (0, 1))
     elif held == "fixed" and inward is not None:  # guided: free to move, not to turn
         v, w = np.cross(Z, inward), -0.45 * s * inward
         shapes += [
@@ -80,47 +86,33 @@ def planar_support(scene: Scene, pose: Pose, look: Look, node: int) -> list[Shap
 def _wall(at: Array, along: Array, away: Array, half: float, s: float) -> list[Shape]:
     """A ground line of length 2 half with hatching on the side `away`."""
     n = max(round(2 * half / (0.55 * s)), 3)
-    start = at + np.linspace(-half, half, n + 1)[1:, None] * along
-    shapes: list[Shape] = [Line(np.stack((at - half * along, at + half * along)), paint.GROUND, 1.4, 1)]
-    for p in start:
-        shapes.append(Line(np.stack((p, p + 0.55 * s * (away - along))), paint.GROUND, 0.7, 1))
-    return shapes
+    start = at + np.linspace(-half, half, n + 1)[:, None] * along
+    hatches = np.stack((start[1:], start[1:] + 0.55 * s * (away - along)), axis=1)
+    return [Line(start[[0, -1]], paint.GROUND, 1.4, 1), Line(hatches, paint.GROUND, 0.7, 1)]
 
 
 def _pinned(at: Array, s: float) -> list[Shape]:
     corners = np.stack((at, at - 0.95 * s * X - 1.5 * s * Y, at + 0.95 * s * X - 1.5 * s * Y))
-    return [
-        Faces(corners[None], "#e4e9ed", None, 1.0, 0, False),
-        Line(np.concatenate((corners, corners[:1])), paint.GROUND, 1.1, 1), *_wall(at - 1.5 * s * Y, X, -Y, 1.7 * s, s),
-    ]  # fmt: skip
-
-
-def _arrow(a: Array, b: Array, side: Array, s: float) -> list[Shape]:
-    d = (b - a) / max(float(np.linalg.norm(b - a)), 1e-300)
-    head = np.stack((b, b - 0.8 * s * d + 0.32 * s * side, b - 0.8 * s * d - 0.32 * s * side))
-    return [
-        Line(np.stack((a, b - 0.5 * s * d)), paint.DRIVE, 1.5, 6), Faces(head[None], paint.DRIVE, None, 1.0, 7, False)
-    ]
+    ground = _wall(at - 1.5 * s * Y, X, -Y, 1.7 * s, s)
+    return [*bordered(corners, "#e4e9ed", paint.GROUND, 1.1, (0, 1)), *ground]
 
 
 def _turning_drive(at: Array, s: float) -> list[Shape]:
     """An arc with an arrow head, counter-clockwise."""
     r, end = 1.75 * s, 2.75
     arc = circle(at, X, Y, r, 30, (0.55, end - 0.3))
-    tip = at + r * np.array([np.cos(end), np.sin(end), 0.0])
-    radial = (tip - at) / r
-    base = at + r * np.array([np.cos(end - 0.42), np.sin(end - 0.42), 0.0])
-    head = np.stack((tip, base + 0.32 * s * radial, base - 0.32 * s * radial))
-    return [Line(arc, paint.DRIVE, 1.5, 6), Faces(head[None], paint.DRIVE, None, 1.0, 7, False)]
+    base, tip = circle(at, X, Y, r, 2, (end - 0.42, end))
+    return [Line(arc, paint.DRIVE, 1.5, 6), arrow_head(tip, base, 0.32 * s * (tip - at) / r, paint.DRIVE)]
 
 
 def _linear_drive(scene: Scene, pose: Pose, look: Look, node: int) -> list[Shape]:
-    at, s = pose.place[node - 1], look.size
+    at, s, n = pose.place[node - 1], look.size, 2 if scene.planar else 3
     shapes: list[Shape] = []
-    for k in range(2 if scene.planar else 3):
+    for k in range(n):
         if scene.x_class(node, k + 1) == "input":
-            side = np.eye(3)[(k + 1) % (2 if scene.planar else 3)]
-            shapes += _arrow(at + 0.8 * s * np.eye(3)[k], at + 3.6 * s * np.eye(3)[k], side, s)
+            along, side = s * np.eye(3)[k], 0.32 * s * np.eye(3)[(k + 1) % n]
+            shapes.append(Line(at + np.outer((0.8, 3.1), along), paint.DRIVE, 1.5, 6))
+            shapes.append(arrow_head(at + 3.6 * along, at + 2.8 * along, side, paint.DRIVE))
     return shapes
 
 
@@ -132,19 +124,17 @@ def spatial_support(scene: Scene, pose: Pose, look: Look, node: int) -> list[Sha
     held, inward = _held(scene, node)
     at, s, light = pose.place[node - 1], look.size, look.settings.light
     if len(fixed) == 3 and held and inward is not None:
-        u, v = normal_pair(inward)
-        square = 1.7 * s * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1.0]])
+        u, v = (np.stack((w, w)) for w in normal_pair(inward))
         ends = np.stack((at - 0.6 * s * inward, at))
-        return list(solid(square, ends, np.stack((u, u)), np.stack((v, v)), "#b9c1c8", light=light, edge=paint.GROUND))
+        return solid(1.7 * s * SQUARE, ends, u, v, "#b9c1c8", light=light, edge=paint.GROUND)
     if len(fixed) == 3:
         return _pyramid(at, -Z, 1.5 * s)
     return [shape for k in fixed for shape in _pyramid(at, -np.eye(3)[k], 0.8 * s)]
 
 
 def _pyramid(at: Array, down: Array, s: float) -> list[Shape]:
-    u, v = normal_pair(down)
-    base = at + 1.2 * s * down + 0.8 * s * np.stack((u + v, v - u, -u - v, u - v))
-    sides = np.stack([np.stack((at, base[k], base[(k + 1) % 4])) for k in range(4)])
+    base = placed(0.8 * s * SQUARE, at + 1.2 * s * down, *normal_pair(down))
+    sides = np.stack((np.tile(at, (4, 1)), base, np.roll(base, -1, axis=0)), axis=1)
     return [Faces(sides, "#b9c1c8", paint.GROUND, width=0.5), Faces(base[None], "#b9c1c8", paint.GROUND, width=0.5)]
 
 
@@ -177,13 +167,10 @@ def _label_places(scene: Scene, pose: Pose, look: Look, elements: Sequence[Eleme
             middles = beam_lines(scene, pose, beams, 3)[0][:, 1]
             places |= {e.number: at for e, at in zip(beams, middles, strict=True)}
     for e in elements:
-        if e.number in places:
-            continue
         if e.shape == "belt" and e.p and e.q:
             places[e.number] = span(scene, pose, e)[0].mean(0)
-            continue
-        ends = [n for n in (e.p, e.q) if n]
-        places[e.number] = middle(pose, tuple(ends) if ends else look.hinges.get(e.number, ()))
+        elif e.number not in places:
+            places[e.number] = middle(pose, tuple(n for n in (e.p, e.q) if n) or look.hinges.get(e.number, ()))
     return places
 
 

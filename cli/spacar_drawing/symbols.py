@@ -21,7 +21,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar_drawing.bodies import beam_lines, rows_of
-from spacar_drawing.drawn_shapes import Colour, Faces, Line, Mark, Shape, circle, normal_pair
+from spacar_drawing.drawn_shapes import Colour, Line, Mark, Shape, arrow_head, circle, normal_pair, unit
 from spacar_drawing.look import Look, attachments
 from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.scene import CLASSES, Pose, Scene
@@ -104,10 +104,10 @@ class Symbols:
         for kind in ("loads", "reactions"):
             if kind in kinds:
                 found = [forces(source, kind, k) for k in steps]
-                largest[kind] = (
-                    max((float(np.max(np.linalg.norm(f.force, axis=1), initial=0.0)) for f in found), default=0.0),
-                    max((float(np.max(np.linalg.norm(f.moment, axis=1), initial=0.0)) for f in found), default=0.0),
-                )
+                most = [
+                    [float(np.max(np.linalg.norm(v, axis=1), initial=0.0)) for v in (f.force, f.moment)] for f in found
+                ]
+                largest[kind] = (max(force for force, _ in most), max(moment for _, moment in most))
         return cls(source, tuple(dict.fromkeys(kinds)), largest)
 
     def shapes(self, k: int, x: Array, look: Look) -> list[Shape]:
@@ -139,13 +139,8 @@ class Symbols:
                 shapes += arrow(*ends, look.size, colour, scene.planar)
         for node, value in zip(found.turning, found.moment, strict=True):
             if np.linalg.norm(value) > LEAST * moment:
-                share = value / moment
-                at = pose.place[node - 1]
-                shapes += (
-                    turning(at, share, look.size, colour)
-                    if scene.planar
-                    else double_arrow(at, share, look.size, colour)
-                )
+                draw = turning if scene.planar else double_arrow
+                shapes += draw(pose.place[node - 1], value / moment, look.size, colour)
         return shapes
 
     @property
@@ -198,19 +193,16 @@ def moments(euler: Array, f: Array) -> Array:
 
 def arrow(a: Array, b: Array, size: float, colour: Colour, flat: bool) -> list[Shape]:
     """A straight arrow from a to b; a short one has a head of its own length. `flat`: in a planar picture."""
-    along = b - a
-    length = float(np.linalg.norm(along))
+    length, u = float(np.linalg.norm(b - a)), unit(b - a)
     if not length:
         return []
-    u = along / length
     head = min(1.1 * size, length)
     side, up = normal_pair(u) if abs(u[2]) > 1e-9 else (np.cross([0, 0, 1.0], u), np.array([0, 0, 1.0]))
     base = b - head * u
-    blades = np.stack([np.stack((base + 0.36 * head * w, b, base - 0.36 * head * w)) for w in (side, up)])
     if flat:
-        return [
-            Line(np.stack((a, base + 0.1 * head * u)), colour, 1.8, 6), Faces(blades[:1], colour, None, 1.0, 7, False)
-        ]
+        shaft = Line(np.stack((a, base + 0.1 * head * u)), colour, 1.8, 6)
+        return [shaft, arrow_head(b, base, 0.36 * head * side, colour)]
+    blades = np.stack([np.stack((base + 0.36 * head * w, b, base - 0.36 * head * w)) for w in (side, up)])
     return [Line(np.stack((a, b)), colour, 1.8, 6), Line(blades, colour, 1.8, 6)]  # in front of solids
 
 
@@ -228,10 +220,9 @@ def turning(at: Array, share: Array, size: float, colour: Colour) -> list[Shape]
     end = 0.5 + np.sign(value) * (0.4 + 4.4 * abs(value))
     x, y, _ = np.eye(3)
     arc = circle(at, x, y, r, 40, (0.5, float(end)))
-    tip, before = arc[-1], arc[-1] - np.sign(value) * 1.1 * size * np.array([-np.sin(end), np.cos(end), 0.0])
-    radial = (tip - at) / r
-    head = np.stack((tip, before + 0.4 * size * radial, before - 0.4 * size * radial))
-    return [Line(arc, colour, 1.6, 6), Faces(head[None], colour, None, 1.0, 7, False)]
+    radial = (arc[-1] - at) / r
+    before = arc[-1] - np.sign(value) * 1.1 * size * np.cross((0.0, 0.0, 1.0), radial)
+    return [Line(arc, colour, 1.6, 6), arrow_head(arc[-1], before, 0.4 * size * radial, colour)]
 
 
 def node_masses(scene: Scene, xm: Array) -> dict[int, float]:

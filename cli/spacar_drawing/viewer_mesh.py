@@ -8,18 +8,17 @@ the frames are stored for every picture.
 """
 
 from collections.abc import Callable, Sequence
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
 from spacar_drawing.bodies import Alike, alike_bodies, beam_lines, open_ends
-from spacar_drawing.drawn_shapes import Faces, Line, Mark, Shape, convex_pieces, disc_outline
-from spacar_drawing.element_pictures import DrawOne, divided, wound_arcs
+from spacar_drawing.drawn_shapes import Faces, Line, Mark, Shape, convex_pieces, disc_outline, placed, unit
+from spacar_drawing.element_pictures import divided, wound_arcs
 from spacar_drawing.look import SYMBOL, Look
 from spacar_drawing.paint import rgba
-from spacar_drawing.scene import Element, Pose, Scene
+from spacar_drawing.scene import Pose, Scene
 from spacar_drawing.sections import outline
 from spacar_drawing.supports import support_shapes
 
@@ -94,7 +93,7 @@ class TriangleMesh:
         caps = [corner[closed[:, i], at][:, fan].reshape(-1, 3) for i, at in enumerate((0, -1))]
         place = np.zeros((m * n * k, 3))
         place[:, 1:] = np.tile(contour, (m * n, 1))
-        normal = place / np.maximum(np.linalg.norm(place, axis=1, keepdims=True), 1e-300) if round_ else None
+        normal = unit(place) if round_ else None
         self.add(
             [v.reshape(pictures, -1, 3) for v in (points, y, z)], np.repeat(np.arange(m * n), k), place,
             np.tile(colour, (m * n * k, 1)), np.repeat(elements, n * k), np.concatenate([sides, *caps]), normal,
@@ -114,8 +113,7 @@ class TriangleMesh:
 
 
 def _sides(m: int, n: int, k: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Numbers (m, n, k) of the corners of m tubes with n rings of k corners, and the triangles (..., 3) of their sides.
-    """
+    """Numbers (m, n, k) of the corners of m tubes with n rings of k corners, and the triangles (..., 3) of sides."""
     corner = np.arange(m * n * k).reshape(m, n, k)
     after = np.roll(corner, -1, axis=2)
     a, b, c, d = corner[:, :-1], after[:, :-1], after[:, 1:], corner[:, 1:]
@@ -144,23 +142,18 @@ def mesh_of(scene: Scene, xs: Array, look: Look, more: Sequence[Draw] = ()) -> T
     for group in groups:
         _slender(mesh, scene, poses, look, group, SIDES if few else SIDES // 2)
     for draw, e in single:
-        _shapes(mesh, poses, partial(_one, draw, scene, look, e), e.number)
-    _shapes(mesh, poses, lambda pose: wound_arcs(scene, pose, look), 0)
-    if look.supports:
-        _shapes(mesh, poses, lambda pose: support_shapes(scene, pose, look), 0)
+        _shapes(mesh, [draw(scene, pose, look, e) for pose in poses], e.number)
+    for what in (wound_arcs, support_shapes):
+        _shapes(mesh, [what(scene, pose, look) for pose in poses], 0)
     for extra in more:
-        _shapes(mesh, poses, extra, 0)
+        _shapes(mesh, [extra(pose) for pose in poses], 0)
     return mesh
-
-
-def _one(draw: DrawOne, scene: Scene, look: Look, e: Element, pose: Pose) -> list[Shape]:
-    return draw(scene, pose, look, e)
 
 
 def _slender(mesh: TriangleMesh, scene: Scene, poses: Sequence[Pose], look: Look, group: Alike, sides: int) -> None:
     first = group.elements[0]
     section = look.settings.section(first.number, first.shape)
-    contour = outline(section) if section is not None else None
+    contour = outline(section)
     round_ = contour is None or (section is not None and section.shape.startswith("CIRC"))
     if contour is None:
         contour = disc_outline(group.radius * mesh.size, sides)
@@ -172,9 +165,8 @@ def _slender(mesh: TriangleMesh, scene: Scene, poses: Sequence[Pose], look: Look
     mesh.tubes(points, y, z, contour, rgba(group.colour, 1.0)[0, :3], numbers, round_, ends)
 
 
-def _shapes(mesh: TriangleMesh, poses: Sequence[Pose], draw: Draw, element: int) -> None:
-    """Shapes that a function draws, matched from picture to picture; what comes and goes is left out."""
-    every = [draw(pose) for pose in poses]
+def _shapes(mesh: TriangleMesh, every: Sequence[Sequence[Shape]], element: int) -> None:
+    """The shapes of every picture, matched from one to the next; what comes and goes is left out."""
     extent = mesh.size / SYMBOL
     for alike in zip(*every, strict=False):
         first = alike[0]
@@ -188,7 +180,7 @@ def _shapes(mesh: TriangleMesh, poses: Sequence[Pose], draw: Draw, element: int)
             corner = np.arange(m * k).reshape(m, k)
             fan = np.stack([corner[:, [0, i, i + 1]] for i in range(1, k - 1)], axis=1).reshape(-1, 3)
             colour = np.repeat(rgba(first.colour, 1.0, m)[:, :3], k, axis=0)
-            mesh.part(np.stack(faces).reshape(len(poses), -1, 3), colour, element, fan, extent)
+            mesh.part(np.stack(faces).reshape(len(every), -1, 3), colour, element, fan, extent)
         elif isinstance(first, Line):
             lines = [s.points for s in alike if isinstance(s, Line)]
             if all(p.shape == lines[0].shape for p in lines):
@@ -198,16 +190,12 @@ def _shapes(mesh: TriangleMesh, poses: Sequence[Pose], draw: Draw, element: int)
 def _line(mesh: TriangleMesh, points: Array, look: Line, element: int, extent: float) -> None:
     """A polyline, or several, (pictures, ..., n, 3) as thin tubes."""
     points = points.reshape(len(points), -1, *points.shape[-2:])
-    tangent = np.gradient(points, axis=-2)
-    tangent /= np.maximum(np.linalg.norm(tangent, axis=-1, keepdims=True), 1e-300)
-    guide = np.where(np.abs(tangent[..., 2:]) < 0.9, [0, 0, 1.0], [1.0, 0, 0])
-    y = np.cross(guide, tangent)
-    y /= np.maximum(np.linalg.norm(y, axis=-1, keepdims=True), 1e-300)
+    tangent = unit(np.gradient(points, axis=-2))
+    y = unit(np.cross(np.where(np.abs(tangent[..., 2:]) < 0.9, [0, 0, 1.0], [1.0, 0, 0]), tangent))
     z = np.cross(tangent, y)
     contour = disc_outline(THICKNESS * look.width * mesh.size, 4)
     m, n = points.shape[1:3]
-    rings = points[..., None, :] + contour[:, 0, None] * y[..., None, :] + contour[:, 1, None] * z[..., None, :]
-    rigid = rings.reshape(len(points), -1, 3)
+    rigid = placed(contour, points, y, z).reshape(len(points), -1, 3)
     if np.max(np.abs(rigid_motion(rigid)[2]), initial=0.0) <= RIGID * extent:
         colour = np.tile(rgba(look.colour, 1.0)[0, :3], (m * n * 4, 1))
         mesh.part(rigid, colour, element, _sides(m, n, 4)[1], extent)

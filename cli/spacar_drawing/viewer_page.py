@@ -174,9 +174,7 @@ def view_model(
     azimuth, elevation = (-90.0, 90.0) if scene.planar else view_angles(view)
     values, columns = _values(source, chosen)
     traces, spans = _paths(source, centre)
-    arrays = _arrays(mesh, centre) | {
-        "nodes": _text(places - centre, np.float32), "paths": _text(traces, np.float32)
-    }
+    arrays = _arrays(mesh, centre) | {"nodes": _text(places - centre, np.float32), "paths": _text(traces, np.float32)}
     if values is not None:
         arrays["values"] = _text(values, np.float32)
     colours = None

@@ -222,7 +222,8 @@ class LivePlot:
             self._bounds = low, high
         else:
             self._bounds = (
-                np.where(low < shown[0], low - room, shown[0]), np.where(high > shown[1], high + room, shown[1])
+                np.where(low < shown[0], low - room, shown[0]),
+                np.where(high > shown[1], high + room, shown[1]),
             )
         axes = furnish(self._figure, self._bounds, self._camera, " ", FOOT)
         if self._moving is not None:

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 from spacar_drawing.drawn_shapes import Faces, Label, Line
-from spacar_drawing.paint import MOST_LABELS, _alike, _Dots, paint, place_labels, thin
+from spacar_drawing.paint import MOST_LABELS, _alike, paint, place_labels, thin
 from spacar_drawing.stage import Camera, new_figure
 
 
@@ -19,18 +19,6 @@ def test_many_labels_are_thinned_to_round_numbers_and_the_ends():
     shown, k = thin(labels)
     assert k == 20
     assert [s.text for s in shown] == ["1", *(str(i) for i in range(20, 1001, 20)), "1001"]
-
-
-def test_cells_hold_all_points_within_reach():
-    """Against the distance to every point."""
-    rng = np.random.default_rng(5)
-    points = rng.uniform(-50, 300, (400, 2))
-    dots = _Dots(points, 20.0)
-    for at in rng.uniform(-50, 300, (30, 2)):
-        near = dots.near(at)
-        wanted = points[np.max(np.abs(points - at), axis=1) <= 20.0]
-        assert {tuple(p) for p in wanted.tolist()} <= {tuple(p) for p in near.tolist()}
-    assert len(_Dots(np.zeros((0, 2)), 20.0).near(np.zeros(2))) == 0
 
 
 def test_polygons_of_different_corners_keep_their_outline():

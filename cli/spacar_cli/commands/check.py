@@ -59,8 +59,7 @@ def command(environment: Environment, file: Path, mode: int | None, expand: bool
         counts = (f"{severities.count(s)} {s}{'s' * (severities.count(s) != 1)}" for s in ("error", "warning"))
         environment.wrote(f"{source}: {', '.join(counts)}")
         if environment.verbose and deck is not None and status is ExitStatus.DONE:
-            for line in freedom(without_functions(deck)):
-                environment.say(line)
+            environment.say(*freedom(without_functions(deck)))
     return status
 
 

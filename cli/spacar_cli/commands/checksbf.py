@@ -21,7 +21,6 @@ def command(environment: Environment, file: str, as_json: bool) -> None:
     if as_json:
         environment.say(json.dumps(checksbf.as_json(check)))
     else:
-        for line in checksbf.listing(check):
-            environment.say(line)
+        environment.say(*checksbf.listing(check))
     if not check.sound:
         raise AnalysisError(f"{check.path} is damaged: {'; '.join(check.damage)}", "files.damaged")

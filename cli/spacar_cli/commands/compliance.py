@@ -44,5 +44,4 @@ def command(environment: Environment, /, file: str, node: int, orientation: int 
     where = f"position node {found.position}, orientation node {found.orientation}"
     for title, value in (("global axes", found.fixed), ("axes of the body", found.body)):
         environment.say(f"Compliance of {where}, {title}, in {unit} and rad by N and N {unit}")
-        for line in matrix(value * factor, rows, columns, width=6):
-            environment.say(line)
+        environment.say(*matrix(value * factor, rows, columns, width=6))

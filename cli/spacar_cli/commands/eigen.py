@@ -61,8 +61,7 @@ def command(
         clean = {k: without_rounding(found[k - 1].values) for k in chosen}
         exact = [complex(clean[row[0]][row[8] - 1]) for row in rows]
         printed = [(*row[:2], v.real, v.imag, *row[4:8]) for row, v in zip(rows, exact, strict=True)]
-        for line in table(HEADS[:8], printed):
-            environment.say(line)
+        environment.say(*table(HEADS[:8], printed))
     if output:
         _pictures(environment, file, [found[k - 1] for k in chosen], chosen, against, output)
 

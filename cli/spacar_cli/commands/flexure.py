@@ -79,8 +79,7 @@ def command(
     if as_json:
         environment.say(_json(study, body))
     elif csv_file is None or str(csv_file) != "-":
-        for line in _lines(study, body):
-            environment.wrote(line)
+        environment.wrote(*_lines(study, body))
 
 
 def _write(study: Flexure, path: Path, view: str | None, body: bool) -> None:
@@ -111,15 +110,14 @@ def _json(study: Flexure, body: bool) -> str:
     def plain(values: list) -> list:
         return [v if math.isfinite(v) else None for v in values]
 
-    return json.dumps(
-        {
-            "source": study.source, "drive": study.move.text, "node": study.node.position,
-            "orientation": study.node.orientation, "undeflected": study.zero, "turning": study.errors.turning,
-            "pivot": plain(study.errors.pivot.tolist()), "units": {c.name: c.unit for c in study.columns(body)},
-            "columns": {name: plain(values.tolist()) for name, values in study.table(body).items()},
-            "warnings": study.warnings,
-        }
-    )
+    record = {
+        "source": study.source, "drive": study.move.text, "node": study.node.position,
+        "orientation": study.node.orientation, "undeflected": study.zero, "turning": study.errors.turning,
+        "pivot": plain(study.errors.pivot.tolist()), "units": {c.name: c.unit for c in study.columns(body)},
+        "columns": {name: plain(values.tolist()) for name, values in study.table(body).items()},
+        "warnings": study.warnings,
+    }  # fmt: skip
+    return json.dumps(record)
 
 
 def _lines(study: Flexure, body: bool) -> list[str]:

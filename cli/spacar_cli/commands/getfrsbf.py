@@ -30,6 +30,4 @@ def command(environment: Environment, file: str, ident: str, steps: str | None, 
         value = result.get(ident, None if steps is None else getfrsbf.step_numbers(steps, result.steps))
         name = "TDEF" if ident.strip().upper() == "TDEF" else result.variable(ident).id
         tell_notes(environment, notes(result))
-    lines = [json.dumps(getfrsbf.as_json(name, value))] if as_json else getfrsbf.as_lines(value)
-    for line in lines:
-        environment.say(line)
+    environment.say(*([json.dumps(getfrsbf.as_json(name, value))] if as_json else getfrsbf.as_lines(value)))

@@ -37,7 +37,6 @@ def command(
         environment.say(json.dumps(getss.as_json(system)))
     else:
         for name, matrix in system.arrays().items():
-            for line in (f"{name} ({matrix.shape[0]} x {matrix.shape[1]}):", *as_lines(matrix)):
-                environment.say(line)
+            environment.say(f"{name} ({matrix.shape[0]} x {matrix.shape[1]}):", *as_lines(matrix))
         if system.D is None:
             environment.say("D: none, no direct feedthrough")

@@ -24,5 +24,4 @@ def command(environment: Environment, name: str | None, formats: str | None) -> 
         record = keywords_json() if formats == "json" else textmate_grammar()
         environment.say(json.dumps(record, indent=1))
         return
-    for line in overview() if name is None else explanation(name):
-        environment.say(line)
+    environment.say(*(overview() if name is None else explanation(name)))

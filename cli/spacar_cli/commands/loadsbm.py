@@ -1,5 +1,5 @@
 """`spacar loadsbm FILE [ID ...]`."""
 
-from spacar_cli.exporting import export_command
+from spacar_cli.commands.loadsbd import export_command
 
 command = export_command("sbm")

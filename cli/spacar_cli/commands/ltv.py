@@ -42,8 +42,7 @@ def command(
     if modes is not None:
         reduction = reduce_modes(data, modes)
         data = reduction.system
-        for line in reduction.report:
-            environment.wrote(line)
+        environment.wrote(*reduction.report)
     response = simulate_ltv(data, interpolation=interpolation, substeps=substeps)
     targets = tables or [path.with_name(f"{path.stem}_ltv.npz")]
     for target in targets:

@@ -30,5 +30,4 @@ def command(environment: Environment, file: str, modes: int, quasi_static: int |
     target = output or path.with_name(f"{path.stem}mr.ltv")
     write_ltv(reduction.system, target, path)
     tell_notes(environment, warnings)
-    for line in (*reduction.report, target):
-        environment.wrote(line)
+    environment.wrote(*reduction.report, target)

@@ -61,8 +61,7 @@ def command(
     if as_json:
         environment.say(_json(found))
     elif csv_file is None:
-        for line in _lines(found):
-            environment.say(line)
+        environment.say(*_lines(found))
 
 
 def _given(parameters: tuple[str, ...]) -> tuple[list[str], list[float | None]]:
@@ -88,13 +87,12 @@ def _json(found: Sensitivity) -> str:
     def named(names: tuple[str, ...], values: list[float], units: tuple[str, ...]) -> list[dict[str, str | float]]:
         return [{"name": n, "value": v, "unit": u} for n, v, u in zip(names, values, units, strict=True)]
 
-    return json.dumps(
-        {
-            "parameters": named(found.parameters, found.parameter_values.tolist(), found.parameter_units),
-            "quantities": named(found.quantities, found.values.tolist(), found.quantity_units),
-            "derivatives": finite(found.derivatives.tolist()), "notes": list(found.notes),
-        }
-    )
+    record = {
+        "parameters": named(found.parameters, found.parameter_values.tolist(), found.parameter_units),
+        "quantities": named(found.quantities, found.values.tolist(), found.quantity_units),
+        "derivatives": finite(found.derivatives.tolist()), "notes": list(found.notes),
+    }  # fmt: skip
+    return json.dumps(record)
 
 
 def _lines(found: Sensitivity) -> list[str]:

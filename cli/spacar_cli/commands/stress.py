@@ -76,8 +76,7 @@ def command(
         return
     if not any(one.quantity == "mises" for one in largest):
         tell(environment, "information", "no element has a cross-section: no stresses (BEAMSEC, BEAMVIS, CROSSTYPE)")
-    for line in _lines(found, source.scene.metre):
-        environment.say(line)
+    environment.say(*_lines(found, source.scene.metre))
 
 
 def _picture(

@@ -67,8 +67,7 @@ def check(environment: Environment, model: Path) -> None:
     read = _read(model)
     from spacar_cli.symbolic_text import description
 
-    for line in description(read):
-        environment.say(line)
+    environment.say(*description(read))
 
 
 @command.command("derive", cls=words.Command)
@@ -114,8 +113,7 @@ def export(
         from spacar_cli.deck_export import export_deck
 
         _demand_sympy()
-        for line in export_deck(model, language, strategy, jacobian, output, shapes, duration):
-            environment.wrote(line)
+        environment.wrote(*export_deck(model, language, strategy, jacobian, output, shapes, duration))
         return
     if language is None:
         raise UsageError("choose the language of the program with --language: python, c, fortran or latex")
@@ -173,6 +171,4 @@ def simulate(
     from spacar_cli.symbolic_run import simulate_model
 
     wishes |= {"time": duration, "steps": n_steps}
-    lines = simulate_model(read, strategy, assignments, wishes, compile, plot, equations, wait)
-    for line in lines:
-        environment.wrote(line)
+    environment.wrote(*simulate_model(read, strategy, assignments, wishes, compile, plot, equations, wait))

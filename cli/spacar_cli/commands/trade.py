@@ -154,8 +154,7 @@ def _told(
             environment.say(f"{target:.3g} is not reached: within its time the reference has that error only")
         if best is not None and best.error + ref.error > goal:
             environment.say(f"no setting reaches {goal:.3g}; the most accurate one:")
-        for line in (_sentence(best, goal, ref), *lines):
-            environment.say(line)
+        environment.say(_sentence(best, goal, ref), *lines)
     for entry in entries:
         if entry.reason and not entry.reason.startswith(STOPPED):
             tell(environment, "warning", f"{' '.join(filter(None, entry.label))}: {entry.reason}")

@@ -46,5 +46,5 @@ def command(
     if over_section and stress not in ("mises", "normal", "shear"):
         raise UsageError("--over-section shows a stress: give --stress mises, normal or shear")
     wanted = mode_numbers, factor, at, rest, stress, diagram, over_section
-    for line in visual(environment, file, mode, choices, *wanted, as_list):
-        environment.say(line) if as_list else environment.wrote(line)
+    found = visual(environment, file, mode, choices, *wanted, as_list)
+    environment.say(*map(str, found)) if as_list else environment.wrote(*found)
