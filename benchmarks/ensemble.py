@@ -23,7 +23,8 @@ import spacar
 from spacar.deck import Deck, parse_deck
 from spacar.result import Result
 from spacar.studies.assignments import change, setting
-from spacar.studies.ensemble import ensemble
+from spacar.studies.ensemble import motions
+from spacar.studies.side_by_side import side_by_side
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 SAMPLE = 5
@@ -36,6 +37,13 @@ REPEATS = 3
 def tip(result: Result) -> np.ndarray:
     """Path of the end of the arm, (steps, 3)."""
     return np.stack([result.node(8, k) for k in (1, 2, 3)], axis=1)
+
+
+def ensemble(decks: list[Deck], times: np.ndarray | None = None, **options) -> list[Result | None]:
+    """Results of decks that are followed together; None of one that has to be run alone."""
+    cases = side_by_side(decks, **options)
+    found = dict(pair for pairs in motions(cases, lambda m: list(m.results()), times, **options) for pair in pairs)
+    return [found.get(k) for k in range(len(decks))]
 
 
 def best(work, *arguments, clock=time.process_time, **options):

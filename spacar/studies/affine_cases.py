@@ -10,26 +10,28 @@ such as the shear of a beam or a fluid in a tube, this holds of what the element
 cases are made together (`spacar.compiled.numbers_of_cases`). What is not even so is found by comparison with two cases.
 
 Whether a deck may have the values is asked of all decks with the least and the largest ones: what a check allows of
-such a number is an interval. Lengths are checked in every case (`checked_lengths`); one that does not pass is left out.
+such a number is an interval. The checks that depend on lengths (`spacar.deck.checks_geometry`) are made for all cases
+at once, with bounds a little narrower, MARGIN for rounding. A case that does not pass is left out: the checks of a deck
+of its own decide and say what is wrong.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar.deck import Deck
+from spacar.deck import ELEMENT_TYPES, Deck
+from spacar.deck.checks_geometry import PARALLEL, ZERO_LENGTH, least_length
 from spacar.deck.lexer import is_in_range
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.errors import SpacarError
 from spacar.mechanism import Mechanism, build
 from spacar.studies.assignments import Setting, change, changed_arguments, changed_statements
-from spacar.studies.checked_lengths import placed_well
 from spacar.studies.ensemble import why_not_of
 from spacar.studies.side_by_side import Cases, alike, start_of
 
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
 LINEAR = {"XM", "EM", "MEE", "ESTIFF", "EDAMP", "XF", "ESIG", "STARTDX", "STARTDE", "INPUTX", "INPUTE"}
 FEWEST = 16  # cases; building the others together is as fast for fewer
 MOST = 3  # numbers that differ besides positions: 2^n decks are checked
+MARGIN = 1e-9
 MOST_PLACES = 64  # positions that differ: one deck each
 
 
@@ -196,7 +199,42 @@ def of_elements(mechanisms: Sequence[Mechanism]) -> Make:
 
 def _subsets(varied: Array) -> list[list[int]]:
     """All choices of them; place k holds those whose bit is set in k."""
-    return [
-        [int(v) for v, bit in zip(varied, reversed(bits), strict=True) if bit]
-        for bits in product((0, 1), repeat=len(varied))
-    ]
+    return [[int(v) for k, v in enumerate(varied) if bits >> k & 1] for bits in range(1 << len(varied))]
+
+
+def placed_well(mechanism: Mechanism, deck: Deck, x0: Array) -> NDArray[np.bool_]:
+    """Cases whose elements have lengths and directions that a deck may have; x0: (nx, cases)."""
+    n = mechanism.numbering
+    well: NDArray[np.bool_] = np.array(np.isfinite(x0).all(axis=0))
+    places = x0[n.positions]  # (nodes, components, cases)
+    if not len(places):
+        return well
+    least = ZERO_LENGTH * (1.0 + MARGIN) * (places.max(axis=0) - places.min(axis=0)).max(axis=0)
+    for s in deck.of(*ELEMENT_TYPES, block=1):
+        kind = ELEMENT_TYPES[s.keyword]
+        ends = [s.integer(i) for i, role in enumerate(kind.nodes, 1) if role == "position"]
+        if len(ends) < 2 or ends[0] == ends[1]:
+            continue
+        p, q = (x0[n.lnp[end - 1][n.lnp[end - 1] > 0] - 1] for end in ends[:2])
+        chord = q - p
+        length = np.sqrt((chord * chord).sum(axis=0))
+        direction = None
+        if kind.direction is not None:
+            first, count, role = kind.direction
+            direction = np.array(s.reals(first - 1, count)) if len(s.values) >= first - 1 + count else None
+        if kind.length == "always" or (kind.length == "with direction" and direction is not None):
+            well &= length > least
+        if least_chord := (1.0 + MARGIN) * least_length(s):
+            well &= length > least_chord
+        if direction is not None and role != "axis":
+            well &= ~(length > least) | ~(_sine(chord, length, direction) < (1.0 + MARGIN) * PARALLEL)
+    return well
+
+
+def _sine(chord: Array, length: Array, direction: Array) -> Array:
+    """Of the angles between chords (components, cases) and a direction (components,)."""
+    unit = direction / np.abs(direction).max()
+    with np.errstate(all="ignore"):
+        a = np.pad(chord / length, ((0, 3 - len(chord)), (0, 0))).T
+    b = np.pad(unit / np.linalg.norm(unit), (0, 3 - len(unit)))
+    return np.asarray(np.linalg.norm(np.cross(a, b), axis=-1))

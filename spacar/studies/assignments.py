@@ -220,11 +220,12 @@ class Combinations(Sequence[tuple[float, ...]]):
 
     def __init__(self, *tables: Sequence[tuple[float, ...]]) -> None:
         self.tables = tables
-        if (count := math.prod(map(len, tables))) > sys.maxsize:
-            raise UsageError(f"the values make {count:.3e} combinations: more than can ever be run", "study.set")
+        self.cases = math.prod(map(len, tables))
+        if self.cases > sys.maxsize:
+            raise UsageError(f"the values make {self.cases:.3e} combinations: more than can ever be run", "study.set")
 
     def __len__(self) -> int:
-        return math.prod(map(len, self.tables))
+        return self.cases
 
     @overload
     def __getitem__(self, k: int) -> tuple[float, ...]: ...
@@ -233,10 +234,7 @@ class Combinations(Sequence[tuple[float, ...]]):
     def __getitem__(self, k: int | slice) -> tuple[float, ...] | list[tuple[float, ...]]:
         if isinstance(k, slice):
             return [self[i] for i in range(*k.indices(len(self)))]
-        rest = k + len(self) if k < 0 else k
-        if not 0 <= rest < len(self):
-            raise IndexError(k)
-        rows = []
+        rest, rows = range(len(self))[k], []
         for table in reversed(self.tables):
             rest, own = divmod(rest, len(table))
             rows.append(table[own])

@@ -56,16 +56,13 @@ def in_batches(
         return
     first = list(islice(coming, SIZE * processes))
     size = max(1, min(SIZE, -(-len(first) // processes)))
-    for chunk, outcome in engine(run_chunk, _chunks(study, chain(first, coming), size)):
+    every = chain(first, coming)
+    chunks = (Chunk(study, batch) for batch in iter(lambda: tuple(islice(every, size)), ()))
+    for chunk, outcome in engine(run_chunk, chunks):
         if isinstance(outcome, Lost):
             yield [failed_row(case, 0.0, outcome.reason, LOST) for case in chunk.cases]
         else:
             yield outcome
-
-
-def _chunks(study: Study, cases: Iterator[Case], size: int) -> Iterator[Chunk]:
-    while batch := tuple(islice(cases, size)):
-        yield Chunk(study, batch)
 
 
 def is_motion(study: Study) -> bool:
@@ -114,14 +111,15 @@ def groups_of_rows(chunk: Chunk) -> Iterator[list[Row]]:
 
 def _together(study: Study, chunk: Chunk) -> Iterator[dict[int, Numbers]]:
     """The quantities of the cases that can be run together, by their places, group after group."""
-    for cases in _cases(study, tuple(case.values for case in chunk.cases), chunk.built):
+    for cases in _cases(study, chunk):
         numbers = partial(_numbers, study, cases.chosen)
         yield from motions(cases, numbers, threads=chunk.threads, **study.options)
 
 
-def _cases(study: Study, values: tuple[Values, ...], built: Mechanism | None) -> Iterator[Cases]:
+def _cases(study: Study, chunk: Chunk) -> Iterator[Cases]:
     """Those that can be run together, with their places: all at once, or built side by side a few at a time."""
-    cases = affine_cases(study.deck, study.settings, values, built, **study.options)
+    values = [case.values for case in chunk.cases]
+    cases = affine_cases(study.deck, study.settings, values, chunk.built, **study.options)
     if cases is not None:
         yield cases
         return

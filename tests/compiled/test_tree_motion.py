@@ -12,7 +12,7 @@ from spacar.compiled import CompiledDynamics
 from spacar.compiled.library import unavailable, why_off
 from spacar.deck import parse_deck
 from spacar.studies.assignments import change, setting
-from spacar.studies.ensemble import ensemble
+from tests.ensembles import ensemble
 from tests.examples import DATA
 
 pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))

@@ -13,7 +13,7 @@ from spacar.compiled.library import why_off
 from spacar.dynamics import array_evaluator
 from spacar.errors import AnalysisError
 from spacar.simulation import Diagram, Spasim, simulate
-from spacar.studies.ensemble import ensemble
+from tests.ensembles import ensemble
 from tests.examples import DATA
 
 STEP = ("TIMESTEP", 1e-3, 1)

@@ -1,7 +1,6 @@
 """Cases whose numbers are combinations of those of a few: they are those of decks of their own; an integer or a setting
 of the run has decks of its own."""
 
-
 import numpy as np
 import pytest
 
@@ -10,7 +9,7 @@ from spacar.compiled.library import why_off
 from spacar.deck import parse_deck, read_deck
 from spacar.studies.affine_cases import FEWEST, affine_cases
 from spacar.studies.assignments import change, setting
-from spacar.studies.ensemble import ensemble, followed
+from tests.ensembles import ensemble, followed
 from tests.examples import DATA
 
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
@@ -88,9 +87,7 @@ def test_a_sweep_takes_them_and_gives_the_rows_of_single_runs(monkeypatch):
     from spacar.studies import batched_cases
 
     taken = []
-    monkeypatch.setattr(
-        batched_cases, "affine_cases", lambda *a, **o: taken.append(affine_cases(*a, **o)) or taken[-1]
-    )
+    monkeypatch.setattr(batched_cases, "affine_cases", lambda *a, **o: taken.append(affine_cases(*a, **o)) or taken[-1])
     deck = read_deck(DATA / "robotsim.dat", 1)
     masses = np.linspace(20.0, 40.0, FEWEST + 1)
     options = {"duration": 0.3, "n_steps": 3, "rtol": 1e-7, "atol": 1e-7}

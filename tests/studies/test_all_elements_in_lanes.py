@@ -13,7 +13,8 @@ from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.mechanism import build
 from spacar.studies.affine_cases import FEWEST, affine_cases
 from spacar.studies.assignments import change, setting
-from spacar.studies.ensemble import ensemble, followed, why_not
+from spacar.studies.ensemble import why_not
+from tests.ensembles import ensemble, followed
 
 from .all_elements import MODELS, deck_of
 
@@ -65,6 +66,4 @@ def test_every_case_is_its_single_run(name):
             for variable in ("x", "xd", "e", "sig", "fxtot"):
                 want = single[variable]
                 size = max(1.0, np.abs(want).max())
-                np.testing.assert_allclose(
-                    found[variable], want, atol=100 * TOLERANCE * size, rtol=0, err_msg=variable
-                )
+                np.testing.assert_allclose(found[variable], want, atol=100 * TOLERANCE * size, rtol=0, err_msg=variable)

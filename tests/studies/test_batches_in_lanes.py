@@ -13,8 +13,9 @@ from spacar.deck import parse_deck, read_deck
 from spacar.studies import ensemble as studies_ensemble
 from spacar.studies import followers
 from spacar.studies.assignments import change, setting
-from spacar.studies.ensemble import ensemble, why_not
+from spacar.studies.ensemble import why_not
 from spacar.studies.runs import workers
+from tests.ensembles import ensemble
 from tests.examples import DATA
 
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))

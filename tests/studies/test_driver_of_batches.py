@@ -11,7 +11,7 @@ from spacar.deck import read_deck
 from spacar.forward.driver import ITERATED, POSITION, Tolerances
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.mechanism import build
-from spacar.studies.ensemble import ensemble
+from tests.ensembles import ensemble
 from tests.examples import DATA
 
 ROBOT = DATA / "robotsim.dat"

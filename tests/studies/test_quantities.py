@@ -14,10 +14,16 @@ from spacar.studies.runs.quantities import quantity
 def test_numbers_of_a_result(crank):
     x, t = crank.node(6, 1), crank.t
     truth = {
-        "x[6,1]@end": x[-1], "x[6,1]@start": x[0], "x[6, 1]@2": x[1], "x[6,1]@0.015": x[3],
-        "max(sig[2,1])": crank.element(2, 1, "sig").max(), "min(x[6,1]) - 1": x.min() - 1, "span(x[6,1])": np.ptp(x),
+        "x[6,1]@end": x[-1],
+        "x[6,1]@start": x[0],
+        "x[6, 1]@2": x[1],
+        "x[6,1]@0.015": x[3],
+        "max(sig[2,1])": crank.element(2, 1, "sig").max(),
+        "min(x[6,1]) - 1": x.min() - 1,
+        "span(x[6,1])": np.ptp(x),
         "rms(xd[6,1])": np.sqrt(np.mean(crank.node(6, 1, "xd") ** 2)),
-        "-2*pi*mean(abs(x[6,1]))**2": -2 * np.pi * np.mean(np.abs(x)) ** 2, "last(t)": t[-1],
+        "-2*pi*mean(abs(x[6,1]))**2": -2 * np.pi * np.mean(np.abs(x)) ** 2,
+        "last(t)": t[-1],
         "max(x[6,1] + 3*xd[6,1])": np.max(x + 3 * crank.node(6, 1, "xd")),
     }
     for text, value in truth.items():
@@ -40,14 +46,28 @@ def test_eigenvalues_are_complex(cantilever):
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("__import__('os')", "functions are"), ("x.real", "Attribute is not allowed"),
-        ("(lambda: 1)()", "cannot read"), ("(1)(t)", "functions are"), ("[t for t in t]", "ListComp"),
-        ("'a'", "not a number"), ("True", "not a number"), ("x[6]", "takes 2 indices, not 1"),
-        ("x", r"write x\[i, j\]"), ("y[1,1]", "variables with indices"), ("x[0,1]", "whole numbers from 1"),
-        ("x[1.5,1]", "whole numbers from 1"), ("x[t,1]", "whole numbers from 1"), ("x[1:2,1]", "cannot read"),
-        ("max(t, t)", "takes 1 argument"), ("t @ t", "after @"), ("x[6,1]@end@", "cannot read"),
-        ("t // 2", "BinOp is not allowed"), ("not t", "UnaryOp is not allowed"), ("", "no name|cannot read"),
-        (": t", "no name"), ("1+" * 300 + "1", "characters"),
+        ("__import__('os')", "functions are"),
+        ("x.real", "Attribute is not allowed"),
+        ("(lambda: 1)()", "cannot read"),
+        ("(1)(t)", "functions are"),
+        ("[t for t in t]", "ListComp"),
+        ("'a'", "not a number"),
+        ("True", "not a number"),
+        ("x[6]", "takes 2 indices, not 1"),
+        ("x", r"write x\[i, j\]"),
+        ("y[1,1]", "variables with indices"),
+        ("x[0,1]", "whole numbers from 1"),
+        ("x[1.5,1]", "whole numbers from 1"),
+        ("x[t,1]", "whole numbers from 1"),
+        ("x[1:2,1]", "cannot read"),
+        ("max(t, t)", "takes 1 argument"),
+        ("t @ t", "after @"),
+        ("x[6,1]@end@", "cannot read"),
+        ("t // 2", "BinOp is not allowed"),
+        ("not t", "UnaryOp is not allowed"),
+        ("", "no name|cannot read"),
+        (": t", "no name"),
+        ("1+" * 300 + "1", "characters"),
     ],
 )
 def test_what_is_refused_at_once(text, why):
@@ -58,10 +78,16 @@ def test_what_is_refused_at_once(text, why):
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("x[6,1]", "5 steps; add @end"), ("x[99,1]@end", "node 99 does not exist; nodes are 1 to 7"),
-        ("sig[9,1]@end", "element 9 does not exist; elements are 1 to 2"), ("eigval[1]@end", "was not computed"),
-        ("x[6,1]@6", "there are 5 steps"), ("x[6,1]@0.0151", "the nearest is 0.015"),
-        ("max(t)@end", "behind a series"), ("1/min(t)", "is inf"), ("log(-1)", "is nan"), ("10.0**400", "is inf"),
+        ("x[6,1]", "5 steps; add @end"),
+        ("x[99,1]@end", "node 99 does not exist; nodes are 1 to 7"),
+        ("sig[9,1]@end", "element 9 does not exist; elements are 1 to 2"),
+        ("eigval[1]@end", "was not computed"),
+        ("x[6,1]@6", "there are 5 steps"),
+        ("x[6,1]@0.0151", "the nearest is 0.015"),
+        ("max(t)@end", "behind a series"),
+        ("1/min(t)", "is inf"),
+        ("log(-1)", "is nan"),
+        ("10.0**400", "is inf"),
         ("9**9**9**9", "is inf"),
     ],
 )

@@ -13,7 +13,8 @@ from spacar.compiled.library import lanes_of_processor, why_off
 from spacar.deck import Deck, read_deck
 from spacar.studies import batched_cases
 from spacar.studies.assignments import change, setting
-from spacar.studies.ensemble import ensemble, why_not
+from spacar.studies.ensemble import why_not
+from tests.ensembles import ensemble
 
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 

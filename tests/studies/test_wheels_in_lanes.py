@@ -7,7 +7,8 @@ import spacar
 from spacar.compiled.library import lanes_of_processor, why_off
 from spacar.deck import read_deck
 from spacar.studies.assignments import change, setting
-from spacar.studies.ensemble import ensemble, why_not
+from spacar.studies.ensemble import why_not
+from tests.ensembles import ensemble
 from tests.examples import DATA
 
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))

@@ -1,6 +1,6 @@
 """The trade between speed and accuracy within a time limit: the settings that matter, the cheapest first.
 
-    reference   the ladder of tolerances or of meshes that `--accuracy` climbs (`policies.reference_run`)
+    reference   the ladder of tolerances or of meshes that `--accuracy` climbs, to JUDGE of the target
     models      of each measure the coarsest mesh whose error leaves room for that of the integration; in the stationary
                 modes every mesh up to there; the model with rigid beams
     settings    every method of each of these models from its loosest tolerance on, until one is accurate enough:
@@ -20,17 +20,20 @@ import numpy as np
 
 from spacar.calls import frames
 from spacar.deck.rewrite.refine import flexible_beams
+from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, SpacarError
 from spacar.integrators.methods import AUTOMATIC
 from spacar.mechanism.element_batches import by_angles
-from spacar.studies.policies.mesh import divisible, measured
-from spacar.studies.policies.reference_run import massless, reference, run_of
+from spacar.stream import Run
+from spacar.studies.policies.mesh import MeshSearch, divisible, measured
 from spacar.studies.policies.trade import Entry, Reference, assess, recommend, row_error
 from spacar.studies.runs.error_norm import distance
 from spacar.studies.runs.record import Computed
 from spacar.studies.runs.rows import Row
-from spacar.studies.runs.setting import Job, Setup, Trade, run_setup
+from spacar.studies.runs.setting import Job, Setup, Trade, run_setup, variant
+from spacar.studies.runs.tolerance_ladder import ToleranceLadder
 
+JUDGE = 0.1  # error of the reference over the target
 METHODS = (AUTOMATIC, 155, 853, 0, 595, 553)  # the first of them gives the others their limit of time
 FINEST = {True: 64, False: 16}  # elements in the place of a beam, at most: stationary modes, motions
 LOOSEST, DECADES = 1e-2, 2  # tolerances: from here to so many decades below the target
@@ -136,8 +139,7 @@ def search(trade: Trade, target: float, budget: float, tick: Tick = lambda _what
     found = TradeSearch(trade, target, budget=budget, tick=tick)
     run = frames(trade.mode, trade.deck, **trade.options)
     beams, found.undivided = divisible(run)
-    why = massless(trade) if beams and not trade.stationary else ""
-    if why:
+    if beams and not trade.stationary and (why := massless(trade)):
         beams, found.undivided = (), found.undivided | dict.fromkeys(beams, why)
     tick("the reference", found.left(FOR_REFERENCE))
     found.reference, meshes = reference(trade, run, beams, target, found.left(FOR_REFERENCE))
@@ -188,3 +190,46 @@ def _models(found: TradeSearch, meshes: Sequence[Computed]) -> list[Setup]:
         if found.error(row) <= ROOM * found.goal:
             return [*models, Setup(n)]
     return models
+
+
+def reference(
+    trade: Trade, run: Run, beams: tuple[int, ...], target: float, seconds: float
+) -> tuple[Reference, list[Computed]]:
+    """The reference, and the meshes from coarse to fine that it was extrapolated from: none where the time is enough
+    for the mesh of the user only, whose error is not known then.
+
+    Raises AnalysisError when there is no reference within the time.
+    """
+    target, end = JUDGE * target, time.process_time() + seconds
+    if not beams:
+        last, before = ToleranceLadder(run, trade.variables, end=end).climb(target)
+        return _of(last, f"methods {before.attempt} and {last.attempt} differ by {last.attempt.difference:.2e}"), []
+    study = MeshSearch(run, beams, trade.variables, end=end)
+    result = study.refined(target)
+    if result.rows is None:
+        return _of(study.meshes[0], f"the error of the mesh is not known, as {result.way} (--budget)"), []
+    finest, own = result.finest.found, study.meshes[0].found.names
+    rows = [i for i, name in enumerate(finest.names) if np.isfinite(finest.amplitude[i]) and name in own]
+    names = tuple(finest.names[i] for i in rows)
+    found = Reference(result.rows.values[rows], finest.amplitude[rows], result.estimate, result.way, names)
+    return found, [mesh for mesh in study.meshes if len(set(mesh.pieces.values())) == 1]
+
+
+def _of(run: Computed, text: str) -> Reference:
+    return Reference(run.found.values, run.found.amplitude, run.error, text, run.found.names)
+
+
+def massless(trade: Trade) -> str:
+    """Why divided beams do not move, such as parts without inertia against torsion; empty where they do."""
+    evaluator = Dynamics(run_of(trade, Setup(2)).mechanism)
+    try:
+        evaluator.rhs(0.0, evaluator.start())
+    except AnalysisError as error:
+        return str(error)
+    return ""
+
+
+def run_of(trade: Trade, setup: Setup) -> Run:
+    """The run of a model, at its own settings of the integration."""
+    options = trade.options | ({"beams": setup.measure} if setup.measure else {})
+    return frames(trade.mode, variant(trade.deck, setup), **options)

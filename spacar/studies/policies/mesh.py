@@ -168,7 +168,7 @@ class MeshSearch:
     def _active(self, target: float) -> tuple[tuple[int, ...], float]:
         """The beams that must be refined further, and the error that the mesh of the others leaves."""
         parts = np.array_split(np.array(self.beams), min(GROUPS[self.run.mode.stationary], len(self.beams)))
-        groups = [tuple(int(b) for b in part) for part in parts]
+        groups = [tuple(part.tolist()) for part in parts]
         errors = np.array([difference(self._divided(group, 2), self.meshes[0]) for group in groups])
         order = np.argsort(errors)
         still = order[REST * np.cumsum(errors[order]) <= LEFT * target]

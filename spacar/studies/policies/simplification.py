@@ -18,16 +18,17 @@ from typing import Any
 
 import numpy as np
 
-from spacar.calls import frames
 from spacar.deck import Deck
 from spacar.deck.rewrite.refine import flexible_beams
 from spacar.errors import SpacarError
 from spacar.studies.policies.budget import Tick, TradeSearch, search
 from spacar.studies.policies.trade import Entry
-from spacar.studies.runs.setting import Setup, Trade, variant
+from spacar.studies.runs.setting import Setup, Trade, setup_options, variant
 
 MOST_BEAMS = 6  # of a model whose beams are looked at one by one
 LONGEST = 10.0  # times the cheapest setting: what is dearer saves nothing
+# options of a run in the order in which they are told
+WRITTEN = ("elements", "rigid_beams", "beams", "integrator", "rtol", "atol", "compiled", "duration", "n_steps")
 SAVED = 0.95  # time over that of the cheapest setting, at most, of what is left out
 
 
@@ -146,30 +147,19 @@ def simpler_deck(trade: Trade, best: Entry | None) -> Deck | None:
     setup = None if best is None else best.setup
     if setup is None:
         return None
-    plain = Setup(
-        beams=setup.beams, strain=setup.strain, planar=setup.planar, merged=setup.merged, transfer=setup.transfer
-    )
+    names = ("beams", "strain", "planar", "merged", "transfer")
+    plain = Setup(**{name: value for name, value in vars(setup).items() if name in names})
     return None if plain in (Setup(), Setup(beams="rigid")) else variant(trade.deck, plain)
 
 
 def run_options(trade: Trade, setup: Setup) -> dict[str, str | int | float]:
     """The options of `spacar.run` for a setting, on the model of the file or on `simpler_deck`."""
-    options: dict[str, str | int | float] = {}
+    options = setup_options(trade, setup, trade.deck)
     if setup.elements != 1 and setup.beams != "rigid":
         options["elements"] = setup.elements
     if setup == replace(setup, beams="rigid", strain="full", planar=False, merged=False, transfer=True):
         options["rigid_beams"] = True
-    if setup.measure:
-        options["beams"] = setup.measure
-    if setup.integrator is not None:
-        options["integrator"] = setup.integrator
-    if setup.tolerance is not None:
-        settings = frames(trade.mode, trade.deck, **trade.options).mechanism.settings
-        ratio = settings.atol / settings.rtol if settings.rtol > 0.0 else 1.0
-        options |= {"rtol": setup.tolerance, "atol": setup.tolerance * ratio}
-    if setup.general or trade.options.get("compiled") is False:
-        options["compiled"] = False
-    return options | {name: trade.options[name] for name in ("duration", "n_steps") if name in trade.options}
+    return {name: options[name] for name in WRITTEN if name in options and (name, options[name]) != ("compiled", True)}
 
 
 def command_line(mode: int, options: dict[str, Any], name: str) -> str:

@@ -109,10 +109,7 @@ def _unfinished(
 def singly(cases: Iterable[Case], engine: Engine = run) -> Iterator[list[Row]]:
     """Rows of cases that run one by one on an engine."""
     for case, outcome in engine(run_case, cases):
-        if isinstance(outcome, Lost):
-            yield [failed_row(case, 0.0, outcome.reason, LOST)]
-        else:
-            yield [outcome]
+        yield [failed_row(case, 0.0, outcome.reason, LOST) if isinstance(outcome, Lost) else outcome]
 
 
 def finished(found: Row | None, retry: bool) -> bool:
@@ -122,18 +119,13 @@ def finished(found: Row | None, retry: bool) -> bool:
 
 def run_case(case: Case) -> Row:
     """Run one case to a row; a failure is a row with its reason."""
-    study = case.study
-    begun = time.perf_counter()
-    numbers: list[float | complex] = []
-    reason = ""
+    study, begun = case.study, time.perf_counter()
     try:
         deck = change(study.deck, study.settings, case.values)
         result = Result.collect(frames(study.mode, deck, **study.options))
-        numbers = [q.number(result) for q in study.quantities]
+        return done_row(case, [q.number(result) for q in study.quantities], time.perf_counter() - begun)
     except Exception as error:
-        reason = explain(error)
-    seconds = time.perf_counter() - begun
-    return failed_row(case, seconds, reason) if reason else done_row(case, numbers, seconds)
+        return failed_row(case, time.perf_counter() - begun, explain(error))
 
 
 def explain(error: Exception) -> str:
@@ -149,6 +141,5 @@ def done_row(case: Case, numbers: Iterable[float | complex], seconds: float) -> 
 
 def failed_row(case: Case, seconds: float, reason: str, status: str = FAILED) -> Row:
     """The row of a case that has none."""
-    names = (s.name for s in case.study.settings)
-    given = dict(zip(names, case.values, strict=True))
+    given = {s.name: value for s, value in zip(case.study.settings, case.values, strict=True)}
     return {"case": case.key, **given, "status": status, "seconds": round(seconds, 6), "reason": reason}

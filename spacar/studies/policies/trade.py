@@ -58,26 +58,18 @@ def reference_setups(
     if len(set(methods)) != 2 or not all(c in METHODS and METHODS[c].variable_step for c in methods):
         raise UsageError("the reference takes two different methods with variable step", "usage.trade")
     tight = max(REFERENCE_MARGIN * smallest, REFERENCE_TOLERANCE)
-    codes = [None] if trade.stationary else list(methods)
     several = len(set(elements)) > 1 or trade.stationary
     coarsest = -(-max(elements) // 4)
     meshes = [k * coarsest for k in (8, 4, 2, 1)] if several else [elements[0]]
-    found = []
-    for mesh in meshes:
-        for code in codes[: 2 if mesh == meshes[0] else 1]:
-            tolerance = None if code is None else tight
-            found.append(Setup(mesh, integrator=code, tolerance=tolerance))
-    return found
+    if trade.stationary:
+        return [Setup(mesh) for mesh in meshes]
+    first, *others = [Setup(mesh, integrator=methods[0], tolerance=tight) for mesh in meshes]
+    return [first, replace(first, integrator=methods[1]), *others]
 
 
-def reference(
-    trade: Trade, rows: Sequence[Row], wanted: Sequence[Setup], integration: tuple[float, str] | None = None
-) -> Reference:
-    """The reference of the rows of `wanted` and its estimated error: two methods on one of the meshes (unless the error
-    of the `integration` is given, and how it is known), two or three meshes, each twice as fine as the one before.
-
-    Raises AnalysisError.
-    """
+def reference(trade: Trade, rows: Sequence[Row], wanted: Sequence[Setup]) -> Reference:
+    """The reference of the rows of `wanted` and its estimated error: two methods on one of the meshes, two or three
+    meshes, each twice as fine as the one before. Raises AnalysisError."""
     by_key = {row["case"]: row for row in rows}
     found = [(s, by_key.get(trade.key(s))) for s in wanted]
     good = {s: row for s, row in found if row is not None and row["status"] == "done"}
@@ -93,10 +85,7 @@ def reference(
     scale = dict(zip(finest["names"], finest["amplitude"], strict=True))
     amplitude = np.array([np.inf if scale[name] is None else scale[name] for name in names])
     error, words = 0.0, []
-    if integration is not None:
-        error, text = integration
-        words.append(text)
-    elif not trade.stationary:
+    if not trade.stationary:
         tight = next(s.tolerance for s in wanted)
         of_mesh = ([s for s in good if s.elements == n] for n in meshes)
         pair = next((setups for setups in of_mesh if len({s.integrator for s in setups}) > 1), None)
@@ -130,7 +119,7 @@ def assess(
         row = by_key[trade.key(setup)]
         label = (setup.model, setup.integration)
         if row["status"] != "done":
-            entries.append(Entry(setup, label, float("nan"), float("nan"), None, str(row["reason"])))
+            entries.append(Entry(setup, label, np.nan, np.nan, None, str(row["reason"])))
             continue
         values[setup] = row_values(row, ref.names), row["seconds"]
         error, reason = row_error(row, ref, trade)

@@ -5,9 +5,8 @@ These are the expressions that the user gives; without them coordinates in motio
 """
 
 import ast
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Sequence
 from contextlib import suppress
-from typing import Any
 
 import numpy as np
 
@@ -26,9 +25,7 @@ from spacar.studies.runs.rows import Row
 GENERAL = ("eigenvalue", "load multiplier")  # words in the names of variables that belong to no node
 
 
-def compared(
-    deck: Deck, mode: int, variables: Sequence[Quantity], result: Result, fewer: bool = False
-) -> Assessed:
+def compared(deck: Deck, mode: int, variables: Sequence[Quantity], result: Result, fewer: bool = False) -> Assessed:
     """The variables that count in a result of `deck` or of one with more nodes, or (`fewer`) with fewer: then those of
     nodes that it does not have are nan, and all but coordinates in the plane when it is planar and the deck is not.
     Raises UsageError."""
@@ -41,15 +38,11 @@ def compared(
             with suppress(*[UsageError] * fewer):
                 row[:] = real_series(variable, result)
         return Assessed(tuple(v.name for v in variables), values, amplitudes(values, find_mode(mode).stationary))
-    n = build(deck, mode).numbering
-    own = {n.x_name(i) for i in range(n.nx)}
+    numbering = build(deck, mode).numbering
+    own = {numbering.x_name(i) for i in range(numbering.nx)}
     found = assessed(result.mechanism, mode, result.frames, (), stationary=True)
-    here = [
-        i
-        for i, name in enumerate(found.names)
-        if np.isfinite(found.amplitude[i])
-        and (name.removeprefix("reaction at ") in own or any(word in name for word in GENERAL))
-    ]
+    shared = [n.removeprefix("reaction at ") in own or any(word in n for word in GENERAL) for n in found.names]
+    here = np.flatnonzero(np.isfinite(found.amplitude) & np.array(shared, bool))
     return Assessed(tuple(found.names[i] for i in here), found.values[here], found.amplitude[here])
 
 
@@ -76,15 +69,8 @@ def real_series(variable: Quantity, result: Result) -> list[float]:
     return [float(v) for v in series]
 
 
-def aligned(found: Mapping[str, Any], names: Sequence[str], times: int) -> Array:
-    """Rows in the order of the names, nan where there is none: (names, times)."""
-    missing = np.full(times, np.nan)
-    return np.array([found.get(name, missing) for name in names])
-
-
 def row_values(row: Row, names: Sequence[str]) -> Array:
-    """Values of a finished row for these names, (variables, times); no names: all of the row."""
+    """Values of a finished row for these names, (variables, times), nan where there are none; no names: all of it."""
     values = np.array(row["values"])
-    if not names or list(names) == row["names"]:
-        return values
-    return aligned(dict(zip(row["names"], values, strict=True)), names, values.shape[1])
+    found, missing = dict(zip(row["names"], values, strict=True)), np.full(values.shape[1:], np.nan)
+    return np.array([found.get(name, missing) for name in names]) if names else values

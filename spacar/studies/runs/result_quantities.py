@@ -65,9 +65,8 @@ def coordinates(mechanism: Mechanism, x: Array) -> Assessed:
 
 def free_coordinates(mechanism: Mechanism) -> Index:
     """Columns of the coordinates that the motion determines."""
-    n = mechanism.numbering
-    given = {*range(n.x_class["fixed"].stop), *range(n.x_class["input"].start, n.x_class["input"].stop)}
-    return np.array([i for i in range(n.nx) if i not in given], dtype=np.int64)
+    n, rows = mechanism.numbering, np.arange(mechanism.numbering.nx)
+    return np.setdiff1d(rows, np.r_[: n.x_class["fixed"].stop, n.x_class["input"]])
 
 
 def _real(variable: Quantity, result: Result) -> Array:
@@ -118,15 +117,14 @@ def _reactions(mechanism: Mechanism, frames: Sequence[Frame], free: Index) -> li
 
 
 def _spectrum(mechanism: Mechanism, frames: Sequence[Frame]) -> list[Assessed]:
-    found = []
+    found, space = [], frames[0].state_space
+    every: list[Array] = []
     if "eigval" in frames[0].matrices:
         every = [f.matrices["eigval"] for f in frames]
-    elif "A" in frames[0].state_space and len(frames[0].state_space["A"]):
+    elif "A" in space and len(space["A"]):
         every = [_eigenvalues(f.state_space["A"]) for f in frames]
-    elif "asp" in frames[0].state_space:
+    elif "asp" in space:
         every = [_lowest(mechanism, f) for f in frames]
-    else:
-        every = []
     if every:
         modulus = [np.hypot(v[:, 0], v[:, 1]) for v in every]
         n = mechanism.numbering  # a refined state space has more of them

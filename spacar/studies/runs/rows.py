@@ -55,8 +55,7 @@ class Rows:
             self._file.seek(0)
             data = self._file.read()
             rows, whole = self._read_csv(data) if self.csv else self._read_json(data)
-            for row in rows:
-                self.done[str(row["case"])] = row
+            self.done.update((str(row["case"]), row) for row in rows)
             if whole < len(data):
                 self._file.truncate(whole)
             if self.csv and not whole:
@@ -84,8 +83,7 @@ class Rows:
         else:
             lines = [json.dumps(row, default=_parts) + "\n" for row in rows]
         self._write("".join(lines))
-        for row in rows:
-            self.done[str(row["case"])] = row
+        self.done.update((str(row["case"]), row) for row in rows)
 
     def _write(self, line: str) -> None:
         self._file.write(line.encode("utf-8"))
