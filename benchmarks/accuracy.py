@@ -2,7 +2,7 @@
 
 python benchmarks/accuracy.py [motions | meshes] [MODEL ...]
 
-Motions: the norm of `spacar.studies.runs.error_norm` over the free coordinates against a reference of method 853 with
+Motions: the norm of `studies.runs.result_quantities` over the free coordinates against a reference of method 853 with
 ERROR REFERENCE (595 with ten times of it for stiff models), on the mesh of the model; the screws and the pendulum on a
 stiff truss against equations of one coordinate, which use nothing of spacar. What is below KNOWN
 times that ERROR, error and estimate, says nothing about estimates. Cost: time and right-hand sides of all runs of the
@@ -29,8 +29,7 @@ from spacar.arrays import Array
 from spacar.deck import Deck, parse_deck
 from spacar.deck.rewrite.refine import refine
 from spacar.errors import AnalysisError
-from spacar.studies.runs.error_norm import amplitudes, distance
-from spacar.studies.runs.result_quantities import free_coordinates
+from spacar.studies.runs.result_quantities import amplitudes, distance, free_coordinates
 
 TARGETS = (1e-3, 1e-5, 1e-7)
 REFERENCE, KNOWN = 1e-12, 10.0

@@ -28,8 +28,7 @@ from spacar.deck import Deck, parse_deck
 from spacar.deck.rewrite.refine import flexible_beams
 from spacar.errors import AnalysisError, SpacarError
 from spacar.integrators.methods import METHODS
-from spacar.studies.runs.error_norm import amplitudes, distance
-from spacar.studies.runs.result_quantities import free_coordinates
+from spacar.studies.runs.result_quantities import amplitudes, distance, free_coordinates
 
 TARGET = 1e-3
 CODES, DECADES, MESHES = (595, 553, 0, 155, 853), (2, 3, 4, 5, 6, 7), (1, 2, 4, 8)

@@ -2,8 +2,8 @@
 
 Parts become links of a tree. Orientation nodes that rigid beams join are one frame, a flexible beam has assumed shapes
 and is clamped in the frame at p (or q). What meets a part that is there already closes a loop. Frames lie along N in
-the reference configuration (theory-planar.md, section 1; theory-spatial.md, section 2). How an orientation turns is
-that of the plane (`deck_as_planar_model`) or of space (`deck_as_spatial_model`).
+the reference configuration (theory-planar.md, section 1; theory-spatial.md, section 2). How an orientation turns in
+the plane and in space: `deck_by_dimension`.
 """
 
 import json
@@ -15,8 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from spacar.arrays import Array
-from spacar_cli.deck_as_text import MARK, DeckText
-from spacar_cli.deck_parts import Part
+from spacar_cli.deck_as_text import MARK, DeckText, Part
 
 
 class Orientation(NamedTuple):

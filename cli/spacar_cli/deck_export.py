@@ -15,9 +15,8 @@ from spacar.errors import AnalysisError, SpacarError, UsageError
 from spacar.mechanism import build
 from spacar.result import Result
 from spacar_cli.deck_as_model import DeckModel
-from spacar_cli.deck_as_planar_model import PlanarModel
-from spacar_cli.deck_as_spatial_model import SpatialModel
 from spacar_cli.deck_as_text import MARK
+from spacar_cli.deck_by_dimension import PlanarModel, SpatialModel
 
 if TYPE_CHECKING:
     from spacar.symbolic.simulated_motion import SimulatedMotion

@@ -19,6 +19,8 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, TextIO
 
+from click import Abort
+
 from spacar.errors import InputError, Message, SpacarError, escaped, shown, type_and_text
 
 SOON = 0.01  # seconds: such callbacks take microseconds
@@ -113,6 +115,11 @@ class Environment:
         if not self.quiet:
             self.say(*map(str, lines))
 
+    def progress(self, text: str) -> None:
+        """A line that the next one replaces, where bars are shown; "" takes it away."""
+        if self.shows_progress:
+            print(f"\r\x1b[K{text}", end="", file=self.stderr, flush=True)
+
     def tell(self, text: str) -> None:
         """One line about the work itself: standard error. Work goes on when nobody can be told."""
         with contextlib.suppress(OSError):
@@ -185,22 +192,22 @@ def tell_error(environment: Environment, error: BaseException) -> ExitStatus:
     if isinstance(error, InputError):
         tell_messages(environment, error.messages, ("error", "warning"))
         return ExitStatus.WRONG
-    if isinstance(error, SpacarError):
-        tell(environment, "error", str(error))
-        return ExitStatus(error.exit_status)
-    if isinstance(error, OSError):
-        place = f"{error.filename}: " if error.filename else ""
-        tell(environment, "error", f"{place}{error.strerror or error}")
-        return ExitStatus.WRONG
-    if isinstance(error, MemoryError):
-        tell(environment, "error", "out of memory; store fewer steps or use fewer elements")
-        return ExitStatus.FAILED
     chain: list[BaseException] = [error]  # NumPy explains an import that failed in many words of its own
     while cause := chain[-1].__cause__ or chain[-1].__context__:
         chain.append(cause)
-    if isinstance(error, ImportError) and any(words in str(cause) for cause in chain for words in NO_ROOM):
-        tell(environment, "error", "out of memory: there is no room for the libraries that are needed")
-        return ExitStatus.FAILED
-    text = f"internal error: {type_and_text(error)} (--debug shows where; please report it)"
+    status = ExitStatus.FAILED
+    if isinstance(error, SpacarError):
+        text, status = str(error), ExitStatus(error.exit_status)
+    elif isinstance(error, OSError):
+        place = f"{error.filename}: " if error.filename else ""
+        text, status = f"{place}{error.strerror or error}", ExitStatus.WRONG
+    elif isinstance(error, KeyboardInterrupt | Abort):
+        text, status = "interrupted", ExitStatus.INTERRUPTED
+    elif isinstance(error, MemoryError):
+        text = "out of memory; store fewer steps or use fewer elements"
+    elif isinstance(error, ImportError) and any(words in str(cause) for cause in chain for words in NO_ROOM):
+        text = "out of memory: there is no room for the libraries that are needed"
+    else:
+        text = f"internal error: {type_and_text(error)} (--debug shows where; please report it)"
     tell(environment, "error", text)
-    return ExitStatus.FAILED
+    return status

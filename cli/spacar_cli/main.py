@@ -158,9 +158,8 @@ def main(arguments: Sequence[str] | None = None, environment: Environment | None
         except click.ClickException as error:
             tell(env, "error", error.format_message())
             return ExitStatus.WRONG
-        except (click.Abort, KeyboardInterrupt):
-            tell(env, "error", "interrupted")
-            return ExitStatus.INTERRUPTED
+        except (click.Abort, KeyboardInterrupt) as error:
+            return tell_error(env, error)
         except SystemExit as stop:  # click: the reader of our output has gone away
             return stop.code if isinstance(stop.code, int) else ExitStatus.FAILED
         except Exception as error:
@@ -171,8 +170,7 @@ def main(arguments: Sequence[str] | None = None, environment: Environment | None
             if env.debug:
                 raise
             if interrupted() and not isinstance(error, (SpacarError, OSError, MemoryError)):
-                tell(env, "error", "interrupted")
-                return ExitStatus.INTERRUPTED
+                return tell_error(env, KeyboardInterrupt())
             return tell_error(env, error)
 
 

@@ -63,14 +63,16 @@ def _with_references(deck: Deck) -> list[tuple[Statement, list[int]]]:
 
 
 def _like(statements: list[tuple[Statement, list[int]]], others: list[Statement]) -> bool:
-    return len(statements) == len(others) and all(
-        s is o
-        or (
-            (s.keyword, len(s.values)) == (o.keyword, len(o.values))
-            and (all(s.values[i] == o.values[i] for i in references) if references else s.values == o.values)
-        )
-        for (s, references), o in zip(statements, others, strict=True)
-    )
+    if len(statements) != len(others):
+        return False
+    for (s, references), o in zip(statements, others, strict=True):
+        if s is o:
+            continue
+        if s.keyword != o.keyword or len(s.values) != len(o.values) or (not references and s.values != o.values):
+            return False
+        if any(s.values[i] != o.values[i] for i in references):
+            return False
+    return True
 
 
 def _start(single: Mechanism, together: Mechanism, x_of: Array, e_of: Array) -> Array:

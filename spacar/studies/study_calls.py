@@ -1,6 +1,10 @@
-"""Studies in one line: `spacar.sweep` and `spacar.trade`, for users of Python; the commands ask the same questions."""
+"""Studies in one line: `spacar.sweep` and `spacar.trade`, for users of Python; the commands ask the same questions.
+
+What they answer, rows and settings, prints short, draws itself and becomes tables.
+"""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 from numbers import Integral, Real
 from pathlib import Path
@@ -10,20 +14,116 @@ from spacar.calls import Source, checked_options, deck_of, has_interval, texts
 from spacar.deck import Deck
 from spacar.deck.rewrite.refine import flexible_beams
 from spacar.errors import UsageError
-from spacar.modes import MODES, Mode, find_mode
-from spacar.studies.assignments import Axis, combine, setting
+from spacar.modes import MODES, Mode, find_mode, registered
+from spacar.studies.assignments import Axis, Setting, combine, setting
 from spacar.studies.assignments import values as listed_values
 from spacar.studies.batched_cases import in_batches, is_motion, reason
 from spacar.studies.policies.simplification import cheapest, command_line, run_options, simpler_deck
 from spacar.studies.policies.sweep import Batch, Study
 from spacar.studies.policies.sweep import sweep as swept
+from spacar.studies.policies.trade import Entry, Reference
 from spacar.studies.runs.quantities import quantity
 from spacar.studies.runs.rows import Row, Rows
 from spacar.studies.runs.setting import Trade, default_variables
 from spacar.studies.runs.workers import Engine, run
-from spacar.studies.study_answers import SweepRows, TradeAnswer
+from spacar.summary import counted
 
 INTERVAL = ("duration", "n_steps")  # options of trade, which chooses the others
+
+SHOWN = 6  # rows in a summary
+
+
+class SweepRows(list[Row]):
+    """The rows of a sweep, a dict a case, in a list.
+
+    source            name of the model
+    changed, results  names of the columns that were set, and of those that were asked for
+
+    >>> import spacar
+    >>> rows = spacar.sweep("data/plbeam5.dat", {"ESTIFF.*[EI]": [10.0, 20.0]}, "tip: x[11,2]@end", mode=7)
+    >>> rows.results, len(rows)
+    (('tip',), 2)
+    """
+
+    def __init__(self, rows: list[Row], source: str, changed: tuple[str, ...], results: tuple[str, ...]) -> None:
+        super().__init__(rows)
+        self.source, self.changed, self.results = source, changed, results
+
+    def __repr__(self) -> str:
+        failed = sum(row["status"] != "done" for row in self)
+        lines = [f"Sweep of {self.source}: {counted(len(self), 'case')}, {failed} failed"]
+        for row in self[:SHOWN]:
+            numbers = ", ".join(f"{name} = {row[name]:.6g}" for name in self.changed)
+            answers = (f"{name} = {_shown(row.get(name))}" for name in self.results)
+            lines.append(f"  {numbers}: {row['reason'] or ', '.join(answers)}")
+        if len(self) > SHOWN:
+            lines.append(f"  ... {len(self) - SHOWN} more")
+        return "\n".join([*lines, "  rows[0], .plot(), .to_pandas()"])
+
+    def plot(self, *names: str, path: str | Path | None = None, against: str | None = None) -> Any:
+        """A matplotlib figure of results, default all, over a number that was changed, default the first; also written
+        to `path`. The other numbers make a curve each. Raises UsageError for other names."""
+        return registered("sweep_plot")(self, names, path, against=against)
+
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame, a row a case. Raises UsageError without pandas (`pip install 'spacar[tables]'`)."""
+        return registered("frame_of_rows")(self)
+
+
+@dataclass(frozen=True)
+class TradeAnswer:
+    """What `spacar.trade` found.
+
+    best       the cheapest setting within `reached`: `error`, `seconds`, `label`; without one the most accurate
+    options    of `spacar.run` for it, on the model `deck`;  command  the same on the command line, "" where `deck` is
+               simpler than the model that was given
+    reached    `target`, or the error that could be reached within the budget
+    entries    all settings that were tried;  reference  what they were compared with, and its own `error`
+    skipped    settings that the budget left no time for
+    """
+
+    target: float
+    best: Entry | None
+    options: dict[str, Any]
+    command: str
+    entries: tuple[Entry, ...] = field(repr=False)
+    reference: Reference = field(repr=False)
+    skipped: int = 0
+    title: str = ""
+    stationary: bool = False
+    reached: float = 0.0
+    deck: Deck | None = field(default=None, repr=False)
+
+    def __repr__(self) -> str:
+        lines = [f"Trade for an error of {self.target:.3g} (that of the reference: {self.reference.error:.2e})"]
+        shown = sorted((e for e in self.entries if not e.reason), key=lambda e: e.seconds)
+        for entry in shown[:SHOWN]:
+            mark = "->" if entry == self.best else "  "
+            how = " ".join(filter(None, entry.label))
+            lines.append(f"{mark} {how:<40} error {entry.error:.2e} {entry.seconds:.4g} s")
+        if self.reached > self.target or (self.best and self.best.error > self.target):
+            lines.append("none of the settings is known to be accurate enough")
+        how = f"spacar.run({self.deck.mode}, answer.deck, **answer.options)" if self.deck else ""
+        return "\n".join([*lines, self.command or how])
+
+    def plot(self, path: str | Path | None = None) -> Any:
+        """The work-precision diagram, a matplotlib figure, also written to `path`."""
+        return registered("trade_plot")(self, path)
+
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame, a row a setting. Raises UsageError without pandas (`pip install 'spacar[tables]'`)."""
+        rows = [
+            {
+                "model": e.label[0], "integration": e.label[1], "error": e.error, "seconds": e.seconds,
+                "right-hand sides": e.rhs, "reason": e.reason,
+            }
+            for e in self.entries
+        ]  # fmt: skip
+        return registered("frame_of_rows")(rows)
+
+
+def _shown(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, int | float) else str(value)
 
 
 def sweep(
@@ -66,11 +166,9 @@ def sweep(
     if not wanted:
         raise UsageError("nothing to keep: give at least one result, for instance 'x[6,1]@end'", "usage.sweep")
     options, _ = checked_options(options)
-    number = find_mode(mode_of(source, options) if mode is None else mode).number
     axes = [Axis(setting(target), _numbers(target, given)) for target, given in change.items()]
     settings, cases = combine(axes, together)
-    study = Study(number, deck_of(source, number), settings, tuple(map(quantity, wanted)), options)
-    require_columns(study)
+    study = study_of(source, mode, settings, wanted, options)
     engine: Engine = partial(run, jobs=jobs or 1)
     path = None if output is None else Path(output)
     found: dict[str, Row] = {}
@@ -114,11 +212,8 @@ def trade(
     if not numbers or not 0.0 < target < 1.0 or not budget > 0.0 or repeats < 1:
         text = "the target is between 0 and 1, the budget positive, repeats a whole number from 1"
         raise UsageError(text, "usage.trade")
-    number, deck = compared_deck(source, mode, options)
-    require_beams(deck, number)
-    named = texts("variables", variables)
-    chosen = tuple(map(quantity, named)) or default_variables(number, deck)
-    asked = Trade(number, deck, chosen, repeats, options, named=bool(named))
+    asked = trade_of(source, mode, texts("variables", variables), repeats, options)
+    number, deck = asked.mode, asked.deck
     found, _ = cheapest(asked, target, budget)
     assert found.reference is not None  # search has said why otherwise
     best, simpler = found.best, simpler_deck(asked, found.best)
@@ -130,8 +225,10 @@ def trade(
     )  # fmt: skip
 
 
-def compared_deck(source: Source, mode: int | None, options: Mapping[str, Any]) -> tuple[int, Deck]:
-    """Mode and deck of a trade. Raises UsageError."""
+def trade_of(
+    source: Source, mode: int | None, variables: Sequence[str], repeats: int, options: dict[str, Any]
+) -> Trade:
+    """Raises UsageError for a mode or a deck that has no trade."""
     mode = mode_of(source, options) if mode is None else mode
     analysis = find_mode(mode)
     if not _compared(analysis):
@@ -140,7 +237,10 @@ def compared_deck(source: Source, mode: int | None, options: Mapping[str, Any]) 
     deck = deck_of(source, analysis.number)
     if analysis.integrated and not has_interval(deck) and len([k for k in INTERVAL if k in options]) < 2:
         raise UsageError(f"{deck.source} has no TIMESTEP; give --time and --steps", "usage.timestep")
-    return analysis.number, deck
+    if analysis.stationary and not flexible_beams(deck):
+        raise UsageError("a stationary solution without flexible beams has no error to compare", "usage.trade")
+    chosen = tuple(map(quantity, variables)) or default_variables(analysis.number, deck)
+    return Trade(analysis.number, deck, chosen, repeats, options, named=bool(variables))
 
 
 def mode_of(source: Source, options: Mapping[str, Any]) -> int:
@@ -154,20 +254,19 @@ def _compared(mode: Mode) -> bool:
     return mode.stationary or (mode.integrated and not mode.linearized)
 
 
-def require_beams(deck: Deck, mode: int) -> None:
-    """Raises UsageError for a stationary mode without beams to refine: it has no reference."""
-    if find_mode(mode).stationary and not flexible_beams(deck):
-        raise UsageError("a stationary solution without flexible beams has no error to compare", "usage.trade")
-
-
-def require_columns(study: Study) -> None:
+def study_of(
+    source: Source, mode: int | None, settings: tuple[Setting, ...], results: Iterable[str], options: dict[str, Any]
+) -> Study:
     """Raises UsageError when two columns have the same name, or a target does not exist."""
+    number = find_mode(mode_of(source, options) if mode is None else mode).number
+    study = Study(number, deck_of(source, number), settings, tuple(map(quantity, results)), options)
     doubled = [c for c in study.columns if study.columns.count(c) > 1]
     if doubled:
         text = f"two columns would be called {doubled[0]}; name the quantity 'NAME: EXPRESSION'"
         raise UsageError(text, "usage.sweep")
     for target in (t for s in study.settings for t in s.targets):
         target.places(study.deck)  # a wrong target ends the study now, not in every row
+    return study
 
 
 def batches_of(

@@ -22,7 +22,7 @@ NAMED = {
     "spacar/deck/checks_geometry.py": "checks of its own numbers",
     "cli/spacar_drawing/element_pictures.py": "pictures of its own",
     "spacar/deck/cross_section.py": "TUBE is a shape there",
-    "cli/spacar_cli/deck_parts.py": "what it is in a symbolic model; others are refused by name",
+    "cli/spacar_cli/deck_as_text.py": "what it is in a symbolic model; others are refused by name",
 }  # fmt: skip
 
 every_type = pytest.mark.parametrize("kind", TYPES, ids=lambda t: t.keyword)

@@ -10,8 +10,7 @@ from hashlib import sha256
 from threading import Thread
 
 import pytest
-from spacar_cli.editor.page_calls import PageCalls
-from spacar_cli.editor.page_server import SCRIPTS, PageServer
+from spacar_cli.editor.page_server import SCRIPTS, PageCalls, PageServer
 
 from tests.examples import DATA
 

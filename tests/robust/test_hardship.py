@@ -7,7 +7,7 @@ import types
 from pathlib import Path
 
 import pytest
-from spacar_cli.cluster import AHEAD, FEWEST, run_on_cluster
+from spacar_cli.commands.sweep import AHEAD, FEWEST, run_on_cluster
 
 from spacar.studies.runs.workers import Lost
 

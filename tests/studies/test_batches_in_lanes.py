@@ -11,7 +11,6 @@ import spacar
 from spacar.compiled.library import lanes_of_processor, why_off
 from spacar.deck import parse_deck, read_deck
 from spacar.studies import ensemble as studies_ensemble
-from spacar.studies import followers
 from spacar.studies.assignments import change, setting
 from spacar.studies.ensemble import why_not
 from spacar.studies.runs import workers
@@ -97,7 +96,7 @@ def test_only_the_block_of_a_case_that_fails_is_run_alone():
 
 def test_rows_that_are_there_survive_an_interruption(robot, tmp_path, monkeypatch):
     begun = []
-    follow = followers.Follower.follow
+    follow = studies_ensemble.Follower.follow
 
     def interrupted(self, group):
         begun.append(group)
@@ -105,14 +104,14 @@ def test_rows_that_are_there_survive_an_interruption(robot, tmp_path, monkeypatc
             raise KeyboardInterrupt
         return follow(self, group)
 
-    monkeypatch.setattr(followers.Follower, "follow", interrupted)
+    monkeypatch.setattr(studies_ensemble.Follower, "follow", interrupted)
     monkeypatch.setattr(studies_ensemble, "LARGEST", 8)
     output = tmp_path / "rows.csv"
     ask = (robot, {"XM.8": list(np.linspace(20.0, 40.0, 20))}, "z: x[8,3]@end")
     with pytest.raises(KeyboardInterrupt):
         spacar.sweep(*ask, output=output, jobs=1, **OPTIONS)
     assert len(list(csv.DictReader(output.open()))) == sum(map(len, begun[0]))  # a block has the processor's lanes
-    monkeypatch.setattr(followers.Follower, "follow", follow)
+    monkeypatch.setattr(studies_ensemble.Follower, "follow", follow)
     rows = spacar.sweep(*ask, output=output, **OPTIONS)
     assert [row["status"] for row in rows] == 20 * ["done"]
     assert len(list(csv.DictReader(output.open()))) == 20

@@ -13,8 +13,7 @@ from spacar.deck import parse_deck, read_deck
 from spacar.errors import UsageError
 from spacar.studies.assignments import axis, change, setting
 from spacar.studies.batched_cases import reason
-from spacar.studies.ensemble import why_not
-from spacar.studies.followers import E_FIELDS, X_FIELDS
+from spacar.studies.ensemble import E_FIELDS, X_FIELDS, why_not
 from spacar.studies.policies.sweep import Study
 from spacar.studies.runs.quantities import quantity
 from spacar.studies.side_by_side import alike

@@ -8,7 +8,7 @@ import spacar
 from spacar.deck import parse_deck
 from spacar.errors import AnalysisError
 from spacar.studies.policies import mesh as mesh_accuracy
-from spacar.studies.runs.extrapolation import MARGIN, extrapolate
+from spacar.studies.runs.mesh_ladder import MARGIN, extrapolate
 
 BETA = np.array((1.8751040687119611, 4.694091132974175))  # cos b cosh b = -1
 

@@ -11,7 +11,7 @@ from spacar.compiled.library import why_off
 from spacar.deck import Deck
 from spacar.errors import UsageError
 from spacar.studies.policies.trade import assess, recommend, reference, reference_setups
-from spacar.studies.runs.extrapolation import extrapolate
+from spacar.studies.runs.mesh_ladder import extrapolate
 from spacar.studies.runs.quantities import quantity
 from spacar.studies.runs.setting import Job, Trade, run_setup, setups
 

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from spacar.errors import InputError, Message
 from spacar.modes import find_mode
 from spacar_cli import vocabulary as words
-from spacar_cli.deck_checking import checked_deck
 from spacar_cli.environment import Environment, ExitStatus, tell_error, tell_messages
 from spacar_cli.input_files import PIPED, STANDARD_INPUT, input_file, parse_piped, piped_text
 
 if TYPE_CHECKING:
     from spacar.deck import Deck
+    from spacar.mechanism import Mechanism
 
 MOST = 20  # names of degrees of freedom
 
@@ -54,7 +56,7 @@ def command(environment: Environment, file: Path, mode: int | None, expand: bool
         environment.say(f"% plain statements of {source.name}, numbers in m, kg, s, N, rad{converted}")
         environment.say(deck.to_text().rstrip("\n"))
     elif as_json:
-        environment.say(json.dumps({"input": str(source), "messages": [dataclasses.asdict(m) for m in messages]}))
+        environment.say(json.dumps({"input": str(source), "messages": [asdict(m) for m in messages]}))
     else:
         counts = (f"{severities.count(s)} {s}{'s' * (severities.count(s) != 1)}" for s in ("error", "warning"))
         environment.wrote(f"{source}: {', '.join(counts)}")
@@ -75,3 +77,38 @@ def freedom(deck: Deck) -> list[str]:
         f"{n.nx} coordinates, {n.ne} deformations, {n.ndof} degree{'s' * (n.ndof != 1)} of freedom{names}",
         *(line for line in run.report.lines if not line.startswith("warning: ")),
     ]
+
+
+@dataclass(frozen=True)
+class CheckedDeck:
+    """deck: None when it cannot be read; mechanism, without user functions: None with an `error`."""
+
+    deck: Deck | None = None
+    mechanism: Mechanism | None = None
+    messages: list[Message] = field(default_factory=list)
+    drawing: list[Message] = field(default_factory=list)  # about the settings of pictures
+    error: InputError | None = None
+
+
+def checked_deck(read: Callable[[], Deck], source: Path, mode: int | None, text: str | None = None) -> CheckedDeck:
+    """Read a deck for a mode (None: all blocks) and build it without its user functions, which are listed.
+
+    source  where it stands, for the settings of pictures beside it;  text  of a file that is not there. Raises
+    UsageError for a file that cannot be read.
+    """
+    from spacar_drawing.settings_check import check_settings
+
+    from spacar.kinematics.lost_stiffness import lost_stiffness
+    from spacar.mechanism import build
+    from spacar.mechanism.user_files import listed_functions, without_functions
+
+    deck = mechanism = failure = None
+    try:
+        deck = read()
+        messages = [*deck.messages, *listed_functions(deck)]
+        # the start geometry of every element
+        mechanism = build(without_functions(deck), 1 if mode is None else mode)
+        messages += lost_stiffness(deck, mechanism)
+    except InputError as error:
+        messages, failure = list(error.messages), error
+    return CheckedDeck(deck, mechanism, messages, check_settings(source, deck, text), failure)

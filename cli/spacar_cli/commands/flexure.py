@@ -11,7 +11,7 @@ from spacar.calls import BEAMS
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment, tell, tell_messages, tell_notes
-from spacar_cli.row_output import put_columns
+from spacar_cli.row_output import finite, put_columns
 from spacar_cli.vocabulary import Whole
 
 if TYPE_CHECKING:
@@ -105,19 +105,15 @@ def _pivot(text: str) -> list[float]:
 def _json(study: Flexure, body: bool) -> str:
     """Facts and columns; what is not a finite number is null."""
     import json
-    import math
-
-    def plain(values: list) -> list:
-        return [v if math.isfinite(v) else None for v in values]
 
     record = {
         "source": study.source, "drive": study.move.text, "node": study.node.position,
         "orientation": study.node.orientation, "undeflected": study.zero, "turning": study.errors.turning,
-        "pivot": plain(study.errors.pivot.tolist()), "units": {c.name: c.unit for c in study.columns(body)},
-        "columns": {name: plain(values.tolist()) for name, values in study.table(body).items()},
+        "pivot": study.errors.pivot.tolist(), "units": {c.name: c.unit for c in study.columns(body)},
+        "columns": {name: values.tolist() for name, values in study.table(body).items()},
         "warnings": study.warnings,
     }  # fmt: skip
-    return json.dumps(record)
+    return json.dumps(finite(record))
 
 
 def _lines(study: Flexure, body: bool) -> list[str]:

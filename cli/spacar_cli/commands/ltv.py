@@ -6,7 +6,7 @@ import click
 
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment, tell_notes
-from spacar_cli.scope_output import show_scopes, signal_options, sorted_files
+from spacar_cli.row_output import show_scopes, signal_options, sorted_files
 
 
 @words.command("ltv")

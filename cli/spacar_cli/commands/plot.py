@@ -3,15 +3,16 @@
 from pathlib import Path
 
 import click
+import numpy as np
 from spacar_drawing.curves import curves_of, evaluate, in_units, warnings
 from spacar_drawing.files import check_stills
-from spacar_drawing.history import csv_text, history_figure
+from spacar_drawing.history import axis_text, history_figure
 from spacar_drawing.picture_source import open_source
 
 from spacar_cli import vocabulary as words
 from spacar_cli.drawing_options import PICTURES
 from spacar_cli.environment import Environment, tell_notes
-from spacar_cli.row_output import put_figure, put_text
+from spacar_cli.row_output import put_figure, put_rows
 
 
 @words.command("plot")
@@ -51,7 +52,9 @@ def command(
         outputs = [Path(source.name).parent / f"{source.scene.title}_plot.png"]
     check_stills(outputs)
     if csv_file is not None:
-        put_text(environment, csv_file, csv_text(curves, across))
+        columns = [across, *curves]
+        rows = zip(*(np.asarray(c.values).tolist() for c in columns), strict=True)
+        put_rows(environment, csv_file, [axis_text(c) for c in columns], rows)
     if not outputs and not show:
         return
     metre = source.scene.metre

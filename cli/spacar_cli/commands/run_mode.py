@@ -40,8 +40,8 @@ MEASURE = ""  # the value of --accuracy without a target
 def command_of_mode(word: str) -> click.Command:
     """The command for a word such as `1` or `-7`, with the options that this mode has. Raises UsageError."""
     mode = find_mode(int(word))
-    releases = not mode.forces
-    needed = not (releases or _takes_accuracy(mode))  # there the word may have gone to an option
+    accurate = mode.integrated or mode.stationary
+    needed = mode.forces and not accurate  # else the word may have gone to an option
     params: list[click.Parameter] = [
         click.Argument(["file"], type=click.Path(path_type=Path), required=needed),
         words.parameter("output_dir", ": the log and the results"),
@@ -51,13 +51,18 @@ def command_of_mode(word: str) -> click.Command:
         words.parameter("elements", " that can be divided; results are those of the divided model."),
         words.parameter("rigid_beams", " (DYNE)."),
     ]
-    for name in OVERRIDES if mode.integrated else ("compiled",) if mode.forces else ():
-        if name == "compiled":
-            params.append(words.parameter(name, default=None))
-        else:
-            params.append(words.parameter(name, f", instead of {OVERRIDES[name]}"))
-    if _takes_accuracy(mode):
-        params += _accuracy_options(mode)
+    for name, keyword in OVERRIDES.items():
+        if mode.integrated or (mode.forces and not keyword):
+            params.append(words.parameter(name, f", instead of {keyword}" if keyword else "", default=None))
+    if accurate:
+        runs = "choose method, tolerance and mesh" if mode.integrated else "choose the mesh of the beams"
+        text = f": several runs {runs}, estimate the error and keep it below TARGET; without it that of this run is "
+        params.append(words.parameter("accuracy", f"{text}estimated.", is_flag=False, flag_value=MEASURE, type=str))
+        all_of = ", reactions, lowest frequencies and load multipliers" if mode.stationary else ""
+        text = f": 'x[6,1]'. Default: all free coordinates{all_of}."
+        params.append(words.parameter("variables", text, multiple=True))
+    if mode.integrated:
+        params.append(words.parameter("fixed_mesh"))
     if mode.stationary or mode.third == "linearization" or mode.takes_setpoints:
         text = ", instead of MODES; 0: all of them, with the reduced matrices."
         if mode.third:
@@ -67,7 +72,7 @@ def command_of_mode(word: str) -> click.Command:
         params.append(words.parameter("modes", text, type=Whole(min=0)))
     if mode.takes_setpoints:
         params.append(words.parameter("setpoints", type=str))
-    if releases:
+    if not mode.forces:
         text = (
             "They are RLSE of flexible deformations, which keep the physics, and are printed; with a name the input "
             "file with these lines is written to OUTPUT."
@@ -79,27 +84,6 @@ def command_of_mode(word: str) -> click.Command:
     short = f"Mode {mode.number}: {mode.title}. Writes FILE.log and " + ", ".join(f"FILE.{k}" for k in mode.files) + "."
     short += " FILE - is standard input, its results are stdin.* in the current folder."
     return words.Command(word, params=params, callback=click.pass_obj(partial(run_mode, mode)), help=short)
-
-
-def _takes_accuracy(mode: Mode) -> bool:
-    """Has this mode the options?"""
-    return mode.integrated or mode.stationary
-
-
-def _accuracy_options(mode: Mode) -> list[click.Parameter]:
-    """The options of a mode that has them."""
-    runs = "choose method, tolerance and mesh" if mode.integrated else "choose the mesh of the beams"
-    text = (
-        f": several runs {runs}, estimate the error and keep it below TARGET; without it that of this run is estimated."
-    )
-    all_of = ", reactions, lowest frequencies and load multipliers" if mode.stationary else ""
-    found: list[click.Parameter] = [
-        words.parameter("accuracy", text, is_flag=False, flag_value=MEASURE, type=str),
-        words.parameter("variables", f": 'x[6,1]'. Default: all free coordinates{all_of}.", multiple=True),
-    ]
-    if mode.integrated:
-        found.append(words.parameter("fixed_mesh"))
-    return found
 
 
 def _accuracy_asked(file: Path | None, options: dict[str, Any]) -> tuple[Path | None, dict[str, Any]]:
@@ -131,9 +115,11 @@ def _accuracy_flags(asked: dict[str, Any]) -> dict[str, Any]:
     if not asked:
         return {}
     target = asked["accuracy"]
-    found: dict[str, Any] = {"--accuracy": "measured" if target is True else target}
-    found |= {"--variable": ", ".join(asked["variables"])} if asked["variables"] else {}
-    return found | ({} if asked.get("mesh", True) else {"--fixed-mesh": True})
+    found = {
+        "--accuracy": "measured" if target is True else target, "--variable": ", ".join(asked["variables"]),
+        "--fixed-mesh": "mesh" in asked,
+    }  # fmt: skip
+    return {name: value for name, value in found.items() if value}
 
 
 def run_mode(
@@ -195,6 +181,7 @@ def run_mode(
             outcome.error = error
     told = [] if run is None else run.report.lines
     tell_notes(environment, (line.removeprefix(WARNING) for line in told if line.startswith(WARNING)))
+    told = [line for line in told if not line.startswith(WARNING)]
     status = _status(environment, outcome, results)
     done: releasing.Done | None = None
     if release is not None and run is not None and status == ExitStatus.DONE:
@@ -209,9 +196,7 @@ def run_mode(
         environment.say(_as_json(mode, source, outcome, status, log, results, run, done))
     elif run is not None and (environment.verbose or environment.output_is_terminal or ill_defined):
         if environment.verbose or not mode.forces:
-            for line in told:
-                if not line.startswith(WARNING):
-                    environment.wrote(line)
+            environment.wrote(*told)
         if outcome.error is None:
             names = " ".join(str(p) for p in (log.path, *(s.path for s in results)))
             steps = f"{outcome.steps} step{'s' * (outcome.steps != 1)}"
@@ -236,10 +221,9 @@ def _flags(overrides: dict[str, Any], setpoints: str | None) -> dict[str, Any]:
 def _check_timestep(run: Run) -> None:
     """A duration without a number of steps, or the reverse, is no TIMESTEP."""
     s = run.mechanism.settings
-    if s.duration is not None and s.n_steps < 1:
-        raise UsageError("--time needs --steps, because the input file has no TIMESTEP", "usage.timestep")
-    if s.duration is None and s.n_steps > 0:
-        raise UsageError("--steps needs --time, because the input file has no TIMESTEP", "usage.timestep")
+    if (s.duration is None) != (s.n_steps < 1):
+        text = "--time needs --steps" if s.n_steps < 1 else "--steps needs --time"
+        raise UsageError(f"{text}, because the input file has no TIMESTEP", "usage.timestep")
 
 
 def _along(run: Run, source: Path, setpoints: str | None) -> Run:
@@ -281,18 +265,16 @@ def _as_json(
         "results": [str(s.written_to) for s in results if s.written_to is not None],
     }  # fmt: skip
     if run is not None:
-        n = run.mechanism.numbering
+        n, header = run.mechanism.numbering, run.header
         report |= {"ndof": n.ndof, "nddof": n.nddof, "nx": n.nx, "ne": n.ne, "information": run.report.lines}
         report["messages"] = [str(m) for m in run.mechanism.deck.messages]
-        if "engine" in run.header:
-            report["engine"], report["engine_note"] = run.header["engine"]
-        if "integrator" in run.header:
-            report["integrator"] = run.mechanism.settings.integrator
-            report["integrator_note"] = run.header["integrator"]
-        if "accuracy" in run.header:
-            report["accuracy"] = run.header["accuracy"].record()
-        diagnosis = run.header.get("diagnosis")
-        if diagnosis is not None:
+        if "engine" in header:
+            report["engine"], report["engine_note"] = header["engine"]
+        if "integrator" in header:
+            report["integrator"], report["integrator_note"] = run.mechanism.settings.integrator, header["integrator"]
+        if "accuracy" in header:
+            report["accuracy"] = header["accuracy"].record()
+        if (diagnosis := header.get("diagnosis")) is not None:
             from spacar_cli import releasing
 
             report["constraints"] = releasing.as_record(diagnosis)

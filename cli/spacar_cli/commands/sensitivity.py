@@ -12,7 +12,7 @@ from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment, tell
 from spacar_cli.input_files import input_file
-from spacar_cli.row_output import put_rows
+from spacar_cli.row_output import finite, put_rows
 
 if TYPE_CHECKING:
     from spacar.sensitivities.sensitivity import Sensitivity
@@ -80,9 +80,6 @@ def _given(parameters: tuple[str, ...]) -> tuple[list[str], list[float | None]]:
 
 def _json(found: Sensitivity) -> str:
     import json
-
-    def finite(values: list) -> list:
-        return [finite(v) if isinstance(v, list) else v if v == v else None for v in values]
 
     def named(names: tuple[str, ...], values: list[float], units: tuple[str, ...]) -> list[dict[str, str | float]]:
         return [{"name": n, "value": v, "unit": u} for n, v, u in zip(names, values, units, strict=True)]

@@ -7,7 +7,7 @@ from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment, tell, tell_notes
 from spacar_cli.progress import Bar
-from spacar_cli.scope_output import show_scopes, signal_options, sorted_files
+from spacar_cli.row_output import show_scopes, signal_options, sorted_files
 
 LONG = 5.0  # seconds of a run that is told what it waits for
 
@@ -25,7 +25,6 @@ def command(environment: Environment, file: Path, output: tuple[Path, ...], comp
     from spacar_formats.signal_tables import export_signals, panels_by_quantity, table_of, write_motions, write_table
     from spacar_formats.simfile import read_model
 
-    from spacar.simulation.blocks import Scope
     from spacar.simulation.engine import simulate
     from spacar.simulation.plant import Spasim
 
@@ -55,18 +54,13 @@ def command(environment: Environment, file: Path, output: tuple[Path, ...], comp
     for name, plant in plants.items():
         if plant.doubt:
             tell(environment, "warning", f"{name}: {plant.doubt}")
-    arrays = {"t": response.t}
-    for name, block in model.diagram.blocks.items():
-        if block.n_out:
-            arrays[name] = response[name]
-        elif isinstance(block, Scope):
-            arrays[name] = response.u[:, response.inputs[name]]
+    table = table_of(response)
+    signals = {name: table.values[:, table.columns(name)] for name in dict.fromkeys(table.blocks)}
     for target in targets:
-        export_signals(arrays, target)
+        export_signals({"t": response.t} | signals, target)
     stem = targets[0].with_suffix("")
     if stem.with_suffix(".dat").is_file():  # the results of the model itself stay
         stem = stem.with_name(f"{stem.name}_sim")
-    table = table_of(response)
     motions = write_motions(response, stem) or [write_table(stem, response.t, table, source)]
     lines = [f"simulation of {source.name}: {len(response.t)} times up to t = {response.t[-1]:.9g} s"]
     for name, block in model.diagram.blocks.items():
@@ -85,6 +79,5 @@ def command(environment: Environment, file: Path, output: tuple[Path, ...], comp
     if response.hint and seconds > LONG:
         tell(environment, "hint", response.hint)
     if show or pictures:
-        names = [*plants] or list(dict.fromkeys(table.blocks))
-        panels = table.panels or tuple(p for name in names for p in panels_by_quantity(table, name))
+        panels = table.panels or tuple(p for name in plants or signals for p in panels_by_quantity(table, name))
         show_scopes(environment, table, response.t, panels, source.stem, show, pictures)

@@ -11,7 +11,7 @@ import click
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment, tell
-from spacar_cli.row_output import put_columns
+from spacar_cli.row_output import finite, put_columns
 from spacar_cli.vocabulary import Whole
 
 if TYPE_CHECKING:
@@ -71,8 +71,7 @@ def command(
     if as_json:
         import json
 
-        rows = [{k: v if v == v else None for k, v in asdict(one).items()} for one in largest]
-        environment.say(json.dumps(rows))
+        environment.say(json.dumps(finite([asdict(one) for one in largest])))
         return
     if not any(one.quantity == "mises" for one in largest):
         tell(environment, "information", "no element has a cross-section: no stresses (BEAMSEC, BEAMVIS, CROSSTYPE)")

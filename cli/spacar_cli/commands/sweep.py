@@ -2,16 +2,21 @@
 
 import json
 import time
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from spacar.errors import UsageError
-from spacar.modes import find_mode
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment, ExitStatus, tell
 from spacar_cli.input_files import input_file
-from spacar_cli.studying import ROWS, common, counted
+from spacar_cli.row_output import ROWS, counted, of_studies
+
+PATIENCE = "10s"
+AHEAD = 4  # cases handed over for every thread of the cluster: workers that come later get work, too
+FEWEST = 256
 
 
 @words.command("sweep", epilog="Targets and quantities: `spacar help studies`. Exit status 1: cases failed.")
@@ -32,7 +37,7 @@ from spacar_cli.studying import ROWS, common, counted
 @words.option("rtol", ", instead of ERROR")
 @words.option("integrator", ", instead of INTEGRAT")
 @words.option("compiled", default=None)
-@common
+@of_studies
 def command(
     environment: Environment, /, file: Path, assignments: tuple[str, ...], table_file: Path | None, together: bool,
     mode: int | None, results: tuple[str, ...], output: Path | None, scheduler: str | None, regardless: bool,
@@ -45,20 +50,16 @@ def command(
     """
     from spacar_formats.disk_room import require_room_for_rows
 
-    from spacar.deck import read_deck
-    from spacar.studies.policies.sweep import DONE, Study, sweep
-    from spacar.studies.runs.quantities import quantity
+    from spacar.studies.policies.sweep import DONE, sweep
     from spacar.studies.runs.workers import run
-    from spacar.studies.study_calls import batches_of, mode_of, require_columns
+    from spacar.studies.study_calls import batches_of, study_of
 
     source = input_file(file)
     if not results:
         raise UsageError("nothing to keep: give at least one --result, for instance 'x[6,1]@end'", "usage.sweep")
     given = {name: value for name, value in options.items() if value is not None}
-    number = find_mode(mode_of(source, given) if mode is None else mode).number
     settings, cases = _cases(assignments, table_file, together)
-    study = Study(number, read_deck(source, number), settings, tuple(map(quantity, results)), given)
-    require_columns(study)
+    study = study_of(source, mode, settings, results, given)
     path = output or source.with_name(f"{source.stem}.sweep.csv")
     if path.suffix.lower() not in (".csv", ".jsonl"):
         raise UsageError(f"--output {path}: the rows are written as .csv or .jsonl", "usage.sweep")
@@ -66,8 +67,6 @@ def command(
         require_room_for_rows(len(cases), 3 + len(settings) + len(results), path.parent)
     engine: Any = partial(run, jobs=jobs)
     if scheduler is not None:
-        from spacar_cli.cluster import run_on_cluster
-
         engine = partial(run_on_cluster, scheduler=scheduler)
     batches = None
     if scheduler is None:
@@ -109,3 +108,43 @@ def _cases(assignments: tuple[str, ...], table_file: Path | None, together: bool
     if len({s.name for s in settings}) < len(settings):
         raise UsageError("a target is set by --set and by --from", "usage.sweep")
     return settings, cases
+
+
+def run_on_cluster(function: Callable[[Any], Any], cases: Iterable[Any], scheduler: str) -> Iterator[tuple[Any, Any]]:
+    """Outcomes of function(case) as they finish on the cluster at `scheduler` (host:port or a scheduler file).
+
+    Scheduler and workers need spacar, the workers also the files that the model refers to, under the same path. A case
+    whose worker dies, or that never got there, is `Lost`. Raises UsageError when Dask is missing or the scheduler does
+    not answer.
+    """
+    from spacar.studies.runs.workers import Lost
+
+    try:
+        from distributed import Client, as_completed
+    except ImportError:
+        text = "--scheduler needs Dask, which is not installed: pip install 'spacar[dask]', here and on the cluster"
+        raise UsageError(text, "study.dask") from None
+    where = {"scheduler_file": scheduler} if scheduler.endswith(".json") else {"address": scheduler}
+    try:
+        client = Client(**where, timeout=PATIENCE)
+    except (OSError, ValueError) as error:
+        raise UsageError(f"no Dask scheduler answers at {scheduler}: {error}", "study.dask") from None
+    with client:
+        coming = iter(cases)
+        case_of: dict[str, Any] = {}
+
+        def hand_over(count: int) -> list[Any]:
+            chosen = list(islice(coming, count))
+            futures: list[Any] = client.map(function, chosen, pure=False)
+            case_of.update((future.key, case) for future, case in zip(futures, chosen, strict=True))
+            return futures
+
+        under_way = as_completed(hand_over(max(FEWEST, AHEAD * sum(client.nthreads().values()))))
+        for future in under_way:
+            under_way.update(hand_over(1))
+            case = case_of.pop(future.key)
+            if future.status == "finished":
+                yield case, future.result()
+            else:
+                reason = future.exception()
+                yield case, Lost(f"{type(reason).__name__} on the cluster: {reason}")

@@ -65,7 +65,7 @@ def _derived(environment: Environment, model: SymbolicModel, strategy: str) -> S
 def check(environment: Environment, model: Path) -> None:
     """Read MODEL and say what it contains; nothing is derived."""
     read = _read(model)
-    from spacar_cli.symbolic_text import description
+    from spacar_cli.symbolic_run import description
 
     environment.say(*description(read))
 
@@ -85,7 +85,7 @@ def derive(environment: Environment, model: Path, strategy: str, notation: str |
     The default is vector notation for the held strategy and the program for the recursive one.
     """
     read = _read(model)
-    from spacar_cli.symbolic_text import equations_text
+    from spacar_cli.symbolic_run import equations_text
 
     notation = notation or ("held" if strategy == "held" else "program")
     environment.say(equations_text(read, _derived(environment, read, strategy), notation, form))

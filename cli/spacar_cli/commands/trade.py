@@ -11,8 +11,7 @@ from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment, ExitStatus, tell
 from spacar_cli.input_files import input_file
-from spacar_cli.row_output import csv_text
-from spacar_cli.studying import ROWS, common, counted, say_table
+from spacar_cli.row_output import ROWS, counted, csv_text, finite, of_studies, say_table
 
 TABLES, DIAGRAMS = (".csv", ".json"), (".png", ".svg", ".pdf")
 CODES, TOLERANCES, JUDGES = "0,155,853", "1e-3:1e-9:7:log", "853,0"  # where only some of the lists are given
@@ -39,7 +38,7 @@ HEADER = ("model", "integration", "error", "processor time [s]", "right-hand sid
     "output", ": the table as .csv or .json, of which what is finished is kept in FILE.rows.jsonl and not run again; "
     "the work-precision diagram as .png, .svg or .pdf. May be repeated.", type=ROWS, multiple=True,
 )  # fmt: skip
-@common
+@of_studies
 def command(
     environment: Environment, /, file: Path, mode: int | None, integrators: str | None, tolerances: str | None,
     grids: str, meshes: str | None, budget: float, rigid: bool, linear: bool, perturbation: bool,
@@ -52,21 +51,16 @@ def command(
     extrapolation over three meshes. With --jobs the runs share the processor, which disturbs the times.
     """
     from spacar.studies.policies.trade import assess, recommend, reference, reference_setups
-    from spacar.studies.runs.quantities import quantity
-    from spacar.studies.runs.setting import Trade, default_variables, setups
-    from spacar.studies.study_calls import compared_deck, require_beams
+    from spacar.studies.runs.setting import setups
+    from spacar.studies.study_calls import trade_of
 
     for path in output:
         if path.suffix.lower() not in (*TABLES, *DIAGRAMS):
             raise UsageError(f"{path}: its name must end with {', '.join((*TABLES, *DIAGRAMS))}", "usage.trade")
     source = input_file(file)
-    options = {k: v for k, v in (("duration", duration), ("n_steps", n_steps)) if v is not None}
-    number, deck = compared_deck(source, mode, options)
-    if compiled is not None:
-        options["compiled"] = compiled
-    chosen = tuple(map(quantity, variables)) or default_variables(number, deck)
-    trade = Trade(number, deck, chosen, repeats, options, named=bool(variables))
-    require_beams(deck, number)
+    options = {"duration": duration, "n_steps": n_steps, "compiled": compiled}
+    options = {name: value for name, value in options.items() if value is not None}
+    trade = trade_of(source, mode, variables, repeats, options)
     lists = (integrators, tolerances, meshes, judges)
     if all(v is None for v in lists) and not (rigid or linear or perturbation) and jobs in (None, 1):
         found = _within_budget(environment, trade, target, budget, source)
@@ -95,14 +89,12 @@ def _within_budget(environment: Environment, trade: Any, target: float, budget: 
     from spacar.studies.policies.simplification import cheapest, command_line, run_options, simpler_deck
 
     def tick(what: str, left: float) -> None:
-        if environment.shows_progress:
-            print(f"\r\x1b[K{what}, at most {left:.0f} s to go ", end="", file=environment.stderr, flush=True)
+        environment.progress(f"{what}, at most {left:.0f} s to go ")
 
     try:
         found, prices = cheapest(trade, target, budget, tick)
     finally:
-        if environment.shows_progress:
-            print("\r\x1b[K", end="", file=environment.stderr, flush=True)
+        environment.progress("")
     assert found.reference is not None  # search has said why otherwise
     best, name, command = found.best, source.name, ""
     simpler = simpler_deck(trade, best)
@@ -111,19 +103,16 @@ def _within_budget(environment: Environment, trade: Any, target: float, budget: 
     if best is not None and best.setup is not None:
         command = command_line(trade.mode, run_options(trade, best.setup), name)
     skipped = f"{found.skipped} settings were not tried: the budget of {budget:g} s is used (--budget)"
-    lines = [skipped] if found.skipped else []
-    lines += [
-        f"the error of the mesh of beam {beam} is not known: it cannot be divided: {why}"
-        for beam, why in found.undivided.items()
-    ]
-    lines += [price.line(found.goal) for price in prices]
-    lines += [command] if command else []
+    undivided = {str(beam): why for beam, why in found.undivided.items()}
+    unknown = "the error of the mesh of beam {} is not known: it cannot be divided: {}"
+    lines = [
+        *[skipped] * bool(found.skipped), *(unknown.format(*one) for one in undivided.items()),
+        *(price.line(found.goal) for price in prices), *[command] * bool(command),
+    ]  # fmt: skip
     more = {
-        "command": command or None,
-        "reached": found.goal,
-        "prices": [vars(p) | {"error": p.error if math.isfinite(p.error) else None} for p in prices],
-        "undivided": {str(beam): why for beam, why in found.undivided.items()},
-    }
+        "command": command or None, "reached": found.goal, "undivided": undivided,
+        "prices": finite([vars(p) for p in prices]),
+    }  # fmt: skip
     return found.goal, found.reference, found.entries, best, lines, more
 
 
@@ -230,7 +219,7 @@ def _document(entries: Any, ref: Any, target: float, best: Any) -> dict[str, Any
     def plain(e: Any) -> dict[str, Any]:
         setup = {} if e.setup is None else vars(e.setup)
         numbers = {"error": e.error, "seconds": e.seconds, "rhs": e.rhs, "estimate": e.estimate}
-        numbers = {k: None if isinstance(v, float) and math.isnan(v) else v for k, v in numbers.items()}
+        numbers = {k: None if v != v else v for k, v in numbers.items()}
         return {"model": e.label[0], "integration": e.label[1], **setup, **numbers, "reason": e.reason}
 
     return {

@@ -1,7 +1,7 @@
 """What the page asks about the text in its editor and about results: a function for each question, JSON in and out.
 
 They run in a process of their own (`task_process`). Nothing of the user's Python files is imported here: functions are
-listed; runs (`mode_job`) execute them.
+listed; runs execute them.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from spacar.kinematics.advice import HINGE, KEEPS, REDUNDANT
 from spacar.kinematics.release import release
 from spacar.mechanism.user_files import without_functions
 from spacar.modes import MODES
-from spacar_cli.deck_checking import CheckedDeck, checked_deck
+from spacar_cli.commands.check import CheckedDeck, checked_deck
 from spacar_cli.editor.edited_file import result_file
 from spacar_cli.releasing import as_record
 

@@ -3,26 +3,34 @@
 A page of another origin must not read or change the file (threats: requests of other sites to 127.0.0.1, DNS names
 that are made to point there, other users of the machine): every address begins with a random token, the Host header
 must be our own, so must Origin be where it is given and always in calls, which are JSON. The policy of the page admits
-our own scripts only; `style` of the editor component has a nonce.
+our own scripts only; `style` of the editor component has a nonce. What the page may ask: the file, the tasks of
+`model_tasks`, runs.
 """
 
 from __future__ import annotations
 
 import json
 import secrets
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
 from html import escape
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.resources import files
 from pathlib import Path
-from threading import Thread
+from threading import Event, Lock, Thread, Timer
 from typing import Any, ClassVar
 from urllib.parse import urlsplit
 
 from spacar_drawing.viewer_page import STYLE, script_text, stage_html
 
-from spacar.errors import SpacarError
-from spacar_cli.editor.page_calls import PageCalls
+from spacar.errors import SpacarError, UsageError
+from spacar.modes import find_mode
+from spacar_cli.editor.edited_file import EditedFile, result_file
+from spacar_cli.editor.task_process import TaskProcess
 from spacar_cli.environment import Environment
 from spacar_cli.keyword_help import keywords_json
 
@@ -37,6 +45,20 @@ POLICY = (
 )
 
 
+TYPED = ("check", "picture")  # tasks that follow the keys
+SECONDS = 120.0, 20.0  # for what a click asks for, and for what follows the keys
+READING = ("state", "open", "task", "log", "end")  # what a page that watches may ask
+
+PATIENCE = 5.0  # seconds after which a run that was asked to end is killed
+# Ctrl-C at the server does not reach a run before the server has ended it
+OWN_GROUP: Any = {"start_new_session": True}
+STOP = signal.SIGINT
+if sys.platform == "win32":
+    OWN_GROUP = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
+    STOP = signal.CTRL_BREAK_EVENT
+MOST_TOLD = 4000  # letters of what a run says
+
+
 def page_file(name: str) -> str:
     """The text of a script or style of the page."""
     if name in OF_VIEWER:
@@ -44,13 +66,117 @@ def page_file(name: str) -> str:
     return files("spacar_cli.editor").joinpath("page", name).read_text("utf-8")
 
 
+class ModeJob:
+    """At most one run at a time of one file: `spacar MODE FILE --json` in a process of its own."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._lock = Lock()
+        self._process: subprocess.Popen[str] | None = None
+        self._begun = 0.0
+        self._state: dict[str, Any] = {"running": False, "mode": None}
+
+    def start(self, mode: int) -> None:
+        """Raises UsageError for a mode that there is not, and while another run goes on."""
+        number = find_mode(mode).number
+        with self._lock:
+            if self._state["running"]:
+                raise UsageError("a run goes on; abort it, or wait", "edit.running")
+            words = [sys.executable, "-m", "spacar_cli.main", str(number), self._path.name, "--json"]
+            self._begun = time.monotonic()
+            self._process = subprocess.Popen(
+                words, cwd=self._path.parent, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                text=True, encoding="utf-8", errors="backslashreplace", **OWN_GROUP,
+            )  # fmt: skip
+            self._state = {"running": True, "mode": number}
+            Thread(target=self._wait, args=(self._process,), daemon=True).start()
+
+    def _wait(self, process: subprocess.Popen[str]) -> None:
+        out, told = process.communicate()
+        try:
+            summary = json.loads(out.splitlines()[-1])
+        except (ValueError, IndexError):
+            summary = {}
+        ended = {"running": False, "status": process.returncode, "told": told[-MOST_TOLD:],
+                 "seconds": time.monotonic() - self._begun}  # fmt: skip
+        with self._lock:
+            self._state |= ended | {name: summary.get(name) for name in ("steps", "error", "code")}
+
+    def state(self) -> dict[str, Any]:
+        """running, mode, and when it has ended status, told, steps, seconds, error, code."""
+        with self._lock:
+            return dict(self._state)
+
+    def abort(self) -> None:
+        """As Ctrl-C: what is stored so far is kept."""
+        if self._process is not None and self._process.poll() is None:
+            self._process.send_signal(STOP)
+            kill = Timer(PATIENCE, self._process.kill)
+            kill.daemon = True
+            kill.start()
+
+    def close(self) -> None:
+        """End a run that goes on."""
+        self.abort()
+        if self._process is not None:
+            self._process.wait()
+
+
+class PageCalls:
+    """The calls of one page; `ended` is set when it wants the server to end."""
+
+    def __init__(self, path: Path, watch: bool = False) -> None:
+        self.file = EditedFile(path)
+        self.watch = watch
+        self.ended = Event()
+        self._processes = TaskProcess(), TaskProcess()  # as SECONDS
+        self._job = ModeJob(path)
+        self._calls: dict[str, Callable[..., Any]] = {
+            "open": self.file.read, "save": self.file.save, "state": self._state, "run": self._job.start,
+            "abort": self._job.abort, "log": self._log, "end": self.ended.set,
+        }  # fmt: skip
+
+    def call(self, name: str, arguments: dict[str, Any]) -> str:
+        """The answer to one call, {"result": ...} or of a task {"error": text}. Raises SpacarError; TypeError and
+        KeyError for what is no call."""
+        if self.watch and name not in READING:
+            raise UsageError("this page only watches", "edit.watch")
+        if name == "task":
+            return self._task(arguments["task"], arguments["arguments"])
+        return json.dumps({"result": self._calls[name](**arguments)})
+
+    def _state(self, progress: bool = False) -> dict[str, Any]:
+        """What may change by itself: the digest of the file, the inode of its result (each is a new file), the run."""
+        found = self._job.state() | {"digest": self.file.digest()}
+        written = result_file(self.file.path, "sbd")
+        found["result"] = written.stat().st_ino if written.is_file() else 0
+        if progress and found["running"]:
+            found["progress"] = json.loads(self._task("progress", {})).get("result")
+        return found
+
+    def _log(self) -> str:
+        """The log of the last run, empty without one."""
+        path = result_file(self.file.path, "log")
+        return path.read_text("utf-8", "replace") if path.is_file() else ""
+
+    def _task(self, task: str, arguments: dict[str, Any]) -> str:
+        typed = task in TYPED
+        return self._processes[typed].ask(task, {**arguments, "file": str(self.file.path)}, SECONDS[typed])
+
+    def close(self) -> None:
+        """End the processes."""
+        self._job.close()
+        for process in self._processes:
+            process.close()
+
+
 class PageServer(ThreadingHTTPServer):
     """Serves `calls` (what the page may ask) until its `shutdown`."""
 
     daemon_threads = True
 
-    def __init__(self, calls: PageCalls, port: int = 0) -> None:
-        super().__init__((HOST, port), PageHandler)
+    def __init__(self, calls: PageCalls) -> None:
+        super().__init__((HOST, 0), PageHandler)
         self.calls = calls
         self.token = secrets.token_urlsafe(24)
         self.hosts = {f"{name}:{self.server_port}" for name in (HOST, "localhost")}

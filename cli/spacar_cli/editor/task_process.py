@@ -9,7 +9,6 @@ import contextlib
 import os
 import signal
 import warnings
-from collections.abc import Callable
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from threading import Lock
@@ -38,8 +37,7 @@ def answer_until_the_end(pipe: Connection) -> None:
 class TaskProcess:
     """One process, started when it is first asked; questions wait for each other."""
 
-    def __init__(self, work: Callable[[Connection], None] = answer_until_the_end) -> None:
-        self._work = work
+    def __init__(self) -> None:
         self._lock = Lock()
         self._process: Any = None
 
@@ -65,7 +63,7 @@ class TaskProcess:
         """Raises OSError when it is not ready in time, EOFError when it dies."""
         self._end()
         self._pipe, theirs = SPAWN.Pipe()
-        self._process = SPAWN.Process(target=self._work, args=(theirs,), daemon=True)
+        self._process = SPAWN.Process(target=answer_until_the_end, args=(theirs,), daemon=True)
         self._process.start()
         theirs.close()  # so that its death is the end of the pipe
         if not self._pipe.poll(TO_BEGIN):

@@ -14,8 +14,7 @@ from spacar.frame import Frame
 from spacar.stream import AccuracyRequest, Run
 from spacar.studies.policies.mesh import MeshSearch, divisible, undivided
 from spacar.studies.runs.quantities import quantity
-from spacar.studies.runs.record import Attempt, Computed
-from spacar.studies.runs.tolerance_ladder import SMALL, ToleranceLadder
+from spacar.studies.runs.tolerance_ladder import SMALL, Attempt, Computed, ToleranceLadder
 
 
 @dataclass(frozen=True)
@@ -117,12 +116,10 @@ def _of_meshes(run: Run, search: MeshSearch, reasons: dict[int, str]) -> Iterato
     way = found.way + (f"; without {undivided(reasons)}" if reasons else "")
     attempts = () if run.mode.stationary else tuple(search.attempts)
     record = Accuracy(target, found.estimate, float(cost), way, None, attempts, pieces, len(search.meshes))
-    if pieces and run.mode.linearized:
-        note = "information: matrices of the linearized equations (m0, k0 ...) and transfer functions are those of the"
-        note += " mesh of the model; coordinates, stresses, eigenvalues and load multipliers those of the refined one"
-        yield from _shown(run, record, own, found.frames, found.bars, note)
-    else:
-        yield from _shown(run, record, own, found.frames, found.bars)
+    note = "information: matrices of the linearized equations (m0, k0 ...) and transfer functions are those of the"
+    note += " mesh of the model; coordinates, stresses, eigenvalues and load multipliers those of the refined one"
+    notes = [note] if pieces and run.mode.linearized else []
+    yield from _shown(run, record, own, found.frames, found.bars, *notes)
 
 
 def _shown(

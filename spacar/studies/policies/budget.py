@@ -27,11 +27,10 @@ from spacar.mechanism.element_batches import by_angles
 from spacar.stream import Run
 from spacar.studies.policies.mesh import MeshSearch, divisible, measured
 from spacar.studies.policies.trade import Entry, Reference, assess, recommend, row_error
-from spacar.studies.runs.error_norm import distance
-from spacar.studies.runs.record import Computed
+from spacar.studies.runs.result_quantities import distance
 from spacar.studies.runs.rows import Row
 from spacar.studies.runs.setting import Job, Setup, Trade, run_setup, variant
-from spacar.studies.runs.tolerance_ladder import ToleranceLadder
+from spacar.studies.runs.tolerance_ladder import Computed, ToleranceLadder
 
 JUDGE = 0.1  # error of the reference over the target
 METHODS = (AUTOMATIC, 155, 853, 0, 595, 553)  # the first of them gives the others their limit of time

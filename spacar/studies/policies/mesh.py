@@ -2,7 +2,7 @@
 
 1. All beams are divided by 1, 2, 4 ... The difference of two meshes is an estimate of the error of the finer one. With
    three meshes every variable is extrapolated with the order that it shows
-   (`spacar.studies.runs.extrapolation`); where it shows none, the last difference is its error.
+   (`spacar.studies.runs.mesh_ladder`); where it shows none, the last difference is its error.
 2. When FEW beams in the place of each are not enough, and the next mesh will hardly be, one beam after the other (or
    group of neighbours, at most GROUPS) is divided in two in the mesh of the user. The differences d_g tell where the
    mesh matters: with errors of order 2 a group contributes 4/3 d_g. The groups that together stay below LEFT of the
@@ -27,11 +27,10 @@ from spacar.frame import Frame
 from spacar.integrators.methods import AUTOMATIC
 from spacar.mechanism import Mechanism, build
 from spacar.stream import Run
-from spacar.studies.runs.error_norm import distance
 from spacar.studies.runs.mesh_ladder import Found, difference, extrapolated, stalled
 from spacar.studies.runs.quantities import Quantity
-from spacar.studies.runs.record import Attempt, Computed, compute
-from spacar.studies.runs.tolerance_ladder import TIGHTEST, ToleranceLadder
+from spacar.studies.runs.result_quantities import distance
+from spacar.studies.runs.tolerance_ladder import TIGHTEST, Attempt, Computed, ToleranceLadder, compute
 from spacar.studies.runs.user_nodes import UserNodes
 
 GROUPS = {True: 12, False: 4}  # most groups that are divided one by one: stationary solutions, motions

@@ -1,7 +1,7 @@
 """The rows of a trade against a reference: which settings that has, how good it is, the errors of all others.
 
 The reference is computed by two methods at a tight tolerance, and by four meshes when meshes are compared, which are
-extrapolated (`spacar.studies.runs.extrapolation`); what is known of its error counts as error of every other setting.
+extrapolated (`spacar.studies.runs.mesh_ladder`); what is known of its error counts as error of every other setting.
 """
 
 from collections.abc import Sequence
@@ -13,8 +13,8 @@ from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators.methods import METHODS
 from spacar.studies.runs.compared import GENERAL, row_values
-from spacar.studies.runs.error_norm import distance
-from spacar.studies.runs.extrapolation import extrapolate
+from spacar.studies.runs.mesh_ladder import extrapolate
+from spacar.studies.runs.result_quantities import distance
 from spacar.studies.runs.rows import Row
 from spacar.studies.runs.setting import Setup, Trade
 

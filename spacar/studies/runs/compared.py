@@ -17,9 +17,8 @@ from spacar.expressions.grammar import VECTORS, X_NAMES, indices, parse
 from spacar.mechanism import build
 from spacar.modes import find_mode
 from spacar.result import Result
-from spacar.studies.runs.error_norm import amplitudes
 from spacar.studies.runs.quantities import Quantity
-from spacar.studies.runs.result_quantities import Assessed, assessed
+from spacar.studies.runs.result_quantities import Assessed, amplitudes, assessed
 from spacar.studies.runs.rows import Row
 
 GENERAL = ("eigenvalue", "load multiplier")  # words in the names of variables that belong to no node

@@ -10,6 +10,12 @@ Unless expressions are chosen:
     multipliers  the MULTIPLIERS lowest load multipliers; amplitude: each one's size
 
 A group that is zero to ZERO of what it could be (lengths of the model, a radian, force times length) does not count.
+
+The error of a result in one number: max |v - v_ref| / amplitude over variables and output times.
+
+The amplitude of a variable is its span over the output times, or its largest magnitude in the stationary modes and when
+it hardly changes: span below CONSTANT of it, and below CONSTANT of the largest span or ROUNDED of it. So 1e-6 means: a
+millionth of the motion of that variable, also where all that moves moves by 1e-9 m.
 """
 
 from collections.abc import Sequence
@@ -24,11 +30,15 @@ from spacar.linear.lowest import lowest_modes
 from spacar.linearization.descriptor import DescriptorSystem
 from spacar.mechanism import Mechanism
 from spacar.result import Result
-from spacar.studies.runs.error_norm import amplitudes
 from spacar.studies.runs.quantities import Quantity
 
 FREQUENCIES, MULTIPLIERS = 6, 3
 ZERO = 1e-6
+CONSTANT = 1e-6  # a variable whose span is a smaller part of its magnitude may be constant
+ROUNDED = 1e6 * float(np.finfo(float).eps)  # a smaller span may be rounding, or left by iterations
+STILL = 1e-9  # a variable that stays below this part of the largest one is left out
+# The same for stationary solutions, which are iterated to 5e-7 (ITERSTEP): smaller values are errors of the iteration.
+STILL_STATIONARY = 1e-6
 
 
 @dataclass(frozen=True)
@@ -160,3 +170,19 @@ def _eigenvalues(A: Array) -> Array:
     rounded = np.array([float(f"{m:.10e}") for m in np.abs(values)])
     order = np.lexsort((-values.imag, -np.abs(values.imag), -rounded))
     return np.column_stack((values[order].real, values[order].imag))
+
+
+def amplitudes(values: Array, stationary: bool) -> Array:
+    """(variables,) amplitude of each variable of `values` (variables, times); inf for a variable that stays at zero, so
+    that it does not count."""
+    size = np.abs(values).max(axis=1)
+    span = np.ptp(values, axis=1)
+    moves = (span > CONSTANT * size) | (span > np.maximum(CONSTANT * span.max(initial=0.0), ROUNDED * size))
+    scale = np.where(moves & (not stationary), span, size)
+    still = STILL_STATIONARY if stationary else STILL
+    return np.where(size > still * size.max(initial=0.0), scale, np.inf)
+
+
+def distance(a: Array, b: Array, amplitude: Array) -> float:
+    """max |a - b| / amplitude of two arrays (variables, times)."""
+    return float(np.max(np.abs(a - b) / amplitude[:, None], initial=0.0))

@@ -2,7 +2,7 @@
 
 A `Setup` is one way to compute the same thing. Every setup is run (the reference ones too) to a row with the values of
 the chosen variables at the output times, its median processor time and the number of its right-hand sides;
-`spacar.studies.policies.trade` turns rows into errors, in the norm of `spacar.studies.runs.error_norm`.
+`spacar.studies.policies.trade` turns rows into errors, in the norm of `spacar.studies.runs.result_quantities`.
 """
 
 import time

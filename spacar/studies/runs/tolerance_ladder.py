@@ -8,7 +8,7 @@ implicit run, whose steps pass over what is fast, to the fourth root, and not at
     e_k = max(d_k max(TRUSTED, g_k^r), ALIKE d_(k-1) g_(k-1) g_k) where d_k < d_(k-1), or of the first two runs,
     e_k = d_k else, and never more;  r = 1/2, 1/4
 
-Error norm and amplitudes: `spacar.studies.runs.error_norm`. The method chooses itself as long as it is implicit
+Error norm and amplitudes: `spacar.studies.runs.result_quantities`. The method chooses itself as long as it is implicit
 somewhere; tighter tolerances need that less.
 
 The absolute error of a run is its tolerance times the largest motion of lengths or of rotations, the smaller one, or
@@ -16,11 +16,13 @@ times the ratio of ERROR, whatever is less. The first run tells how large these 
 to be more than SMALLEST of them it is made again.
 """
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from spacar.arrays import Array
 from spacar.errors import AnalysisError
 from spacar.forward.motion import Extent
 from spacar.frame import Frame
@@ -28,9 +30,8 @@ from spacar.integrators.methods import AUTOMATIC, METHODS
 from spacar.mechanism import Mechanism
 from spacar.modes import find_mode
 from spacar.stream import Run
-from spacar.studies.runs.error_norm import distance
 from spacar.studies.runs.quantities import Quantity
-from spacar.studies.runs.record import Attempt, Computed, compute
+from spacar.studies.runs.result_quantities import Assessed, assessed, coordinates, distance
 
 EXPLICIT = 0
 LOOSEST, TIGHTEST = 0.03, 2e-13  # tolerances that are tried
@@ -45,15 +46,88 @@ STALLED, SMALL = 0.3, 1e-4  # differences below SMALL that fall by less than STA
 ROUNDED = 1e-8  # ... at tolerances below this
 UNRESOLVED = 1e-8  # relative tolerance of the run that checks another one with fixed steps
 
+KEPT = 2**28  # bytes of frames that are held in memory; of more, the last run is made twice
+View = Callable[[Frame, int], Frame]
+
+
+@dataclass
+class Attempt:
+    """Method, its relative ERROR (None: as the file has it), what the run cost, its difference from the one before."""
+
+    integrator: int
+    tolerance: float | None
+    rhs: int = 0
+    seconds: float = 0.0
+    difference: float | None = None
+    reason: str = ""  # why it failed
+
+    def __str__(self) -> str:
+        how = "with the settings of the file" if self.tolerance is None else f"with ERROR {self.tolerance:.2g}"
+        return f"{self.integrator} {how}"
+
+
+@dataclass
+class Computed:
+    """A finished run on the mesh `pieces` (beams in the place of each): its frames where they fit, coordinates x
+    (times, nx), what is compared, the error of its integration where that is known; was it implicit anywhere?"""
+
+    run: Run
+    attempt: Attempt
+    x: Array
+    frames: list[Frame] | None
+    found: Assessed
+    pieces: dict[int, int] = field(default_factory=dict)
+    error: float = 0.0
+    implicit: bool = False
+
+
+def compute(
+    run: Run, attempt: Attempt, variables: tuple[Quantity, ...], *, view: View | None = None,
+    shown: Mechanism | None = None, hold: bool = True, end: float = np.inf,
+) -> Computed:  # fmt: skip
+    """Run to the end; its cost, or why it failed, is written into `attempt`. Raises AnalysisError.
+
+    view   frame and its number to the frame that counts, of the mechanism `shown`;  hold  keep frames of any size
+    end    processor time at which the run is stopped [s]
+    """
+    shown, stationary = shown or run.mechanism, run.mode.stationary
+    held = hold or bool(variables) or _size(run) <= KEPT
+    begun, run.end = time.process_time(), end
+    frames, x, implicit = [], [], False
+    try:
+        for i, frame in enumerate(run):
+            seen = frame if view is None else view(frame, i)
+            attempt.rhs += frame.statistics.get("rhs", 0)
+            implicit |= frame.statistics.get("jacobians", 0) > 0
+            x.append(seen.x)
+            if held:
+                frames.append(seen)
+    except AnalysisError as error:
+        attempt.reason = str(error)
+        raise
+    finally:
+        attempt.seconds = time.process_time() - begun
+    every = np.array(x)
+    plain = not variables and not stationary
+    found = coordinates(shown, every) if plain else assessed(shown, run.mode.number, frames, variables, stationary)
+    return Computed(run, attempt, every, frames if held else None, found, implicit=implicit)
+
+
+def _size(run: Run) -> int:
+    """Bytes of the frames of a run, about."""
+    n = run.mechanism.numbering
+    columns = 1 + n.ndof * (run.mechanism.settings.sbd_level or 0)
+    return 8 * (run.mechanism.settings.n_steps + 1) * (6 * n.nx + 4 * n.ne) * columns
+
 
 @dataclass
 class ToleranceLadder:
-    """Runs of one motion in mode 1. `view`, `shown`, `hold`: see `spacar.studies.runs.record.compute`."""
+    """Runs of one motion in mode 1. `view`, `shown`, `hold`: see `compute`."""
 
     run: Run
     variables: tuple[Quantity, ...]
     attempts: list[Attempt] = field(default_factory=list)
-    view: Callable[[Frame, int], Frame] | None = None
+    view: View | None = None
     shown: Mechanism | None = None
     hold: bool = False
     end: float = np.inf  # processor time at which runs are stopped [s]; then they begin with the loosest tolerance
