@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from spacar_formats.signal_tables import SignalTable
+from spacar_formats.signal_tables import Panel, SignalTable
 
 from spacar import expressions
 from spacar.arrays import Array
@@ -73,15 +73,12 @@ class _Names(ast.NodeTransformer):
         return node
 
     def visit_Name(self, node: ast.Name) -> ast.AST:
-        return node if node.id in ("t", "pi", "end") else self._place(node)
-
-    def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
-        return self._place(node)
+        return node if node.id in ("t", "pi", "end") else self.visit_Attribute(node)
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
         raise UsageError(f"'{self.text}': what is plotted here goes by name: t, {', '.join(self.names)}", "plot.name")
 
-    def _place(self, node: ast.expr) -> ast.AST:
+    def visit_Attribute(self, node: ast.expr) -> ast.AST:
         name = ast.unparse(node)
         if name not in self.names:
             raise UsageError(f"'{self.text}': {name} is none of t, {', '.join(self.names)}", "plot.name")
@@ -173,6 +170,11 @@ def columns_of(table: SignalTable, text: str) -> tuple[str, list[int]] | None:
     return block, chosen
 
 
+def panel_title(panel: Panel) -> str:
+    """With its unit."""
+    return f"{panel.title} ({panel.unit})" if panel.unit else panel.title
+
+
 def curves_of(source: PictureSource, text: str) -> list[Curve]:
     """The curve of an expression, or the curves of a block or scope of a simulation. Raises UsageError."""
     table = source.signals
@@ -181,7 +183,7 @@ def curves_of(source: PictureSource, text: str) -> list[Curve]:
         return [evaluate(source, text)]
     block, columns = found
     panel = next((p for p in table.panels if set(columns) <= set(p.columns)), None)
-    group = block if panel is None else f"{panel.title} ({panel.unit})" if panel.unit else panel.title
+    group = block if panel is None else panel_title(panel)
     names = {k: table.names[k] for k in columns}
     if panel is not None:
         names |= dict(zip(panel.columns, panel.labels, strict=True))
@@ -191,22 +193,22 @@ def curves_of(source: PictureSource, text: str) -> list[Curve]:
 def evaluate(source: PictureSource, text: str) -> Curve:
     """The values of an expression at all steps, with its unit. Raises UsageError with the reason."""
     if source.signals is not None:
-        single = columns_of(source.signals, text)
-        if single is not None:
-            if len(single[1]) != 1:
-                raise UsageError(f"'{text}' stands for {len(single[1])} signals, one is needed here", "plot.signal")
-            return curves_of(source, text)[0]
+        if columns_of(source.signals, text) is not None:
+            found, *others = curves_of(source, text)
+            if others:
+                raise UsageError(f"'{text}' stands for {1 + len(others)} signals, one is needed here", "plot.signal")
+            return found
         mixed = expression_of_signals(source, source.signals, text)
         if mixed is not None:
             return _shown(source, Curve(text.strip(), mixed, NONE, ""))
-        if not source.scene.lnp.size and text.strip() == "t":
-            return _shown(source, Curve("t", np.ravel(source.get("t")), NONE, "t"))
         if not source.scene.lnp.size:
+            if text.strip() == "t":
+                return _shown(source, Curve("t", np.ravel(source.get("t")), NONE, "t"))
             known = ", ".join(dict.fromkeys(source.signals.blocks))
             raise UsageError(f"'{text}': what is plotted here is t, and BLOCK:NUMBER of {known}", "plot.signal")
     if source.named:
-        found, name = named_values(source, text)
-        return _shown(source, Curve(text.strip(), found, NONE, name))
+        values, name = named_values(source, text)
+        return _shown(source, Curve(text.strip(), values, NONE, name))
     scene = source.scene
     dimensions = Dimensions(scene.planar, scene.analysis.stationary, frozenset(scene.position_nodes), scene.keywords)
     expression = expressions.parse(text)
@@ -236,9 +238,5 @@ def _shown(source: PictureSource, curve: Curve) -> Curve:
 
 def warnings(curves: Sequence[Curve]) -> list[str]:
     """What a user should know before trusting a curve: values that cannot be shown."""
-    found = []
-    for curve in curves:
-        bad = int(np.count_nonzero(~np.isfinite(curve.values)))
-        if bad:
-            found.append(f"'{curve.text}' is not a finite number at {bad} of {np.size(curve.values)} steps")
-    return found
+    bad = [(c, int(np.count_nonzero(~np.isfinite(c.values)))) for c in curves]
+    return [f"'{c.text}' is not a finite number at {n} of {np.size(c.values)} steps" for c, n in bad if n]

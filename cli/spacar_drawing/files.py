@@ -5,6 +5,8 @@ A series of configurations in one figure whose contents are exchanged: for anima
 
 from __future__ import annotations
 
+import contextlib
+import itertools
 import re
 import shutil
 import subprocess
@@ -19,12 +21,12 @@ from numpy.typing import NDArray
 from spacar_formats.safety import replacing
 
 from spacar.calls import path_of
-from spacar.errors import AnalysisError, UsageError, escaped
+from spacar.errors import AnalysisError, UsageError
 from spacar_drawing.defaults import plain
 from spacar_drawing.drawn_shapes import Faces, Shape
 from spacar_drawing.paint import paint, paint_labels
 from spacar_drawing.scene import Array
-from spacar_drawing.stage import Camera, new_figure
+from spacar_drawing.stage import Camera, named, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -75,7 +77,7 @@ class MovingFigure:
             self.artists = (paint_labels if quick else paint)(self.axes, self.camera, shapes)
         else:
             self.artists = paint(self.axes, self.camera, shapes)
-        self.axes.set_title(escaped(title), fontsize=10, color="#4d565e", loc="left", pad=7, parse_math=False)
+        named(self.axes, title)
 
     def place(self, axes: Axes, camera: Camera) -> None:
         """Go on in new axes, instead of those that there are."""
@@ -131,9 +133,8 @@ def check_name(path: Path, film: bool = True) -> str:
     if ending not in kinds:
         raise UsageError(f"{path}: a picture file ends in {', '.join(kinds)}", "draw.format")
     if ending == ".mp4" and shutil.which("ffmpeg") is None:
-        raise UsageError(
-            f"{path}: writing mp4 needs the program ffmpeg, which was not found; gif needs nothing", "draw.ffmpeg"
-        )
+        text = f"{path}: writing mp4 needs the program ffmpeg, which was not found; gif needs nothing"
+        raise UsageError(text, "draw.ffmpeg")
     if not path.parent.is_dir():
         raise UsageError(f"{path}: the folder {path.parent} does not exist", "draw.folder")
     return ending
@@ -213,18 +214,16 @@ def _gif(frames: Iterator[NDArray[np.uint8]], side: Path, path: Path, fps: float
 
 def _mp4(frames: Iterator[NDArray[np.uint8]], side: Path, path: Path, fps: float) -> None:
     first = next(frames)
-    height, width = first.shape[:2]
+    height, width, _ = first.shape
     given = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {fps:g} -i -"
     made = f"-an -vcodec libx264 -pix_fmt yuv420p -crf {QUALITY}"
     command = ["ffmpeg", "-y", "-loglevel", "error", *given.split(), *made.split(), str(side)]
     process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
     assert process.stdin is not None
     try:
-        process.stdin.write(first.tobytes())
-        for frame in frames:
-            process.stdin.write(frame.tobytes())
-        _, complaint = process.communicate()
-    except BrokenPipeError:
+        with contextlib.suppress(BrokenPipeError):
+            for frame in itertools.chain([first], frames):
+                process.stdin.write(frame.tobytes())
         _, complaint = process.communicate()
     except BaseException:
         process.kill()

@@ -12,8 +12,9 @@ from spacar_formats.vibration import Vibration, without_rounding
 from spacar.errors import escaped
 from spacar.expressions import Unit, combine, unit_text
 from spacar_drawing.defaults import plain
+from spacar_drawing.drawn_shapes import together
 from spacar_drawing.history import COLOURS
-from spacar_drawing.stage import INK, blank, dress
+from spacar_drawing.stage import INK, blank, dress, head
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -54,7 +55,7 @@ def root_figure(steps: Sequence[Vibration], across: np.ndarray, text: str, title
         left.legend(fontsize=7, frameon=False)
     if named:
         right.legend(fontsize=7, frameon=False)
-    figure.suptitle(escaped(title), fontsize=10, color=INK, parse_math=False)
+    head(figure, title)
     figure.tight_layout()
     return figure
 
@@ -71,16 +72,14 @@ def bode_figure(
     """
     from matplotlib.ticker import MultipleLocator
 
-    together = len(pairs) <= MOST_NAMED
+    shared = len(pairs) <= MOST_NAMED
     units: dict[tuple[int, int], Unit | None] = {}
     for i, j in pairs:
         above, below = signal_unit(system.outputs[i]), signal_unit(system.inputs[j])
         units[i, j] = None if above is None or below is None else combine(above, below, -1)
-    columns: dict[object, list[tuple[int, int]]] = {}
-    for pair in pairs:
-        columns.setdefault(units[pair] if together else (pair[1], units[pair]), []).append(pair)
+    columns = together(((shared or pair[1], units[pair]), pair) for pair in pairs)
     outputs = list(dict.fromkeys(i for i, _ in pairs))
-    if together:  # the panels of a unit above each other
+    if shared:  # the panels of a unit above each other
         height = len(columns) * 4.6 + 0.17 * len(pairs) + 0.6
         figure = blank(7.2, height, layout="constrained")
         panels = figure.subplots(2 * len(columns), 1, sharex=True).reshape(-1, 2).T
@@ -94,11 +93,11 @@ def bode_figure(
         for k, (i, j) in enumerate(chosen):
             h = response[:, i, j]
             fine = np.isfinite(h) & (h != 0.0)
-            n = k if together else outputs.index(i)
+            n = k if shared else outputs.index(i)
             look = {"color": COLOURS[n % len(COLOURS)], "ls": STYLES[n // len(COLOURS) % len(STYLES)], "lw": 1.3}
             decibels, degrees = 20 * np.log10(np.abs(h[fine])), unwrapped(h[fine])
-            name = f"{system.outputs[i]} / {system.inputs[j]}" if together else system.outputs[i]
-            said = margins(f[fine], decibels, degrees) if together else ""
+            name = f"{system.outputs[i]} / {system.inputs[j]}" if shared else system.outputs[i]
+            said = margins(f[fine], decibels, degrees) if shared else ""
             upper.semilogx(f[fine], decibels, label=escaped(f"{name}: {said}" if said else name), **look)
             lower.semilogx(f[fine], degrees, **look)
             tops.append(top_of(f[fine], decibels))
@@ -106,18 +105,17 @@ def bode_figure(
         upper.set_ylim(low, min(high, max(tops, default=high)))
         unit = unit_text(units[chosen[0]])
         dress(upper, "", f"amplitude (dB, 0 is 1 {unit})" if unit else "amplitude (dB)", framed=False)
-        last = not together or lower is panels[-1, -1]
+        last = not shared or lower is panels[-1, -1]
         dress(lower, "frequency (Hz)" if last else "", "phase (deg)", framed=False)
-        whole = (15, 30, 45, 90, 180, 360)  # parts of a turn
-        lower.yaxis.set_major_locator(
-            MultipleLocator(next((step for step in whole if np.ptp(lower.get_ylim()) / step <= 8), 720))
-        )
-        if not together:
+        span = np.ptp(lower.get_ylim())
+        step = next((part for part in (15, 30, 45, 90, 180, 360) if span / part <= 8), 720)  # parts of a turn
+        lower.yaxis.set_major_locator(MultipleLocator(step))
+        if not shared:
             upper.set_title(f"from {escaped(system.inputs[chosen[0][1]])}", fontsize=8.5, color=INK, parse_math=False)
         else:
             upper.legend(fontsize=7, frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderpad=0.1)
-    figure.suptitle(escaped(title), fontsize=10, color=INK, parse_math=False)
-    if not together:
+    head(figure, title)
+    if not shared:
         lines = {line.get_label(): line for axes in panels[0] for line in axes.lines}
         figure.legend(lines.values(), lines, loc="outside lower center", ncols=NAMES_A_ROW, fontsize=7, frameon=False)
     return figure
@@ -141,7 +139,6 @@ def margins(f: np.ndarray, decibels: np.ndarray, degrees: np.ndarray) -> str:
     crossed = np.flatnonzero(((decibels[:-1] > 0.0) != (decibels[1:] > 0.0)) & smooth)
     turns = np.floor((degrees + 180.0) / 360.0)
     turned = np.flatnonzero((turns[:-1] != turns[1:]) & smooth)
-    words = []
 
     def between(k: int, values: np.ndarray, other: np.ndarray, at: float) -> tuple[float, float]:
         """Frequency and the other value where values pass `at` between places k and k + 1."""
@@ -149,12 +146,13 @@ def margins(f: np.ndarray, decibels: np.ndarray, degrees: np.ndarray) -> str:
         return float(f[k] * (f[k + 1] / f[k]) ** part), float(other[k] + part * (other[k + 1] - other[k]))
 
     gains = [between(k, degrees, decibels, 360.0 * max(turns[k], turns[k + 1]) - 180.0) for k in turned.tolist()]
-    if gains:
-        at, value = min(gains, key=lambda found: abs(found[1]))
-        words.append(f"gain margin {-value:.3g} dB at {at:.3g} Hz")
     phases = [between(k, decibels, degrees, 0.0) for k in crossed.tolist()]
     left = [(value % 360.0 - 180.0, at) for at, value in phases]
     left = [found for found in left if abs(abs(found[0]) - 90.0) < 89.9]  # not at 0 or half a turn by no damping
+    words = []
+    if gains:
+        at, value = min(gains, key=lambda found: abs(found[1]))
+        words.append(f"gain margin {-value:.3g} dB at {at:.3g} Hz")
     if left:
         value, at = min(left, key=lambda found: abs(found[0]))
         words.append(f"phase margin {value:.3g}\N{DEGREE SIGN} at {at:.3g} Hz")
@@ -166,7 +164,6 @@ def top_of(f: np.ndarray, decibels: np.ndarray) -> float:
     if len(f) < 2:
         return float(decibels.max(initial=0.0)) + 1.0
     slope = np.abs(np.diff(decibels) / np.diff(np.log(f)))
-    feet = decibels[:-1][slope < STEEP].max(initial=-np.inf)
-    top = float(decibels.max())
-    top = float(feet) + 0.5 * UNDAMPED if top > feet + UNDAMPED and np.isfinite(feet) else top
+    feet, top = float(decibels[:-1][slope < STEEP].max(initial=-np.inf)), float(decibels.max())
+    top = feet + 0.5 * UNDAMPED if top > feet + UNDAMPED and np.isfinite(feet) else top
     return top + 0.05 * float(np.ptp(np.minimum(decibels, top)))

@@ -1,12 +1,10 @@
-"""Curves over time, or against another expression, in one panel per unit; and the same numbers as csv.
+"""Curves over time, or against another expression, in one panel per unit.
 
 The scopes of a simulation: as a figure of their own, and beside the mechanism with a line at the time shown.
 """
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +14,7 @@ from spacar_formats.signal_tables import Panel, SignalTable
 from spacar.arrays import Array
 from spacar.errors import escaped
 from spacar.expressions import MEANING, NONE, unit_text
-from spacar_drawing.curves import Curve
+from spacar_drawing.curves import Curve, panel_title
 from spacar_drawing.defaults import plain
 from spacar_drawing.drawn_shapes import together
 from spacar_drawing.stage import INK, blank, dress, widened
@@ -71,25 +69,21 @@ def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", sta
     few = len(across) < 3
     for axes, group in zip(all_axes, groups, strict=True):
         for k, c in enumerate(group):
-            axes.plot(
-                across, c.values, "o-" if few else "-", color=COLOURS[k % len(COLOURS)], lw=1.4, ms=4, label=c.text
-            )
+            colour, form = COLOURS[k % len(COLOURS)], "o-" if few else "-"
+            axes.plot(across, c.values, form, color=colour, lw=1.4, ms=4, label=c.text)
         dress(axes, "", panel_text(group))
         _powers(axes, 8.0)
         axes.margins(x=0.0 if against.variable == "t" and not few else 0.05)
         if len(group) > 1 or group[0].group:
-            beside = (0.06, 1.0)  # the power of ten of the axis
             axes.legend(
-                fontsize=8, frameon=False, ncols=_columns(group), loc="lower left", bbox_to_anchor=beside, borderpad=0.1
-            )
+                fontsize=8, frameon=False, ncols=_columns(group), loc="lower left", borderpad=0.1,
+                bbox_to_anchor=(0.06, 1.0),  # beside the power of ten of the axis
+            )  # fmt: skip
     label = ("load step" if stationary else "time t (s)") if against.variable == "t" else axis_text(against)
     all_axes[-1].set_xlabel(label, fontsize=8.5, color=INK, parse_math=False)
     figure.align_ylabels(all_axes)
     named = len(groups[0]) > 1 or bool(groups[0][0].group)
-    top = 0.45 if title or named else 0.15
-    if title and named:
-        top = 0.62
-    top += 0.17 * rows[0]
+    top = (0.15, 0.45, 0.62)[bool(title) + named] + 0.17 * rows[0]
     figure.subplots_adjust(
         left=0.12, right=0.965, bottom=0.52 / height, top=1 - top / height,
         hspace=(0.32 if any(len(g) > 1 or g[0].group for g in groups) else 0.16) + 0.1 * max(rows),
@@ -105,16 +99,6 @@ def _columns(group: Sequence[Curve]) -> int:
     return max(min(len(group), LEGEND // (longest + LINE)), 1)
 
 
-def csv_text(curves: Sequence[Curve], against: Curve) -> str:
-    """A heading line and one line per step; numbers with all digits that they need to be read back exactly."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    columns = [against, *curves]
-    writer.writerow([axis_text(c) for c in columns])
-    writer.writerows(zip(*(map(repr, np.asarray(c.values).tolist()) for c in columns), strict=True))
-    return out.getvalue()
-
-
 WIDTH = 3.6  # inches of the scopes beside a mechanism
 MOST_BESIDE = 4  # panels beside a mechanism; more are too small to be read
 
@@ -123,7 +107,7 @@ MOST_BESIDE = 4  # panels beside a mechanism; more are too small to be read
 def scope_figure(table: SignalTable, t: Array, panels: Sequence[Panel], title: str) -> Figure:
     """The panels above each other over time [s]."""
     curves = [
-        Curve(label, table.values[:, k], NONE, "", f"{p.title} ({p.unit})" if p.unit else p.title)
+        Curve(label, table.values[:, k], NONE, "", panel_title(p))
         for p in panels
         for k, label in zip(p.columns, p.labels, strict=True)
     ]
@@ -159,8 +143,7 @@ def beside(figure: Figure, table: SignalTable, t: Array) -> TimeLine:
 def _fill(axes: Any, table: SignalTable, t: Array, panel: Panel, last: bool) -> None:
     for i, (k, label) in enumerate(zip(panel.columns, panel.labels, strict=True)):
         axes.plot(t, table.values[:, k], color=COLOURS[i % len(COLOURS)], lw=1.1, label=escaped(label))
-    unit = f" ({panel.unit})" if panel.unit else ""
-    axes.set_title(escaped(panel.title + unit), fontsize=8, color=INK, loc="left", pad=3, parse_math=False)
+    axes.set_title(escaped(panel_title(panel)), fontsize=8, color=INK, loc="left", pad=3, parse_math=False)
     dress(axes, numbers=7.0)
     _powers(axes, 7.0)
     axes.tick_params(labelbottom=last)

@@ -52,11 +52,8 @@ def start_model(mechanism: Mechanism) -> dict[str, Any]:
     scene, x = source.scene, source.x(1)
     look = look_of(scene, x[None], source.settings)
     symbols = Symbols.of(source, ("loads",), [1])
-
-    def loads(pose: Pose) -> list[Shape]:
-        return symbols.shapes(1, x, look)
-
-    return view_model(source, more=(loads, lambda pose: release_marks(scene, pose, look.size)))
+    more = (lambda _: symbols.shapes(1, x, look), lambda pose: release_marks(scene, pose, look.size))
+    return view_model(source, more=more)
 
 
 def release_marks(scene: Scene, pose: Pose, size: float) -> list[Shape]:
@@ -74,9 +71,8 @@ def release_marks(scene: Scene, pose: Pose, size: float) -> list[Shape]:
             continue
         p, q = pose.place[e.p - 1], pose.place[e.q - 1]
         axis = q - p if np.any(q != p) else np.array([1.0, 0.0, 0.0])
-        planes = [np.eye(3)[:2]] if scene.planar else [normal_pair(axis / np.linalg.norm(axis))]
-        for share in sorted(shares):
-            shapes += [Line(circle(p + share * (q - p), u, v, 0.8 * size, 16), HINGE, 1.6, 6) for u, v in planes]
+        u, v = np.eye(3)[:2] if scene.planar else normal_pair(axis)
+        shapes += [Line(circle(p + s * (q - p), u, v, 0.8 * size, 16), HINGE, 1.6, 6) for s in sorted(shares)]
     return shapes
 
 

@@ -89,15 +89,14 @@ def redundancy(scene: Scene, bigd: Array | csr_array, extent: float) -> Redundan
         part = bigd.multiply(column_scale).multiply(1.0 / row_scale[:, None]).tocsr()[:rows][:, columns]
         size = norm_estimate(part)
         stresses, motions = null_space(part.T.tocsr(), size, ZERO)[0], null_space(part, size, ZERO)[0]
-    over = np.zeros((stresses.shape[1], len(scene.keywords)))
-    for j, vector in enumerate(stresses.T):
-        mine = owner[:rows] >= 0
-        np.add.at(over[j], owner[:rows][mine], vector[mine] ** 2)
+    over, mine = np.zeros((stresses.shape[1], len(scene.keywords))), owner[:rows] >= 0
+    np.add.at(over.T, owner[:rows][mine], stresses[mine] ** 2)
     under = np.zeros((motions.shape[1], nx))
     under[:, columns] = motions.T * column_scale[columns]
     return Redundancy(over, under)
 
 
+SHARE, MOST_TURN = 0.12, 0.6  # of a motion that is drawn: displacement over the extent; rotation [rad]
 SAME = 1e-6  # eigenvalues that differ less, relative to the largest, belong to one pair
 
 
@@ -166,30 +165,26 @@ def vibration_modes(source: PictureSource, matrices: Any, step: int) -> list[Mod
     def get(name: str) -> Array:
         return np.atleast_2d(np.asarray(matrices.get(name, step), float))
 
-    motions = None
+    shapes, n = None, 0
     if matrices.has("eigvre"):
         values = get("eigval") @ np.array([1.0, 1.0j])
         vectors = get("eigvre") + 1j * get("eigvim")
+        if matrices.has("eigxre"):  # of a large model without dx
+            shapes, n = get("eigxre") + 1j * get("eigxim"), len(vectors) // 2
     else:
         if matrices.has("m0"):
             found = modes_of_stored_matrices(matrices, step, Report())
         else:
             found = modes_of_sparse_system(matrices, step, Report(), nx=int(np.ravel(source.header["NX"])[0]))
-        values, vectors, motions = found.values, found.vectors, found.motions
-    if motions is not None:
-        shapes, n = motions, found.n_positions
-    elif matrices.has("eigxre"):  # of a large model without dx
-        shapes = get("eigxre") + 1j * get("eigxim")
-        n = len(vectors) // 2
-    else:
+        values, vectors, shapes, n = found.values, found.vectors, found.motions, found.n_positions
+    if shapes is None:
         motion = source.get("dx", step)[:, dynamic_columns(source.header)]
         n = motion.shape[1]
         shapes = motion @ vectors[:n]
-    order = shown_order(values)
     modes: list[ModeShape] = []
     seen: list[tuple[complex, NDArray[np.complex128]]] = []
     largest = float(np.max(np.abs(values), initial=0.0)) or 1.0
-    for i in order:
+    for i in shown_order(values):
         vector = vectors[:n, i].astype(complex)
         size = float(np.linalg.norm(vector))
         if size < 1e-9 * max(float(np.linalg.norm(vectors[:, i])), 1e-300):
@@ -232,9 +227,9 @@ def buckling_modes(source: PictureSource, matrices: Any, step: int) -> list[Mode
     return modes
 
 
-def suitable_factor(scene: Scene, motion: NDArray, extent: float, share: float = 0.12, most: float = 0.6) -> float:
-    """The factor at which the largest displacement of a motion (nx,) is `share` of the extent [m] and no rotation
-    exceeds `most` rad."""
+def suitable_factor(scene: Scene, motion: NDArray, extent: float) -> float:
+    """The factor at which the largest displacement of a motion (nx,) is SHARE of the extent [m] and no rotation exceeds
+    MOST_TURN."""
     amplitude = np.abs(motion)
     k = 2 if scene.planar else 3
     rows = scene.position_nodes - 1
@@ -242,6 +237,6 @@ def suitable_factor(scene: Scene, motion: NDArray, extent: float, share: float =
     turning = scene.orientation_nodes - 1
     places = scene.lnp[turning, :1] if scene.planar else scene.lnp[turning]
     turns = float(np.max(amplitude[places - 1], initial=0.0)) * (1.0 if scene.planar else 2.0) if len(turning) else 0.0
-    bounds = [share * extent / moves] if moves > 1e-12 * max(turns * extent, moves) and moves else []
-    bounds += [most / turns] if turns else []
+    bounds = [SHARE * extent / moves] if moves > 1e-12 * max(turns * extent, moves) and moves else []
+    bounds += [MOST_TURN / turns] if turns else []
     return min(bounds, default=1.0)

@@ -132,7 +132,7 @@ def open_source(name: str | Path, stale_ok: bool = False, drawn: bool = True) ->
             return value.reshape(rows, cols) if cols > 1 else value.ravel()
         # several steps come one a row, column-major; one step in its own shape
         flat = value.reshape(1, -1, order="F") if file.steps == 1 else value
-        return flat if cols == 1 else flat.reshape(-1, cols, rows).transpose(0, 2, 1)
+        return flat if cols == 1 else flat.reshape(-1, cols, rows).swapaxes(1, 2)
 
     header = dict(file.header.items())
     settings = PictureSettings() if beside is None else read_settings(beside)
@@ -143,13 +143,12 @@ def open_source(name: str | Path, stale_ok: bool = False, drawn: bool = True) ->
     )  # fmt: skip
 
 
-def source_of_result(result: Result, settings: PictureSettings | None = None) -> PictureSource:
+def source_of_result(result: Result) -> PictureSource:
     """The same of a Result in memory (tests, scripts, live window)."""
     header = sbd_header(Run(find_mode(result.mode), result.mechanism))
     frames: Sequence[Any] = result.frames
-    if settings is None:
-        deck = result.mechanism.deck
-        settings = replace(parse_settings(deck.visualization), metre=deck.metre)
+    deck = result.mechanism.deck
+    settings = replace(parse_settings(deck.visualization), metre=deck.metre)
 
     def read(variable: str, k: int | None) -> Array | None:
         ident = variable.lower()
@@ -159,6 +158,6 @@ def source_of_result(result: Result, settings: PictureSettings | None = None) ->
             return None
         return np.array(values if k is None else values[0], float)
 
-    title = Path(result.mechanism.deck.source).stem
+    title = Path(deck.source).stem
     scene = Scene.of_header(header, title, settings.metre)
     return PictureSource(scene, settings, len(frames), title, None, read, header)

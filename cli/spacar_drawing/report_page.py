@@ -15,7 +15,7 @@ from spacar_drawing.defaults import plain
 from spacar_drawing.files import evenly
 from spacar_drawing.history import axis_text, history_figure
 from spacar_drawing.look import extent_of
-from spacar_drawing.mechanism_picture import Extras, draw_steps, picture
+from spacar_drawing.mechanism_picture import Extras, picture
 from spacar_drawing.mode_picture import constraint_still, constraints, mode_still
 from spacar_drawing.mode_shapes import buckling_modes, open_matrices, suitable_factor, vibration_modes
 from spacar_drawing.page_parts import html_figure, html_table, number_text, page
@@ -32,11 +32,7 @@ def report_page(
     source: PictureSource, expressions: Sequence[str] = (), log_lines: int = 120, view: str = "iso",
     viewer: bool = False, symbols: Sequence[str] = (),
 ) -> str:  # fmt: skip
-    """The page of a result; `viewer`: with the moving picture of `spacar view` in it; `symbols` of KINDS in symbols.py:
-    with a picture of these.
-
-    Raises UsageError for an expression that cannot be evaluated, and for symbols that the result has not.
-    """
+    """The page of a result as text: see `report` of drawing_calls."""
     scene = source.scene
     extras = Extras(view=view, title="")
     parts = [_summary(source), _model(source, extras, tuple(symbols))]
@@ -148,20 +144,16 @@ def _text(header: object, name: str) -> str:
 def _model(source: PictureSource, extras: Extras, symbols: tuple[str, ...]) -> str:
     scene = source.scene
     k = source.steps if scene.analysis.stationary else 1
-    numbered = draw_steps(
-        scene, source.x(k)[None], source.settings, replace(extras, node_numbers=True, element_numbers=True)
-    )
-    out = "<h2>Model</h2>" + html_figure(
-        numbered, "Numbers of nodes (orientation nodes in brackets) and of elements (in boxes)."
-    )
+    numbered = picture(source, replace(extras, node_numbers=True, element_numbers=True), [k], (), False)
+    text = "Numbers of nodes (orientation nodes in brackets) and of elements (in boxes)."
+    out = "<h2>Model</h2>" + html_figure(numbered, text)
     if symbols:
         marked = picture(source, replace(extras, symbols=symbols), [k], (), False)
         out += html_figure(marked, f"{', '.join(symbols).capitalize()} of step {k}.")
     if source.steps > 2 and not scene.analysis.stationary:
         chosen = evenly(1, source.steps, 9)
-        xs = np.stack([source.x(k) for k in chosen])
-        moving = draw_steps(scene, xs, source.settings, extras)
-        if float(np.max(np.ptp(xs, axis=0), initial=0.0)) > 0:
+        if np.ptp([source.x(k) for k in chosen], axis=0).any():
+            moving = picture(source, extras, chosen, (), False)
             out += html_figure(moving, f"{len(chosen)} evenly spread steps, the last one in full.")
     return out
 
@@ -232,9 +224,8 @@ def _constraints(source: PictureSource, extras: Extras) -> str:
     found = constraints(source, 1)
     figure = constraint_still(source, 1, extras, found)
     text = f"{len(found.over)} over-constraints, {len(found.under)} under-constraints."
-    return f"<h2>Constraints</h2><p>{text}</p>" + html_figure(
-        figure, "Red elements take part in over-constraints; dashed red: free motion."
-    )
+    caption = "Red elements take part in over-constraints; dashed red: free motion."
+    return f"<h2>Constraints</h2><p>{text}</p>" + html_figure(figure, caption)
 
 
 def _log(source: PictureSource, lines: int) -> str:

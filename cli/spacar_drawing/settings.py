@@ -10,6 +10,7 @@ degrees of freedom of a mode that is scaled to norm 1.
 """
 
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -127,11 +128,9 @@ def read_settings(source: Path) -> PictureSettings:
         scanned = scan(source.read_text("utf-8", "replace"))
         lines = scanned.visualization or ()
         if any(word.text.upper() in ("BEAMSEC", "UNITS") for word in scanned.words):
-            try:
+            with suppress(InputError):  # the file was changed after the run: read on without BEAMSEC and UNITS
                 deck = read_deck(source)
                 return replace(parse_settings(deck.visualization), metre=deck.metre)
-            except InputError:  # the file was changed after the run and is wrong: read on without BEAMSEC and UNITS
-                pass
     beside = source.with_suffix(".spv")
     if not lines and beside.is_file():
         lines = visualization_of(beside.read_text("utf-8", "replace"))
@@ -202,10 +201,7 @@ def statement_section(values: Sequence[str]) -> tuple[tuple[int, ...], SectionSh
     """Elements and section of `BEAMVIS [shape] [elements] dims`; None when the numbers do not suffice."""
     shape = values[0].upper() if values and values[0].upper() in DIMENSIONS else "RECT"
     numbers = [v for v in map(number_of, values) if v is not None]
-    if any(abs(v) > 1e100 for v in numbers):
+    split = len(numbers) - DIMENSIONS[shape]
+    if split < 0 or any(abs(v) > 1e100 for v in numbers):
         return None
-    n = DIMENSIONS[shape]
-    if len(numbers) < n:
-        return None
-    split = len(numbers) - n
     return tuple(int(v) for v in numbers[:split]) or (ALL,), SectionShape(shape, tuple(numbers[split:]))

@@ -43,7 +43,6 @@ def _numbers(deck: Deck | None) -> tuple[Collection[int] | None, Collection[int]
     """The element and node numbers of a deck."""
     if deck is None:
         return None, None
-
     found = element_list(deck)
     return {n for n, _, _ in found}, {n for _, _, nodes in found for n in nodes}
 
@@ -69,10 +68,9 @@ def _problems(
         if second is not None:
             yield i, given, f"a second setting '{second}' on the same line is not read; each setting has its own line"
             continue
-        problem = ""
-        if rule.groups and group not in rule.groups:
-            problem = f"stands behind {group or 'no heading'}; it belongs behind a line {' or '.join(rule.groups)}"
-        problem = problem or _wrong(rule, values, shape if key == "CROSSDIM" else "", elements, nodes)
+        problem = f"stands behind {group or 'no heading'}; it belongs behind a line {' or '.join(rule.groups)}"
+        if not rule.groups or group in rule.groups:
+            problem = _wrong(rule, values, shape if key == "CROSSDIM" else "", elements, nodes)
         if problem:
             yield i, given, problem
         elif key == "CROSSTYPE":

@@ -91,6 +91,16 @@ def widened(figure: Figure, more: float) -> float:
     return float(width)
 
 
+def head(figure: Figure, text: str, **where: Any) -> None:
+    """A line above all axes of a figure."""
+    figure.suptitle(escaped(text), fontsize=10, color=INK, parse_math=False, **where)
+
+
+def named(axes: Axes, text: str) -> None:
+    """A line above axes, to the left."""
+    axes.set_title(escaped(text), fontsize=10, color=INK, loc="left", pad=7, parse_math=False)
+
+
 def dress(axes: Axes, x: str = "", y: str = "", numbers: float = 8.0, framed: bool = True) -> None:
     """Names of the axes, grid and numbers as in all diagrams."""
     axes.set_xlabel(x, fontsize=8.5, color=INK, parse_math=False)
@@ -103,15 +113,12 @@ def dress(axes: Axes, x: str = "", y: str = "", numbers: float = 8.0, framed: bo
 
 
 @plain
-def new_figure(
-    bounds: tuple[Array, Array], camera: Camera, title: str = "", width: float = WIDTH
-) -> tuple[Figure, Axes]:
+def new_figure(bounds: tuple[Array, Array], camera: Camera, title: str = "") -> tuple[Figure, Axes]:
     """A figure whose axes show the box `bounds` (lower, upper corner) [m] completely, with equal scales."""
     left, right, bottom, top = _margins(camera, title)
     a, b, _, _ = _window(bounds, camera)
-    w = width - left - right
-    h = float(np.clip(w * (b - a)[1] / (b - a)[0], LEAST, MOST))
-    figure = blank(width, h + bottom + top)
+    h = float(np.clip((WIDTH - left - right) * (b - a)[1] / (b - a)[0], LEAST, MOST))
+    figure = blank(WIDTH, h + bottom + top)
     return figure, furnish(figure, bounds, camera, title)
 
 
@@ -133,7 +140,7 @@ def furnish(figure: Figure, bounds: tuple[Array, Array], camera: Camera, title: 
     else:
         _space_grid(axes, camera, low, high)
     if title:
-        axes.set_title(escaped(title), fontsize=10, color=INK, loc="left", pad=7, parse_math=False)
+        named(axes, title)
     return axes
 
 
@@ -185,7 +192,7 @@ def _plane_grid(axes: Axes, metre: float) -> None:
             axis.set_major_formatter(lambda value, _: _length(value, metre))
 
 
-def ticks(low: float, high: float, most: int = 5) -> Array:
+def ticks(low: float, high: float, most: int) -> Array:
     """Round numbers inside an interval."""
     from matplotlib.ticker import MaxNLocator
 
@@ -204,15 +211,14 @@ def _space_grid(axes: Axes, camera: Camera, low: Array, high: Array) -> None:
     panes, rules = [], []
     for k in range(3):
         i, j = (m for m in range(3) if m != k)
-        pane = np.empty((4, 3))
-        pane[:, k] = far[k]
+        pane = np.tile(far, (4, 1))
         pane[:, i] = [low[i], high[i], high[i], low[i]]
         pane[:, j] = [low[j], low[j], high[j], high[j]]
         panes.append(camera.project(pane))
         for m, o in ((i, j), (j, i)):
             for value in lists[m]:
-                line = np.empty((2, 3))
-                line[:, k], line[:, m], line[:, o] = far[k], value, [low[o], high[o]]
+                line = np.tile(far, (2, 1))
+                line[:, m], line[:, o] = value, [low[o], high[o]]
                 rules.append(camera.project(line))
     axes.add_collection(
         PolyCollection(panes, facecolors=PANE, edgecolors="#cfd5da", linewidths=0.8, zorder=1), autolim=False
@@ -250,15 +256,7 @@ def _space_grid(axes: Axes, camera: Camera, low: Array, high: Array) -> None:
 def _edge_for_numbers(camera: Camera, k: int, low: Array, high: Array, far: Array, near: Array) -> Array:
     """A point of the edge along axis k that lies on the outline of the box: for x and y the lower one near the viewer,
     for z the leftmost."""
-    candidates = []
     i, j = (m for m in range(3) if m != k)
-    for a in (low[i], high[i]):
-        for b in (low[j], high[j]):
-            # an edge between a near and a far side is part of the outline
-            if (a == far[i]) != (b == far[j]):
-                point = 0.5 * (low + high)
-                point[i], point[j] = a, b
-                candidates.append(point)
-    screen = camera.project(np.array(candidates))
-    order = screen[:, 0] if k == 2 else screen[:, 1]
-    return candidates[int(np.argmin(order))]
+    candidates = np.tile(0.5 * (low + high), (2, 1))  # an edge between a near and a far side is part of the outline
+    candidates[:, i], candidates[:, j] = (far[i], near[i]), (near[j], far[j])
+    return candidates[int(np.argmin(camera.project(candidates)[:, 0 if k == 2 else 1]))]

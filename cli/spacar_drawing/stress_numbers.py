@@ -138,10 +138,7 @@ def stress_results(
     source: PictureSource, steps: Sequence[int] | int | None = None, elements: Iterable[int] | int | None = None,
     points: int = POINTS,
 ) -> StressResults:  # fmt: skip
-    """Of the stored `steps` (from 1; default all) and beams and trusses `elements` (default all), at `points` places.
-
-    Raises UsageError for steps and elements that there are not, and for fewer than two points.
-    """
+    """See `stress` of drawing_calls. Raises UsageError for fewer than two points, too."""
     chosen = list(range(1, source.steps + 1)) if steps is None else _whole("steps", steps)
     for k in chosen:
         source.require(k)

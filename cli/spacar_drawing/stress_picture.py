@@ -26,7 +26,7 @@ from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.scene import Element, Pose
 from spacar_drawing.sections import inside, moments, outline
 from spacar_drawing.settings import SectionShape
-from spacar_drawing.stage import INK, blank, dress, new_figure, widened
+from spacar_drawing.stage import INK, blank, dress, head, new_figure, widened
 from spacar_drawing.stresses import QUANTITIES, STRESSES, Resultants, along, of_quantity, resultants, stress_field
 
 if TYPE_CHECKING:
@@ -71,9 +71,8 @@ def section_stress(source: PictureSource, step: int, element: int, xi: float) ->
         raise UsageError(f"place {xi:g} is not on the element: from 0 at p to 1 at q", "stress.place")
     section = source.settings.section(element, e.shape)
     if section is None or moments(section) is None:
-        raise UsageError(
-            f"element {element} has no cross-section: give BEAMSEC, BEAMVIS or CROSSTYPE", "stress.section"
-        )
+        text = f"element {element} has no cross-section: give BEAMSEC, BEAMVIS or CROSSTYPE"
+        raise UsageError(text, "stress.section")
     every = resultants(source.scene, e, *_state(source, step), PLACES)
     i = round(xi * (PLACES - 1))
     return SectionStress(section, every.part(slice(i, i + 1)), step, element, i / (PLACES - 1))
@@ -107,46 +106,42 @@ def section_figure(found: SectionStress, quantity: str, metre: float, title: str
     name = STRESSES[quantity][0].removeprefix("largest ")
     bar.set_label(f"{name} ({unit})", fontsize=8.5, color=INK)
     bar.ax.tick_params(labelsize=7.5, colors=INK)
-    zero = np.zeros(ACROSS)
-    for k, (label, size) in enumerate((("over the height, z' at y' = 0", h), ("over the width, y' at z' = 0", w))):
-        line = np.linspace(-0.5 * size, 0.5 * size, ACROSS)
-        course = factor * (found.at(quantity, zero, line) if k == 0 else found.at(quantity, line, zero))
-        right.plot(course, 2 * line / size, color=COLOURS[k], lw=1.6, label=label)
+    part, zero = np.linspace(-1.0, 1.0, ACROSS), np.zeros(ACROSS)
+    lines = (
+        ("over the height, z' at y' = 0", zero, 0.5 * h * part),
+        ("over the width, y' at z' = 0", 0.5 * w * part, zero),
+    )
+    for (label, *at), colour in zip(lines, COLOURS, strict=False):
+        right.plot(factor * found.at(quantity, *at), part, color=colour, lw=1.6, label=label)
     right.axvline(0.0, color="#aab4bd", lw=0.8)
     dress(right, f"{name} ({unit})", "place / half of the height or width")
     right.legend(fontsize=8, frameon=False, loc="lower left", bbox_to_anchor=(0, 1.0))
-    figure.suptitle(title, fontsize=10, color=INK, x=0.02, ha="left", parse_math=False)
+    head(figure, title, x=0.02, ha="left")
     return figure
 
 
 HEIGHT = 0.16  # of the largest ordinate of a diagram, of the extent of the mechanism
-SIDE = {"My": 1, "Qz": 1}  # quantities that are drawn along local z' of spatial beams; the others along y'
+ALONG_Z = ("My", "Qz")  # quantities that are drawn along local z' of spatial beams; the others along y'
 POSITIVE, NEGATIVE = "#c0392b", "#2471a3"
 
 
-@dataclass(frozen=True)
-class Course:
-    """A quantity along one element: values (n,)."""
-
-    element: Element
-    values: Array
-
-
-def courses(source: PictureSource, step: int, quantity: str, n: int) -> list[Course]:
-    """The quantity at a step along every element that has it, in the unit of the scene. Raises UsageError when no
+def courses(source: PictureSource, step: int, quantity: str, n: int) -> list[tuple[Element, Array]]:
+    """The quantity (n,) at a step along every element that has it, in the unit of the scene. Raises UsageError when no
     element has."""
-    scene, settings = source.scene, source.settings
-    sig, e = _state(source, step)
-    found = []
-    factor = shown_in(QUANTITIES[quantity][1], scene.metre)[0]
-    for element in scene.bars.values():
-        if element.number in settings.hidden:
-            continue
-        r = resultants(scene, element, sig, e, n)
-        values = along(quantity, r, settings.section(element.number, element.shape))
+    state, found = _state(source, step), []
+    factor = shown_in(QUANTITIES[quantity][1], source.scene.metre)[0]
+    for e, section in _seen(source):
+        values = along(quantity, resultants(source.scene, e, *state, n), section)
         if values is not None:
-            found.append(Course(element, factor * values))
+            found.append((e, factor * values))
     return found or _nowhere(quantity)
+
+
+def _seen(source: PictureSource) -> list[tuple[Element, SectionShape | None]]:
+    """Beams and trusses that are not hidden, with their cross-sections."""
+    settings = source.settings
+    shown = (e for e in source.scene.bars.values() if e.number not in settings.hidden)
+    return [(e, settings.section(e.number, e.shape)) for e in shown]
 
 
 @plain
@@ -166,10 +161,7 @@ def stress_still(
     if surface:
         parts = _surfaces(source, step, pose, quantity, n)
     else:
-        parts = [
-            (c.element, c.values, 0.5 * (c.values[:-1] + c.values[1:]), None)
-            for c in courses(source, step, quantity, n)
-        ]
+        parts = [(e, v, 0.5 * (v[:-1] + v[1:]), None) for e, v in courses(source, step, quantity, n)]
     low, high, colours = colour_range(np.concatenate([values for _, values, _, _ in parts]), quantity)
     norm = Normalize(low, high)
     hidden = settings.hidden | {element.number for element, *_ in parts}
@@ -199,18 +191,16 @@ def _surfaces(
     """Of every element with a section the stress in quadrilaterals (m, 4, 3), twice, and these: over the height of
     planar beams, around the outline of spatial ones."""
     found: list[tuple[Element, Array, Array, Array | None]] = []
-    scene, settings = source.scene, source.settings
-    sig, e = _state(source, step)
+    scene, state = source.scene, _state(source, step)
     factor = shown_in(QUANTITIES[quantity][1], scene.metre)[0]
-    for element in scene.bars.values():
-        section = settings.section(element.number, element.shape)
-        contour = outline(section, 40) if section is not None else None
-        if section is None or contour is None or element.number in settings.hidden:
+    for element, section in _seen(source):
+        contour = outline(section, 40)
+        if section is None or contour is None:
             continue
-        r = resultants(scene, element, sig, e, n)
+        r = resultants(scene, element, *state, n)
         points, y, z = (v[0] for v in beam_lines(scene, pose, [element], n))
-        around = _finer(contour) if not scene.planar else _across(contour)
-        middle = 0.5 * (around + np.roll(around, -1, axis=0)) if not scene.planar else 0.5 * (around[:-1] + around[1:])
+        around = _across(contour) if scene.planar else _finer(contour)
+        middle = 0.5 * (around + np.roll(around, -1, axis=0))[: -1 if scene.planar else None]
         stress = of_quantity(quantity, *stress_field(section, r, (middle[:, 0], middle[:, 1])))
         corners = sweep(around, points, y, z).reshape(n - 1, len(around), 4, 3)[:, : len(middle)]
         values = factor * (0.5 * (stress[:-1] + stress[1:])).ravel()
@@ -250,27 +240,24 @@ def diagram_still(source: PictureSource, step: int, extras: Extras, quantity: st
     look = look_of(scene, x[None], source.settings)
     found = courses(source, step, quantity, max(look.points, 17))
     camera = camera_of(scene, extras.view)
-    largest = max(float(np.max(np.abs(c.values))) for c in found)
+    largest = max(float(np.max(np.abs(values))) for _, values in found)
     factor = HEIGHT * look.size / SYMBOL / largest if largest else 0.0
     pose = Pose.of(scene, x)
     shapes: list[Shape] = []
     marks: list[tuple[float, Label]] = []
-    for c in found:
-        points, y, z = (v[0] for v in beam_lines(scene, pose, [c.element], len(c.values)))
-        side = z if SIDE.get(quantity) and not scene.planar else y
-        tips = points + factor * c.values[:, None] * side
-        sign = np.where(0.5 * (c.values[:-1] + c.values[1:]) >= 0, 1, -1)
+    for element, values in found if factor else ():
+        points, y, z = (v[0] for v in beam_lines(scene, pose, [element], len(values)))
+        tips = points + factor * values[:, None] * (z if quantity in ALONG_Z and not scene.planar else y)
+        positive = values[:-1] + values[1:] >= 0
         quads = np.stack((points[:-1], points[1:], tips[1:], tips[:-1]), axis=1)
-        for s, colour in ((1, POSITIVE), (-1, NEGATIVE)):
-            if np.any(sign == s) and factor:
-                shapes.append(Faces(quads[sign == s], colour, None, 0.25, 3, False))
-        if factor:
-            outline = np.concatenate((points[:1], tips, points[-1:]))
-            shapes.append(Line(outline, INK, 0.8, 4))
-        for i in (0, len(points) - 1):
-            if factor and abs(c.values[i]) > 0.02 * largest:
-                text = f"{c.values[i]:.4g}".replace("-", "\N{MINUS SIGN}")
-                marks.append((abs(c.values[i]), Label(tips[i], text, "#33414d")))
+        for part, colour in ((positive, POSITIVE), (~positive, NEGATIVE)):
+            if part.any():
+                shapes.append(Faces(quads[part], colour, None, 0.25, 3, False))
+        shapes.append(Line(np.concatenate((points[:1], tips, points[-1:])), INK, 0.8, 4))
+        for i in (0, -1):
+            if abs(values[i]) > 0.02 * largest:
+                text = f"{values[i]:.4g}".replace("-", "\N{MINUS SIGN}")
+                marks.append((abs(values[i]), Label(tips[i], text, "#33414d")))
     shapes += _without_doubles(marks, look.size)
     shapes += mechanism_shapes(scene, x, look, extras)
     drawn = [s for s in shapes if not isinstance(s, Label)]

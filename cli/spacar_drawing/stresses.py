@@ -170,8 +170,7 @@ def section_points(section: SectionShape) -> tuple[Array, Array]:
     """Places y, z (m,) [m] over a section."""
     if section.shape in ("RECT", "RECTHOL"):
         w, h = section.dims[:2]
-        grid = np.meshgrid(np.linspace(-0.5, 0.5, GRID) * w, np.linspace(-0.5, 0.5, GRID) * h)
-        y, z = grid[0].ravel(), grid[1].ravel()
+        y, z = _grid(np.linspace(-0.5, 0.5, GRID) * w, np.linspace(-0.5, 0.5, GRID) * h)
         if section.shape == "RECTHOL":
             inner = (np.abs(y.real) < 0.5 * section.dims[2].real) & (np.abs(z.real) < 0.5 * section.dims[3].real)
             y, z = y[~inner], z[~inner]
@@ -179,17 +178,21 @@ def section_points(section: SectionShape) -> tuple[Array, Array]:
     if section.shape == "I":
         return _i_points(*section.dims)
     inside = 0.5 * section.dims[1] if section.shape == "CIRCHOL" else 0.0
-    r, a = np.meshgrid(np.linspace(inside, 0.5 * section.dims[0], 6), np.linspace(0, 2 * np.pi, 24, endpoint=False))
-    return (r * np.cos(a)).ravel(), (r * np.sin(a)).ravel()
+    r, a = _grid(np.linspace(inside, 0.5 * section.dims[0], 6), np.linspace(0, 2 * np.pi, 24, endpoint=False))
+    return r * np.cos(a), r * np.sin(a)
 
 
 def _i_points(b: float, h: float, tw: float, tf: float) -> tuple[Array, Array]:
     """Places over both flanges and the web."""
-    flange = np.meshgrid(np.linspace(-0.5, 0.5, GRID) * b, 0.5 * h - np.linspace(0.0, 1.0, 5) * tf)
-    web = np.meshgrid(np.linspace(-0.5, 0.5, 5) * tw, np.linspace(-0.5, 0.5, GRID)[1:-1] * (h - 2 * tf))
-    y = [np.ravel(flange[0]), np.ravel(flange[0]), np.ravel(web[0])]
-    z = [np.ravel(flange[1]), -np.ravel(flange[1]), np.ravel(web[1])]
-    return np.concatenate(y), np.concatenate(z)
+    y, z = _grid(np.linspace(-0.5, 0.5, GRID) * b, 0.5 * h - np.linspace(0.0, 1.0, 5) * tf)
+    web = _grid(np.linspace(-0.5, 0.5, 5) * tw, np.linspace(-0.5, 0.5, GRID)[1:-1] * (h - 2 * tf))
+    return np.concatenate((y, y, web[0])), np.concatenate((z, -z, web[1]))
+
+
+def _grid(y: Array, z: Array) -> tuple[Array, Array]:
+    """The points with all these coordinates."""
+    Y, Z = np.meshgrid(y, z)
+    return Y.ravel(), Z.ravel()
 
 
 def stress_field(
@@ -209,35 +212,29 @@ def stress_field(
         normal = normal + np.outer(r.B, omega) / m.Cw
     twisting = r.T if r.Ts is None else r.Ts
     d = section.dims
+    shear_y = shear_z = np.full(len(y), 2.0 / m.A)  # of hollow sections
     if section.shape == "RECT":
         ty, tz = rectangle_twist_stress(d[0], d[1], y, z)
-        shear_y = 1.5 / m.A * (1 - (2 * y / d[0]) ** 2)
-        shear_z = 1.5 / m.A * (1 - (2 * z / d[1]) ** 2)
-    elif section.shape == "CIRC":
+        shear_y, shear_z = (1.5 / m.A * (1 - (2 * v / side) ** 2) for v, side in ((y, d[0]), (z, d[1])))
+    elif section.shape in ("CIRC", "CIRCHOL"):
         ty, tz = -z / m.It, y / m.It
-        shear_y = shear_z = 4 / (3 * m.A) * (1 - (y**2 + z**2) / (0.5 * d[0]) ** 2)
-    elif section.shape == "CIRCHOL":
-        ty, tz = -z / m.It, y / m.It
-        shear_y = shear_z = np.full(len(y), 2.0 / m.A)
+        if section.shape == "CIRC":
+            shear_y = shear_z = 4 / (3 * m.A) * (1 - (y**2 + z**2) / (0.5 * d[0]) ** 2)
     elif section.shape == "I":
         ty, tz, shear_y, shear_z = _i_shear(section, m, y, z)
     else:
         t_w, t_h = 0.5 * (d[0] - d[2]), 0.5 * (d[1] - d[3])
         area = (d[0] - t_w) * (d[1] - t_h)
         side = np.abs(y.real) >= 0.5 * d[2].real
-        wall = np.where(side, t_w, t_h)
-        ty = np.where(side, 0.0, -np.sign(z.real) / (2 * area * wall))
-        tz = np.where(side, np.sign(y.real) / (2 * area * wall), 0.0)
-        shear_y = shear_z = np.full(len(y), 2.0 / m.A)
+        ty = np.where(side, 0.0, -np.sign(z.real) / (2 * area * t_h))
+        tz = np.where(side, np.sign(y.real) / (2 * area * t_w), 0.0)
     tau_y = np.outer(twisting, ty) + np.outer(r.Qy, shear_y)
     tau_z = np.outer(twisting, tz) + np.outer(r.Qz, shear_z)
     warped = None if r.Ts is None else warping_shear(section, y, z)
     if r.Ts is not None and warped is not None:
         tau_y = tau_y + np.outer(r.T - r.Ts, warped[0])
         tau_z = tau_z + np.outer(r.T - r.Ts, warped[1])
-    if np.iscomplexobj(normal):  # a direction (spacar_drawing.stress_numbers)
-        return normal, np.sqrt(tau_y * tau_y + tau_z * tau_z)
-    return normal, np.hypot(tau_y, tau_z)
+    return normal, np.sqrt(tau_y * tau_y + tau_z * tau_z)
 
 
 def _i_shear(section: SectionShape, m: SectionConstants, y: Array, z: Array) -> tuple[Array, Array, Array, Array]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.deck.length_unit import shown_in
-from spacar.expressions import Unit, unit_text
+from spacar.expressions import Unit, combine, unit_text
 from spacar.stroke import Flexure
 from spacar.stroke.flexure_results import Column
 from spacar_drawing.curves import Curve
@@ -43,7 +43,7 @@ class StrokeTable:
     note: str = ""
 
 
-def stroke_tables(study: Flexure, body: bool = False) -> list[StrokeTable]:
+def stroke_tables(study: Flexure, body: bool) -> list[StrokeTable]:
     """Force and energy, motion, support stiffness, frequencies with buckling and stress."""
     c = by_name(study, body)
     axes = "axes of the node" if body else "global axes"
@@ -144,7 +144,7 @@ KINK = 4.0
 HIDDEN = 0.02  # of its range: a curve this near to another one hides it
 
 
-def overview_figure(study: Flexure, body: bool = False) -> Figure:
+def overview_figure(study: Flexure, body: bool) -> Figure:
     """What is left of the support stiffness, the error motions, first frequencies, and the largest stress."""
     c = by_name(study, body)
     left = [r for r in supported(study, c, "remaining") if np.isfinite(r.values).any()]
@@ -152,7 +152,7 @@ def overview_figure(study: Flexure, body: bool = False) -> Figure:
     return _figure(study, [*left, *errors(study, ("pivot_",), ("line_",)), *rest] or [c["force"]])
 
 
-def all_figures(study: Flexure, body: bool = False) -> list[tuple[Figure, str]]:
+def all_figures(study: Flexure, body: bool) -> list[tuple[Figure, str]]:
     """Every figure that has something to show, with its caption; of a support that is rigid in all directions nothing
     is shown."""
     c = by_name(study, body)
@@ -184,12 +184,11 @@ def _figure(study: Flexure, columns: Sequence[Column]) -> Figure:
             kinds[unit] = heads.pop()
     shorter = [replace(c, text=c.text.partition(", ")[2]) if c.unit in kinds else c for c in curves]
     figure = history_figure(shorter, across)
+    logarithmic = {c.unit for c, of in zip(curves, columns, strict=True) if of.name.startswith(("k_", "margin"))}
     for axes, group in zip(figure.axes, panels(shorter), strict=True):
         if group[0].unit in kinds:
             text, kind = unit_text(group[0].unit), kinds[group[0].unit]
             axes.set_ylabel(f"{kind} ({text})" if text else kind)
-    logarithmic = {c.unit for c, of in zip(curves, columns, strict=True) if of.name.startswith(("k_", "margin"))}
-    for axes, group in zip(figure.axes, panels(shorter), strict=True):
         _smooth(axes)
         if group[0].unit in logarithmic:
             _logarithmic(axes)
@@ -252,10 +251,6 @@ def _curve(study: Flexure, column: Column) -> Curve:
 
 def symbols(text: str) -> Unit:
     """The unit of a text such as "N mm/rad" or "N/m^2"."""
-    above, _, below = text.partition("/")
-    powers: dict[str, int] = {}
-    for part, sign in ((above, 1), (below, -1)):
-        for word in part.split():
-            name, _, power = word.partition("^")
-            powers[name] = powers.get(name, 0) + sign * int(power or 1)
-    return tuple(sorted(powers.items()))
+    words = ([word.partition("^") for word in part.split()] for part in text.partition("/")[::2])
+    above, below = (tuple((name, int(power or 1)) for name, _, power in part) for part in words)
+    return combine(above, below, -1)

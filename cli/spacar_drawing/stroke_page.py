@@ -30,9 +30,8 @@ FLAT = 0.02  # of the largest displacement: a motion in a coordinate plane
 
 
 @plain
-def stroke_page(study: Flexure, view: str | None = None, body: bool = False) -> str:
-    """The page as text. `view` of spatial pictures (None: the plane of the motion, iso for stresses); `body`: stiffness
-    along axes of the node."""
+def stroke_page(study: Flexure, view: str | None, body: bool) -> str:
+    """The page as text: see `flexure_page` of drawing_calls."""
     source = source_of_result(study.result)
     curves = [html_figure(figure, caption) for figure, caption in all_figures(study, body)]
     tables = []
@@ -52,7 +51,7 @@ def stroke_page(study: Flexure, view: str | None = None, body: bool = False) -> 
     return page(f"{source.scene.title}: flexure", parts)
 
 
-def five_numbers(study: Flexure, body: bool = False) -> list[tuple[str, str]]:
+def five_numbers(study: Flexure, body: bool) -> list[tuple[str, str]]:
     """Range, largest force of the actuator, least of the support stiffness, first unwanted frequency, largest stress;
     what is not known is left out."""
     columns = by_name(study, body)
@@ -109,7 +108,7 @@ def _facts(study: Flexure) -> str:
     return html_table(rows, None, "facts")
 
 
-def extremes(study: Flexure, body: bool = False) -> list[tuple[str, ...]]:
+def extremes(study: Flexure, body: bool) -> list[tuple[str, ...]]:
     """Rows name, undeflected, at both ends, smallest and largest with the stroke where they are."""
     columns = by_name(study, body)
     some = [name for name in frequencies(study) if not name.startswith("f_") or name in ("f_1", "f_drive")]

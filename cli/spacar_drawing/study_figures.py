@@ -15,9 +15,10 @@ from spacar_formats.signal_tables import panels_by_quantity, table_of
 from spacar.calls import texts
 from spacar.errors import UsageError, escaped
 from spacar_drawing.defaults import plain
+from spacar_drawing.drawn_shapes import together
 from spacar_drawing.files import kept
 from spacar_drawing.history import COLOURS, scope_figure
-from spacar_drawing.stage import INK, blank, dress
+from spacar_drawing.stage import INK, blank, dress, head
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from spacar.sensitivities.sensitivity import Sensitivity
     from spacar.simulation.response import Response
     from spacar.studies.policies.trade import Entry
-    from spacar.studies.study_answers import SweepRows, TradeAnswer
+    from spacar.studies.study_calls import SweepRows, TradeAnswer
 
 MARKS = ("o", "s", "^", "D")
 
@@ -64,27 +65,23 @@ def work_precision_figure(
             axes.xaxis.set_minor_formatter(LogFormatterSciNotation(minor_thresholds=(2.0, 2.0)))
         axes.tick_params(which="minor", labelsize=8, colors=INK, length=0)
     figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=7, frameon=False)
-    figure.suptitle(escaped(title), fontsize=10, color=INK, parse_math=False)
+    head(figure, title)
     return figure
 
 
 def _curves(entries: Sequence[Entry]) -> dict[str, list[Entry]]:
     """Entries of one curve: the same model and method; in the stationary modes the same kind of model."""
-    curves: dict[str, list[Entry]] = {}
-    for e in entries:
-        if not e.error >= 0.0:
-            continue
-        if e.setup is None:
-            name = "extrapolated" + (", linear strain" if "linear" in e.label[0] else "")
-        elif e.setup.method == "perturbation":
-            name = f"perturbation, {e.setup.model}"
-        elif e.setup.integrator is None:
-            name = "rigid beams" if e.setup.beams == "rigid" else f"{e.setup.strain} strain"
-            name += f", {e.setup.measure} measure" * bool(e.setup.measure)
-        else:
-            name = f"{e.setup.integrator}, {e.setup.model}"
-        curves.setdefault(name, []).append(e)
-    return curves
+
+    def name(e: Entry) -> str:
+        s = e.setup
+        if s is None:
+            return "extrapolated" + (", linear strain" if "linear" in e.label[0] else "")
+        if s.method == "perturbation" or s.integrator is not None:
+            return f"{s.integrator if s.method != 'perturbation' else s.method}, {s.model}"
+        kind = "rigid beams" if s.beams == "rigid" else f"{s.strain} strain"
+        return kind + f", {s.measure} measure" * bool(s.measure)
+
+    return together((name(e), e) for e in entries if e.error >= 0.0)
 
 
 @plain
@@ -99,9 +96,7 @@ def sweep_plot(
             raise UsageError(f"'{name}' is not among {', '.join(known)}", "plot.name")
     others = [name for name in rows.changed if name != across]
     figure = blank(7.2, 1.0 + 2.6 * len(shown), layout="constrained")
-    curves: dict[tuple[float, ...], list] = {}
-    for row in rows:
-        curves.setdefault(tuple(row[name] for name in others), []).append(row)
+    curves = together((tuple(row[name] for name in others), row) for row in rows)
     for axes, name in zip(figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0], shown, strict=True):
         for k, (values, group) in enumerate(curves.items()):
             label = ", ".join(f"{n} = {v:.4g}" for n, v in zip(others, values, strict=True))
@@ -113,17 +108,15 @@ def sweep_plot(
         if others and len(curves) <= 12:
             axes.legend(fontsize=8, labelcolor=INK, frameon=False)
     axes.set_xlabel(escaped(across))
-    figure.suptitle(escaped(rows.source), fontsize=10, color=INK, parse_math=False)
+    head(figure, rows.source)
     return kept(figure, path)
 
 
 @plain
 def trade_plot(answer: TradeAnswer, path: str | Path | None = None) -> Figure:
     """The work-precision diagram."""
-    shown = work_precision_figure(
-        answer.entries, answer.reference.error, answer.target, answer.stationary, answer.title
-    )
-    return kept(shown, path)
+    reference, target = answer.reference.error, answer.target
+    return kept(work_precision_figure(answer.entries, reference, target, answer.stationary, answer.title), path)
 
 
 @plain

@@ -23,13 +23,7 @@ function makeViewer(canvas, over) {
     }
     gl.linkProgram(made);
     if (!gl.getProgramParameter(made, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(made));
-    const names = {};
-    const count = gl.getProgramParameter(made, gl.ACTIVE_UNIFORMS);
-    for (let i = 0; i < count; i++) {
-      const name = gl.getActiveUniform(made, i).name;
-      names[name] = gl.getUniformLocation(made, name);
-    }
-    return { made, names };
+    return { made, at: (name) => gl.getUniformLocation(made, name) };
   }
   const CAMERA = `
     uniform mat3 u_turn; uniform vec2 u_scale, u_shift; uniform float u_depth;
@@ -225,10 +219,10 @@ function makeViewer(canvas, over) {
   function use(kind, view) {
     gl.useProgram(kind.made);
     const { right: r, up: u, near: n } = view;
-    gl.uniformMatrix3fv(kind.names.u_turn, false, [r[0], u[0], n[0], r[1], u[1], n[1], r[2], u[2], n[2]]);
-    gl.uniform2fv(kind.names.u_scale, view.scale);
-    gl.uniform2fv(kind.names.u_shift, view.shift);
-    gl.uniform1f(kind.names.u_depth, view.depth);
+    gl.uniformMatrix3fv(kind.at("u_turn"), false, [r[0], u[0], n[0], r[1], u[1], n[1], r[2], u[2], n[2]]);
+    gl.uniform2fv(kind.at("u_scale"), view.scale);
+    gl.uniform2fv(kind.at("u_shift"), view.shift);
+    gl.uniform1f(kind.at("u_depth"), view.depth);
   }
 
   function draw() {
@@ -246,9 +240,9 @@ function makeViewer(canvas, over) {
     use(marks, view);
     const line = (what, mode, first, count, rgb, size, round) => {
       gl.bindVertexArray(what.made);
-      gl.uniform3fv(marks.names.u_colour, rgb);
-      gl.uniform1f(marks.names.u_size, size);
-      gl.uniform1i(marks.names.u_round, round ? 1 : 0);
+      gl.uniform3fv(marks.at("u_colour"), rgb);
+      gl.uniform1f(marks.at("u_size"), size);
+      gl.uniform1i(marks.at("u_round"), round ? 1 : 0);
       gl.drawArrays(mode, first, count);
     };
     if (!model.planar) line(box, gl.LINES, 0, 24, [0.82, 0.85, 0.87], 1, false);
@@ -256,11 +250,11 @@ function makeViewer(canvas, over) {
     if (state.marks) line(dots, gl.POINTS, 0, nodes, [0.11, 0.15, 0.18], 5 * ratio, true);
     use(solids, view);
     gl.bindVertexArray(mesh);
-    gl.uniform1i(solids.names.u_frames, 0);
-    gl.uniform1i(solids.names.u_width, width);
-    gl.uniform1ui(solids.names.u_chosen, state.element);
-    gl.uniform1i(solids.names.u_field, state.field && field ? 1 : 0);
-    if (field) gl.uniform3fv(solids.names["u_palette[0]"], model.field.palette.flat().map((c) => c / 255));
+    gl.uniform1i(solids.at("u_frames"), 0);
+    gl.uniform1i(solids.at("u_width"), width);
+    gl.uniform1ui(solids.at("u_chosen"), state.element);
+    gl.uniform1i(solids.at("u_field"), state.field && field ? 1 : 0);
+    if (field) gl.uniform3fv(solids.at("u_palette"), model.field.palette.flat().map((c) => c / 255));
     gl.drawElements(gl.TRIANGLES, corners, gl.UNSIGNED_INT, 0);
     overlay(view, ratio);
   }
@@ -328,19 +322,15 @@ function makeViewer(canvas, over) {
   function pick(x, y) {
     const { frames, nodes, nodeP, P, elementOfFrame } = scene;
     const view = camera(), ratio = window.devicePixelRatio || 1;
-    const nearest = (data, first, count, within, wanted) => {
-      let best = -1, size = within * ratio;
-      for (let i = 0; i < count; i++) {
-        if (wanted && !wanted(i)) continue;
-        const [u, v] = project(view, data, first + 3 * i), d = Math.hypot(u - x, v - y);
-        if (d < size) { size = d; best = i; }
-      }
-      return best;
-    };
-    state.node = nearest(nodeP, 3 * nodes * state.k, nodes, 12);
+    state.node = -1;
     state.element = 0;
+    let best = 12 * ratio;
+    for (let i = 0; i < nodes; i++) {
+      const [u, v] = project(view, nodeP, 3 * (nodes * state.k + i)), d = Math.hypot(u - x, v - y);
+      if (d < best) { best = d; state.node = i; }
+    }
     if (state.node < 0) {
-      let best = 14 * ratio;  // distance from the lines between successive frames of one element
+      best = 14 * ratio;  // distance from the lines between successive frames of one element
       for (let i = 0; i + 1 < frames; i++) {
         if (!elementOfFrame[i]) continue;
         const p = project(view, P, 3 * (frames * state.k + i));

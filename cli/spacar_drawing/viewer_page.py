@@ -53,10 +53,7 @@ class FieldColours:
 
 
 def field_colours(source: PictureSource, mesh: TriangleMesh, chosen: Sequence[int], quantity: str) -> FieldColours:
-    """The quantity (of QUANTITIES) at the steps that the pictures show.
-
-    Raises UsageError for an unknown quantity, when no element has it, and for a result without stresses.
-    """
+    """The quantity (of QUANTITIES) at the steps that the pictures show. Raises UsageError as `view_page`."""
     if quantity not in QUANTITIES:
         raise UsageError(f"there is no stress '{quantity}'; expected {', '.join(QUANTITIES)}", "draw.stress")
     values = np.full((len(chosen), mesh.frames), np.nan)
@@ -65,7 +62,7 @@ def field_colours(source: PictureSource, mesh: TriangleMesh, chosen: Sequence[in
     counts = sorted({n for _, _, n in mesh.lines}) or [2]
     for k, step in enumerate(chosen):
         for n in counts:
-            found = {c.element.number: c.values for c in courses(source, step, quantity, n)}
+            found = {e.number: values for e, values in courses(source, step, quantity, n)}
             for first, elements, points in mesh.lines:
                 for i, number in enumerate(elements if points == n else ()):
                     if number in found:
@@ -105,11 +102,7 @@ button{font:inherit;padding:.15em .7em;border:1px solid #b9c1c8;background:#f6f8
 def view_page(
     source: PictureSource, frames: int = MOST_PICTURES, view: str = "iso", fps: float = 25.0, stress: str | None = None
 ) -> str:
-    """The page of a result as text, with at most so many of its steps; beams coloured by a stress when one is named.
-
-    Raises UsageError for a view that is none, for a stress that is none or that the model does not have, and for a
-    result without anything to draw.
-    """
+    """The page of a result as text: see `view` of drawing_calls."""
     data = json.dumps(view_model(source, frames, view, fps, stress), separators=(",", ":"), allow_nan=False)
     data = data.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
     script = "\n".join(script_text(name) for name in SCRIPTS)

@@ -29,9 +29,8 @@ ROOM = 0.1  # beyond a side that the mechanism left, of the extent seen so far
 
 def check_display() -> None:
     """Raises UsageError where there is no display to open a window on."""
-    if sys.platform.startswith("linux") and not any(
-        os.environ.get(v) for v in ("DISPLAY", "WAYLAND_DISPLAY", "MPLBACKEND")
-    ):
+    known = any(os.environ.get(v) for v in ("DISPLAY", "WAYLAND_DISPLAY", "MPLBACKEND"))
+    if sys.platform.startswith("linux") and not known:
         raise UsageError("no window can be opened here (no display); write a file with --output instead", "draw.window")
 
 
@@ -43,9 +42,8 @@ def open_window(title: str) -> Any:
     figure = plt.figure(figsize=(8.4, 7.0))
     if plt.get_backend().lower() == "agg" and os.environ.get("MPLBACKEND", "").lower() != "agg":
         plt.close(figure)
-        raise UsageError(
-            "no window can be opened: matplotlib found no window toolkit (install python3-tk or PyQt)", "draw.window"
-        )
+        text = "no window can be opened: matplotlib found no window toolkit (install python3-tk or PyQt)"
+        raise UsageError(text, "draw.window")
     manager = figure.canvas.manager
     if manager is not None:
         manager.set_window_title(title)
@@ -60,7 +58,7 @@ def _on_screen() -> bool:
 
 def slider_window(
     pictures: Pictures, count: int, first: int, bounds: tuple[Array, Array], camera: Camera, title: str,
-    fps: float = 25.0, block: bool = True,
+    fps: float = 25.0,
 ) -> Any:  # fmt: skip
     """A window with a time slider and a play button; dragging in a spatial picture turns it. Blocks until it is closed.
 
@@ -90,10 +88,7 @@ def slider_window(
 
     def play(_: object) -> None:
         state["playing"] = not state["playing"]
-        if state["playing"]:
-            timer.start()
-        else:
-            timer.stop()
+        (timer.start if state["playing"] else timer.stop)()
         button.label.set_text("pause" if state["playing"] else "play")
         figure.canvas.draw_idle()
 
@@ -124,7 +119,7 @@ def slider_window(
     figure.canvas.mpl_connect("close_event", lambda _: timer.stop())
     figure._spacar = (slider, button, timer)  # keep the widgets alive as long as the window
     refresh()
-    if block and _on_screen():
+    if _on_screen():
         plt.show()
     return figure
 
@@ -137,8 +132,7 @@ class LivePlot:
     the last picture on the screen until the user closes it.
     """
 
-    def __init__(self, view: str = "iso") -> None:
-        self._view = view
+    def __init__(self) -> None:
         self._figure = open_window("spacar")
         self._aborted = False
         self._waits = False
@@ -156,7 +150,7 @@ class LivePlot:
         self._settings = parse_settings(deck.visualization)
         known = set(self._scene.position_nodes.tolist())
         self._traces = [n for n in self._settings.traces if n in known]
-        self._camera = camera_of(self._scene, self._view)
+        self._camera = camera_of(self._scene, Extras().view)
         self._button = Button(
             self._figure.add_axes((0.84, 0.02, 0.13, 0.05)), "Abort", color="#f3d4d4", hovercolor="#eebcbc"
         )
@@ -203,9 +197,8 @@ class LivePlot:
         if self._traces:
             shapes += trace_lines(self._scene, np.stack(self._paths), self._traces)
         box = merge_bounds(shapes)
-        if box is not None and (
-            self._bounds is None or np.any(box[0] < self._bounds[0]) or np.any(box[1] > self._bounds[1])
-        ):
+        shown = self._bounds
+        if box is not None and (shown is None or np.any(box[0] < shown[0]) or np.any(box[1] > shown[1])):
             self._enlarge(box)
         assert self._moving is not None
         self._moving.show(shapes, f"{self._scene.title}   t = {frame.t:.6g} s")
@@ -218,13 +211,13 @@ class LivePlot:
         old, shown = self._seen or box, self._bounds
         low, high = self._seen = np.minimum(old[0], box[0]), np.maximum(old[1], box[1])
         room = ROOM * float(np.max(high - low)) * (np.array([1, 1, 0]) if self._scene.planar else np.ones(3))
-        if shown is None:
-            self._bounds = low, high
-        else:
-            self._bounds = (
+        self._bounds = low, high
+        if shown is not None:
+            lower, upper = (
                 np.where(low < shown[0], low - room, shown[0]),
                 np.where(high > shown[1], high + room, shown[1]),
             )
+            self._bounds = lower, upper
         axes = furnish(self._figure, self._bounds, self._camera, " ", FOOT)
         if self._moving is not None:
             self._moving.place(axes, self._camera)

@@ -5,8 +5,9 @@ import io
 
 import numpy as np
 import pytest
+from spacar_cli.row_output import csv_text
 from spacar_drawing.curves import evaluate
-from spacar_drawing.history import axis_text, csv_text, history_figure, panels
+from spacar_drawing.history import axis_text, history_figure, panels
 
 from spacar.errors import UsageError
 from spacar.expressions import unit, unit_text
@@ -22,11 +23,27 @@ def crank():
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("x[6,1]", "m"), ("xd[6,1]", "m/s"), ("xdd[6,1]", "m/s²"), ("x[2,1]", "rad"), ("xd[2,1]", "rad/s"),
-        ("fxtot[6,2]", "N"), ("fxt[2,1]", "N m"), ("e[1,1]", "m"), ("sig[1,1]", "N"), ("t", "s"),
-        ("deg(x[2,1])", "deg"), ("x[6,1]**2", "m²"), ("sqrt(x[6,1]**2 + x[6,2]**2)", "m"), ("sin(x[2,1])", ""),
-        ("fxtot[2,1]*xd[2,1]", "N m rad/s"), ("x[6,1]/xd[6,1]", "s"), ("hypot(x[3,1],x[3,2])", "m"),
-        ("atan2(x[3,2],x[3,1])", "rad"), ("2*x[6,1]-x[3,1]", "m"), ("1/t", "1/s"), ("-abs(x[6,1])", "m"),
+        ("x[6,1]", "m"),
+        ("xd[6,1]", "m/s"),
+        ("xdd[6,1]", "m/s²"),
+        ("x[2,1]", "rad"),
+        ("xd[2,1]", "rad/s"),
+        ("fxtot[6,2]", "N"),
+        ("fxt[2,1]", "N m"),
+        ("e[1,1]", "m"),
+        ("sig[1,1]", "N"),
+        ("t", "s"),
+        ("deg(x[2,1])", "deg"),
+        ("x[6,1]**2", "m²"),
+        ("sqrt(x[6,1]**2 + x[6,2]**2)", "m"),
+        ("sin(x[2,1])", ""),
+        ("fxtot[2,1]*xd[2,1]", "N m rad/s"),
+        ("x[6,1]/xd[6,1]", "s"),
+        ("hypot(x[3,1],x[3,2])", "m"),
+        ("atan2(x[3,2],x[3,1])", "rad"),
+        ("2*x[6,1]-x[3,1]", "m"),
+        ("1/t", "1/s"),
+        ("-abs(x[6,1])", "m"),
         ("sig[1,1]/x[6,1]**2", "N/m²"),
     ],
 )
@@ -102,7 +119,9 @@ def test_panels_and_labels(crank):
 
 def test_csv_keeps_all_digits(crank):
     curves = [evaluate(crank, "x[6,1]"), evaluate(crank, "xdd[6,1]")]
-    rows = list(csv.reader(io.StringIO(csv_text(curves, evaluate(crank, "t")))))
+    columns = [evaluate(crank, "t"), *curves]
+    text = csv_text(map(axis_text, columns), zip(*(c.values.tolist() for c in columns), strict=True))
+    rows = list(csv.reader(io.StringIO(text)))
     assert rows[0] == ["t (s)", "x[6,1] (m)", "xdd[6,1] (m/s²)"]
     back = np.array([[float(v) for v in row] for row in rows[1:]])
     np.testing.assert_array_equal(back[:, 1], curves[0].values)
