@@ -210,7 +210,7 @@ def cylinder(
     """A closed cylinder between two points (3,), in pieces short enough to be sorted by depth."""
     rings = int(np.clip(np.linalg.norm(b - a) / (1.5 * radius), 6, 40)) + 1
     line = np.linspace(a, b, rings)
-    u, v = (np.broadcast_to(w, line.shape) for w in normal_pair(b - a))
+    u, v = (np.tile(w, (rings, 1)) for w in normal_pair(b - a))
     return solid(disc_outline(radius, n), line, u, v, colour, alpha, light)
 
 

@@ -166,8 +166,9 @@ class _Drawing:
         return parts
 
     def _ribbons(self, s: Line) -> list[tuple[Array, Array, Array]]:
-        depth = self.camera.depth(s.pieces).mean(axis=1)
-        return self._bands(s.pieces, depth, s.width, rgba(s.colour, s.alpha, len(depth)))
+        pieces = s.pieces
+        depth = self.camera.depth(pieces).mean(axis=1)
+        return self._bands(pieces, depth, s.width, rgba(s.colour, s.alpha, len(pieces)))
 
     def _bands(self, pieces: Array, depth: Array, width: float, colour: Array) -> list[tuple[Array, Array, Array]]:
         """Straight pieces (n, 2, 3) as bands of a width [points]."""

@@ -241,7 +241,8 @@ def rotations(scene: Scene, x: Array) -> Array:
         R[rows, 0, 1] = -np.sin(phi)
         return R
     quaternions = unit(x[scene.lnp[rows] - 1]).T
-    R[rows] = np.stack([rotate(quaternions, axis[:, None]).T for axis in np.eye(3)], axis=-1)
+    every = np.tile(np.eye(3)[:, :, None], len(rows))  # component, axis, node
+    R[rows] = rotate(quaternions[:, None], every).transpose(2, 0, 1)
     return R
 
 
