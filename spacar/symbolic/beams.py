@@ -13,7 +13,7 @@ from spacar.errors import UsageError
 from spacar.symbolic.beam_shapes import X, field_function, shape_functions
 from spacar.symbolic.description import Description
 from spacar.symbolic.fields import Field, Foreshortening
-from spacar.symbolic.reference_frames import ReferenceFrame, omega, set_omega
+from spacar.symbolic.reference_frames import ReferenceFrame
 from spacar.symbolic.system_parts import Beam, CrossSection, GeometricPoint, Pseudo
 from spacar.symbolic.unit_vectors import TIME
 from spacar.symbolic.vectors import ZERO, Vector
@@ -132,11 +132,10 @@ def make_section(system: Description, beam: Beam, x: sp.Expr) -> CrossSection:
         offset -= add("short", beam.shortening.value(x), beam.shortening.gradient(x)) * beam.frame[1]
     frame = beam.frame
     for i, (axis, angle) in enumerate(turns):
-        base, suffix = frame, "tip" if x == beam.length else f"section{len(beam.sections)}"
+        suffix = "tip" if x == beam.length else f"section{len(beam.sections)}"
         name = f"{beam.name}.{suffix}" + ("" if len(turns) == 1 else f".{i + 1}")
-        frame = base.turned(name, axis, angle, symbol=f"{beam.frame.symbol}t")
+        frame = system.frame(name, frame, axis, angle, symbol=f"{beam.frame.symbol}t")
         frame.is_section = True
-        set_omega(base, frame, omega(base, frame).xreplace(system.rates))
     velocity: Vector = beam.root.velocity + system.ddt(system.N, offset)
     public = {"u": "u", "w": "w", "slope": "ux", "slope_w": "wx", "twist": "theta", "stretch": "e"}
     values = {name: pseudo[key] for name, key in public.items() if key in pseudo}

@@ -184,13 +184,9 @@ class Manifold:
         rows = []
         for k in range(len(y)):
             h = 6e-6 * max(abs(y[k]), 1e-3)
-            ends = []
-            for sign in (1, -1):
-                moved = y.copy()
-                moved[k] += sign * h
-                numbers = self.numbers(t, moved)
-                ends.append(np.concatenate((numbers[3], numbers[4])))
-            rows.append((ends[0] - ends[1]) / (2 * h))
+            step = h * np.eye(len(y))[k]
+            ahead, behind = (np.concatenate(self.numbers(t, moved)[3:5]) for moved in (y + step, y - step))
+            rows.append((ahead - behind) / (2 * h))
         return _null_space(np.array(rows).T)
 
 

@@ -31,8 +31,8 @@ from spacar.symbolic.moments import Form, Integrals, collected
 from spacar.symbolic.reference_frames import omega
 from spacar.symbolic.splitting import LinearSplit
 from spacar.symbolic.system_parts import Beam, DistributedLoad, RigidBody
-from spacar.symbolic.transform import DirectionCosines
-from spacar.symbolic.unit_vectors import TIME, Key, UnevaluatedDot
+from spacar.symbolic.transform import DirectionCosines, transform
+from spacar.symbolic.unit_vectors import TIME, Key
 from spacar.symbolic.vectors import ZERO, Vector, cross, dot
 
 
@@ -294,10 +294,7 @@ def _finisher(system: Description, steps: HeldDerivation, cosines: DirectionCosi
     steps.values = values
 
     def finish(expression: sp.Expr) -> sp.Expr:
-        dots = sorted(expression.atoms(UnevaluatedDot), key=str)
-        rule = {atom: cosines.value(atom).xreplace(values) for atom in dots}
-        expression = gather_scalars(expression.xreplace(rule).xreplace(values))
-        return steps.read(expression)
+        return steps.read(gather_scalars(transform(expression, cosines).xreplace(values)))
 
     return finish
 

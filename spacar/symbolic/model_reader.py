@@ -204,13 +204,9 @@ class _TomlReader(ModelFile):
                 self.fail(f"refers to {self._missing(table, n, row)}, which depends on it in a cycle")
 
     def _missing(self, table: str, n: int, row: dict[str, Any]) -> list[str]:
-        missing = []
-        for key in REFERENCES[table]:
-            name = row.get(key)
-            home = self.points if key in ("base", "root") else self.frames
-            if name is not None and name not in home:
-                missing.append(name)
-        return missing
+        """The references of a row to what has not been made."""
+        homes = {key: self.points if key in ("base", "root") else self.frames for key in REFERENCES[table]}
+        return [row[key] for key, home in homes.items() if row.get(key) is not None and row[key] not in home]
 
     def frame_of(self, row: dict[str, Any], key: str, default: ReferenceFrame | None = None) -> Any:
         name = row.get(key)

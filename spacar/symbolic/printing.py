@@ -19,13 +19,12 @@ _CROSS = {"text": " >< ", "unicode": " × ", "latex": r" \times "}
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
-def _derivative_name(expr: sp.Derivative, dot: str, prime: str = "") -> str:
+def _derivative_name(expr: sp.Derivative, dot: str) -> str:
     """Name of d^n f / dt^n or of a field derivative: q_dot, u_xt."""
     function = expr.expr
     name = function.func.__name__
     if function.args == (TIME,):
-        order = sum(n for _, n in expr.variable_count)
-        return dot * order if prime == "prefix" else name + dot * order
+        return name + dot * sum(n for _, n in expr.variable_count)
     letters = "".join(str(v) * int(n) for v, n in sorted(expr.variable_count, key=lambda p: p[0] == TIME))
     return f"{name}_{letters}"
 

@@ -18,8 +18,8 @@ from spacar.symbolic.derivatives import rate
 from spacar.symbolic.description import Description
 from spacar.symbolic.reference_frames import ReferenceFrame, omega
 from spacar.symbolic.system_parts import GeometricPoint, Load, RigidBody
-from spacar.symbolic.transform import DirectionCosines, merged_rotation
-from spacar.symbolic.unit_vectors import UnevaluatedDot, Unit
+from spacar.symbolic.transform import DirectionCosines, merged_rotation, transform
+from spacar.symbolic.unit_vectors import Unit
 from spacar.symbolic.vectors import Vector
 
 Column: TypeAlias = Any  # sympy Matrix of three measure numbers
@@ -103,10 +103,7 @@ class Recursion:
 
     def read(self, expression: sp.Expr) -> sp.Expr:
         """A memory read of a scalar: dots become cosines, pseudo-coordinates field values."""
-        held = expression.atoms(UnevaluatedDot)
-        if held:
-            expression = expression.xreplace({atom: self.cosines.value(atom) for atom in sorted(held, key=str)})
-        return self.table.read(expression.xreplace(self.values))
+        return self.table.read(transform(expression, self.cosines).xreplace(self.values))
 
     def reads(self, column: Column) -> Column:
         return column.applyfunc(self.read)

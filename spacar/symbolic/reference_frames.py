@@ -83,9 +83,7 @@ class ReferenceFrame:
         angle = sp.sympify(angle)
         frame.rotation = Rotation(self, axis, angle)
         frame.directions[axis] = self.directions[axis]
-        speed = frame[axis] * angle.diff(TIME)
-        frame.relative[self] = -speed
-        self.relative[frame] = speed
+        set_omega(self, frame, frame[axis] * angle.diff(TIME))
         return frame
 
     @cached_property

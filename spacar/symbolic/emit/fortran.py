@@ -49,12 +49,10 @@ def _solving(program: OrderedProgram, jacobian: bool) -> list[str]:
     tied = program.m > 0
     names = {"arrays": ", rows(n_s*n_g), h(n_g)" if tied else "", "filled": ", rows, h" if tied else ""}
     solve = "constrained(mass, rows, a, h, 1)" if tied else "solve(mass, a, 1)"
-    out = "    call eom_outputs(c, p, y, u, out)\n    bad = 0\n"
+    out = "    call eom_feed(t, c, p, y, u)\n    call eom_outputs(c, p, y, u, out)\n    bad = 0\n"
     if program.outputs_need_accelerations:
-        out = "    bad = accelerations(c, p, y, u, a)\n    call eom_outputs(c, p, y, u, a, out)\n"
-        out = "    real(dp) :: a(n_s + n_g)\n    call eom_feed(t, c, p, y, u)\n" + out
-    else:
-        out = "    call eom_feed(t, c, p, y, u)\n" + out
+        out = "    real(dp) :: a(n_s + n_g)\n    call eom_feed(t, c, p, y, u)\n"
+        out += "    bad = accelerations(c, p, y, u, a)\n    call eom_outputs(c, p, y, u, a, out)\n"
     moved = "    a(n_s + 1:) = h\n" if tied else ""
     parts = [CONSTRAINED if tied else LDL, RHS.format(solve=solve, moved=moved, outputs=out, **names)]
     if jacobian:

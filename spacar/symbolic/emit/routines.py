@@ -1,5 +1,6 @@
 """What C and Fortran have in common: the routines of a program with their arguments, reads, body and results."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import sympy as sp
@@ -50,51 +51,48 @@ def compiled_routines(program: OrderedProgram, jacobian: bool = False) -> tuple[
     once = jacobian_of(program).once if jacobian else program.once
     places = _places(program, once)
     ny = len(program.state)
-    system: Results = tuple(("M", i, e) for i, e in enumerate(program.inertia))
-    system += tuple(("f", i, e) for i, e in enumerate(program.rhs))
+    system = _into("M", program.inertia) + _into("f", program.rhs)
     c = program.constraints
     filled: tuple[str, ...] = ("M", "f")
     if c is not None:
-        system += tuple(("J", i, e) for i, e in enumerate(c.matrix)) + tuple(("h", i, e) for i, e in enumerate(c.bias))
+        system += _into("J", c.matrix) + _into("h", c.bias)
         filled += ("J", "h")
     feed = tuple(("u", i, e) for i, e in enumerate(program.inputs.values()) if e is not None)
-    rates = tuple(("ydot", i, e) for i, e in enumerate(program.rates))
     given = ("c", "p", "y", "u")
+    solved = ("a",) if program.outputs_need_accelerations else ()
 
     def routine(
-        name: str, arguments: tuple[str, ...], changed: str | tuple[str, ...], body: Assignments, results: Results
-    ) -> Routine:
-        changed = (changed,) if isinstance(changed, str) else changed
+        name: str, arguments: tuple[str, ...], changed: tuple[str, ...], results: Results,
+        body: Assignments | None = None,
+    ) -> Routine:  # fmt: skip
+        """With the assignments of the step that the results need, or with a `body` of its own."""
+        body = program.order(e for _, _, e in results) if body is None else body
         used = [*(e for _, e in body), *(e for _, _, e in results)]
         needed = set().union(*(e.free_symbols for e in used)) - {s for s, _ in body}
         reads = [(a, i, s) for s, (a, i) in places.items() if s in needed and a in arguments]
         return Routine(name, arguments, changed, tuple(reads), body, results, internal=name == "slopes")
 
-    stored = tuple(("c", i, s) for i, (s, _) in enumerate(once))
     routines = [
-        routine("once", ("p", "c"), "c", once, stored),
-        routine("step", (*given, *filled), filled, program.order(e for _, _, e in system), system),
-        routine("feed", ("t", *given), "u", (), feed),
-        routine("rates", (*given, "ydot"), "ydot", program.order(program.rates), rates),
-        routine(
-            "outputs", (*given, *(("a",) if program.outputs_need_accelerations else ()), "out"), "out",
-            program.order(program.outputs.values()),
-            tuple(("out", i, e) for i, e in enumerate(program.outputs.values())),
-        ),
-    ]  # fmt: skip
+        routine("once", ("p", "c"), ("c",), _into("c", (s for s, _ in once)), once),
+        routine("step", (*given, *filled), filled, system),
+        routine("feed", ("t", *given), ("u",), feed, ()),
+        routine("rates", (*given, "ydot"), ("ydot",), _into("ydot", program.rates)),
+        routine("outputs", (*given, *solved, "out"), ("out",), _into("out", program.outputs.values())),
+    ]
     if c is not None:
-        results = tuple(("res", i, e) for i, e in enumerate(c.residual))
-        results += tuple(("turn", i, e) for i, e in enumerate(c.turning))
-        body = program.order(e for _, _, e in results)
-        routines.append(routine("manifold", (*given, "res", "turn"), ("res", "turn"), body, results))
+        results = _into("res", c.residual) + _into("turn", c.turning)
+        routines.append(routine("manifold", (*given, "res", "turn"), ("res", "turn"), results))
     if jacobian:
         J = jacobian_of(program)
         entries = [*J.drates, *J.dg, *J.dh]
-        results = tuple(("J", k, e) for k, e in enumerate(entries))
         assert len(entries) == (ny + program.m) * ny
         body = tuple(definition_order(dict(J.step), entries).items())
-        routines.append(routine("slopes", ("t", *given, "a", "J"), "J", body, results))
+        routines.append(routine("slopes", ("t", *given, "a", "J"), ("J",), _into("J", entries), body))
     return once, routines
+
+
+def _into(array: str, entries: Iterable[sp.Expr]) -> Results:
+    return tuple((array, i, e) for i, e in enumerate(entries))
 
 
 def _places(program: OrderedProgram, once: Assignments) -> dict[sp.Symbol, tuple[str, int]]:
