@@ -12,9 +12,9 @@ import sympy as sp
 from spacar.errors import UsageError
 from spacar.symbolic.beam_shapes import X, field_function, shape_functions
 from spacar.symbolic.description import Description
-from spacar.symbolic.fields import Field, Foreshortening
+from spacar.symbolic.fields import Field, Foreshortening, Pseudo
 from spacar.symbolic.reference_frames import ReferenceFrame
-from spacar.symbolic.system_parts import Beam, CrossSection, GeometricPoint, Pseudo
+from spacar.symbolic.system_parts import Beam, CrossSection, GeometricPoint
 from spacar.symbolic.unit_vectors import TIME
 from spacar.symbolic.vectors import ZERO, Vector
 

@@ -13,6 +13,7 @@ import sympy as sp
 from spacar.errors import UsageError
 from spacar.symbolic.beam_shapes import X
 from spacar.symbolic.derivatives import dvdt
+from spacar.symbolic.fields import Pseudo
 from spacar.symbolic.model_names import ModelNames
 from spacar.symbolic.reference_frames import Attitude, ReferenceFrame, omega, set_omega
 from spacar.symbolic.scalar_reader import read_expression, read_number
@@ -23,7 +24,6 @@ from spacar.symbolic.system_parts import (
     FrameOrSection,
     GeometricPoint,
     Load,
-    Pseudo,
     RigidBody,
     Spring,
     frame_at,

@@ -61,6 +61,31 @@ class Field:
 
 
 @dataclass(frozen=True, eq=False)
+class Pseudo:
+    """A boundary value of a field treated as a coordinate while deriving (pseudo-coordinate of the paper, (5)).
+
+    `value` is the assumed field at the section, or the foreshortening at any place, `gradient` ∂value/∂φ_k.
+    """
+
+    coordinate: sp.Expr
+    speed: sp.Expr
+    value: sp.Expr
+    gradient: dict[sp.Expr, sp.Expr]
+
+    def rate(self, speeds: dict[sp.Expr, sp.Expr]) -> sp.Expr:
+        """s' = Σ g_k dφ_k for {φ_k: dφ_k}."""
+        return sp.Add(*(g * speeds[q] for q, g in self.gradient.items()))
+
+    def acceleration(self, speeds: dict[sp.Expr, sp.Expr], accelerations: dict[sp.Expr, sp.Symbol]) -> sp.Expr:
+        """ṡ' = Σ g_k dφ̇_k + bias."""
+        return sp.Add(*(g * accelerations[speeds[q]] for q, g in self.gradient.items()), self.bias(speeds))
+
+    def bias(self, speeds: dict[sp.Expr, sp.Expr]) -> sp.Expr:
+        """Σ ∂g_k/∂φ_j dφ_j dφ_k, the part of ṡ' without accelerations."""
+        return sp.Add(*(g.diff(r) * speeds[q] * speeds[r] for q, g in self.gradient.items() for r in speeds))
+
+
+@dataclass(frozen=True, eq=False)
 class Foreshortening:
     """w(x, t) = ½ Σ_fields ∫_0^x u_x² dx, by which a bending beam draws its points towards the root [m]."""
 
@@ -91,13 +116,7 @@ class Foreshortening:
 
     def substitution(self, accelerations: dict[sp.Expr, sp.Symbol]) -> dict[sp.Basic, sp.Expr]:
         """w, w_t and w_tt as polynomials in x."""
-        gradient = self.gradient(X)
-        speed = {p: s for f in self.fields for p, s in zip(f.coordinates, f.speeds, strict=True)}
-        velocity = sp.Add(*(g * speed[p] for p, g in gradient.items()))
-        bias = sp.Add(*(g.diff(q) * speed[p] * speed[q] for p, g in gradient.items() for q in speed))
-        acceleration = sp.Add(*(g * accelerations[speed[p]] for p, g in gradient.items())) + bias
-        return {
-            self.function: self.value(X),
-            self.function.diff(TIME): velocity,
-            self.function.diff(TIME, 2): acceleration,
-        }
+        w, w_t = self.function, self.function.diff(TIME)
+        here = Pseudo(w, w_t, self.value(X), self.gradient(X))
+        speeds = {p: s for f in self.fields for p, s in zip(f.coordinates, f.speeds, strict=True)}
+        return {w: here.value, w_t: here.rate(speeds), w_t.diff(TIME): here.acceleration(speeds, accelerations)}

@@ -29,31 +29,6 @@ class GeometricPoint:
 
 
 @dataclass(frozen=True, eq=False)
-class Pseudo:
-    """A boundary value of a field treated as a coordinate while deriving (pseudo-coordinate of the paper, (5)).
-
-    `value` is the assumed field at the section, `gradient` ∂value/∂φ_k.
-    """
-
-    coordinate: sp.Expr
-    speed: sp.Expr
-    value: sp.Expr
-    gradient: dict[sp.Expr, sp.Expr]
-
-    def rate(self, speeds: dict[sp.Expr, sp.Expr]) -> sp.Expr:
-        """s' = Σ g_k dφ_k for {φ_k: dφ_k}."""
-        return sp.Add(*(g * speeds[q] for q, g in self.gradient.items()))
-
-    def acceleration(self, speeds: dict[sp.Expr, sp.Expr], accelerations: dict[sp.Expr, sp.Symbol]) -> sp.Expr:
-        """ṡ' = Σ g_k dφ̇_k + bias."""
-        return sp.Add(*(g * accelerations[speeds[q]] for q, g in self.gradient.items()), self.bias(speeds))
-
-    def bias(self, speeds: dict[sp.Expr, sp.Expr]) -> sp.Expr:
-        """Σ ∂g_k/∂φ_j dφ_j dφ_k, the part of ṡ' without accelerations."""
-        return sp.Add(*(g.diff(r) * speeds[q] * speeds[r] for q, g in self.gradient.items() for r in speeds))
-
-
-@dataclass(frozen=True, eq=False)
 class CrossSection(GeometricPoint):
     """A cross-section of a beam: a point with a frame of its own, and the values of the fields there.
 
