@@ -12,7 +12,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.errors import UsageError
-from spacar.expressions.frequencies import frequencies
+from spacar.expressions.evaluation import frequencies
 from spacar.expressions.result_places import ELEMENT, NODE, place, places
 from spacar.frame import E_FIELDS, X_FIELDS, Frame, StoredFrames, column, joined
 from spacar.mechanism.result_tables import model_tables

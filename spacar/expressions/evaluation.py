@@ -4,14 +4,13 @@ import ast
 import operator
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacar.errors import UsageError
 from spacar.expressions.expression_units import NONE, Unit, combine, of_power, of_sum
-from spacar.expressions.frequencies import frequencies
 from spacar.expressions.functions import FUNCTIONS
 from spacar.expressions.grammar import ALIASES, E_NAMES, X_NAMES, Expression, indices, when
 from spacar.expressions.result_places import ELEMENT, NODE, place
@@ -33,18 +32,19 @@ class Variables(Protocol):
     def __getitem__(self, name: str, /) -> Any: ...
 
 
-@dataclass(frozen=True)
-class Value:
-    """An array over the steps (steps,) or one number (), and its unit; None: not followed."""
+class Value(NamedTuple):
+    """An array over the steps (steps,) or one number (), and its unit; None: not followed. `rates`: derivatives, with
+    an axis of directions at the end, or 0."""
 
     values: Any
     unit: Unit | None
+    rates: Any = 0.0
 
 
 def evaluate_cases(expression: Expression, variables: Variables) -> NDArray[Any]:
     """Values of many cases at once: of `variables` every one has a further axis of cases at its end, and so have the
     values, (steps, cases); or (cases,) or () where they are numbers. Raises what `evaluate` does."""
-    return np.asarray(_Evaluation(expression.text, variables, None, of_cases=True).value(expression.tree).values)
+    return np.asarray(Evaluation(expression.text, variables, None, of_cases=True).value(expression.tree).values)
 
 
 def evaluate(
@@ -58,7 +58,7 @@ def evaluate(
     stay in the values.
     """
     try:
-        found = _Evaluation(expression.text, variables, units).value(expression.tree)
+        found = Evaluation(expression.text, variables, units).value(expression.tree)
     except (RecursionError, OverflowError):
         text = f"'{expression.text}' is nested too deep or has numbers that are too large"
         raise UsageError(text, "expression.form") from None
@@ -66,9 +66,11 @@ def evaluate(
 
 
 @dataclass(frozen=True)
-class _Evaluation:
+class Evaluation:
+    """One walk through an expression; who follows derivatives writes `rates_of` and `rates_of_call`."""
+
     text: str
-    variables: Variables
+    variables: Any  # `Variables`, or what the `variable` of a subclass reads
     units: Callable[[str, Sequence[int]], Unit | None] | None
     of_cases: bool = False  # arrays have an axis of cases at their end
 
@@ -81,7 +83,7 @@ class _Evaluation:
             return self.variable(node)
         if isinstance(node, ast.UnaryOp):
             found = self.value(node.operand)
-            return Value(-found.values, found.unit) if isinstance(node.op, ast.USub) else found
+            return Value(-found.values, found.unit, -found.rates) if isinstance(node.op, ast.USub) else found
         if isinstance(node, ast.BinOp):
             return self.binary(node)
         assert isinstance(node, ast.Call)
@@ -106,7 +108,8 @@ class _Evaluation:
     def binary(self, node: ast.BinOp) -> Value:
         left = self.value(node.left)
         if isinstance(node.op, ast.MatMult):
-            return Value(self.at(left.values, when(node.right, self.text)), left.unit)
+            k = self.at(left.values, when(node.right, self.text))
+            return Value(np.asarray(left.values[k]), left.unit, left.rates[k] if np.ndim(left.rates) else 0.0)
         right = self.value(node.right)
         if isinstance(node.op, (ast.Add, ast.Sub)):
             unit = of_sum(left.unit, right.unit, self.text)
@@ -118,18 +121,25 @@ class _Evaluation:
             sign = 1 if isinstance(node.op, ast.Mult) else -1
             unit = combine(left.unit or NONE, right.unit or NONE, sign) if known else None
         with np.errstate(all="ignore"):  # who asked reports what is not finite
-            return Value(np.asarray(OPERATORS[type(node.op)](left.values, right.values)), unit)
+            values = np.asarray(OPERATORS[type(node.op)](left.values, right.values))
+            return Value(values, unit, self.rates_of(node.op, left, right))
+
+    def rates_of(self, operator: ast.operator, left: Value, right: Value) -> Any:
+        return 0.0
+
+    def rates_of_call(self, name: str, values: Any, *arguments: Value) -> Any:
+        return 0.0
 
     def call(self, name: str, arguments: list[Value]) -> Value:
         function = FUNCTIONS[name]
         unit = function.unit(name, [a.unit for a in arguments], self.text)
         try:
             with np.errstate(all="ignore"):
-                if function.over_steps:
-                    values = arguments[0].values
-                    series = values if self.is_series(values) else np.asarray(values)[None]
-                    return Value(np.asarray(function.compute(series)), unit)
-                return Value(np.asarray(function.compute(*(a.values for a in arguments))), unit)
+                given = [a.values for a in arguments]
+                if function.over_steps and not self.is_series(given[0]):
+                    given = [np.asarray(given[0])[None]]
+                values = np.asarray(function.compute(*given))
+                return Value(values, unit, self.rates_of_call(name, values, *arguments))
         except TypeError:  # of NumPy for a function of real numbers
             text = f"'{self.text}': {name} takes real numbers; write abs(), real() or imag() inside"
             raise UsageError(text, "expression.complex") from None
@@ -155,18 +165,40 @@ class _Evaluation:
         column_of = (slice(None), *(i - 1 for i in numbers))
         return Value(values[column_of], self.unit_of(name, numbers))
 
-    def at(self, series: Any, moment: str | int | float) -> Any:
-        t, text = np.ravel(self.t), f"'{self.text}'"
+    def at(self, series: Any, moment: str | int | float) -> int:
+        t = np.ravel(self.t)
         if not self.is_series(series) or len(series) != len(t):
-            raise UsageError(f"{text}: @ stands behind a series, one value for every step", "expression.step")
-        if isinstance(moment, str):
-            return np.asarray(series[0 if moment == "start" else -1])
-        if isinstance(moment, int):
-            if not 1 <= moment <= len(t):
-                raise UsageError(f"{text}: step {moment} does not exist; there are {len(t)} steps", "expression.step")
-            return np.asarray(series[moment - 1])
-        nearest = int(np.argmin(np.abs(t - moment)))
-        if abs(t[nearest] - moment) > SAME_TIME * max(abs(float(t[-1])), 1e-300):
-            text = f"{text}: t = {moment:.9g} is not stored, the nearest is {t[nearest]:.9g}"
-            raise UsageError(f"{text}; choose the number of steps of TIMESTEP to suit", "expression.step")
-        return np.asarray(series[nearest])
+            raise UsageError(f"'{self.text}': @ stands behind a series, one value for every step", "expression.step")
+        return step_at(t, moment, self.text)
+
+
+def step_at(t: NDArray[np.float64], moment: str | int | float, text: str) -> int:
+    """The step (from 0) of what stands after @, of steps at the times t. Raises UsageError."""
+    if isinstance(moment, str):
+        return 0 if moment == "start" else len(t) - 1
+    if isinstance(moment, int):
+        if not 1 <= moment <= len(t):
+            text = f"'{text}': step {moment} does not exist; there are {len(t)} steps"
+            raise UsageError(text, "expression.step")
+        return moment - 1
+    nearest = int(np.argmin(np.abs(t - moment)))
+    if abs(t[nearest] - moment) > SAME_TIME * max(abs(float(t[-1])), 1e-300):
+        text = f"'{text}': t = {moment:.9g} is not stored, the nearest is {t[nearest]:.9g}"
+        raise UsageError(f"{text}; choose the number of steps of TIMESTEP to suit", "expression.step")
+    return nearest
+
+
+def frequency_order(values: NDArray[Any]) -> NDArray[np.int64]:
+    """Places of the eigenvalues (n,), complex, that have a frequency of their own, from low to high: of a pair of
+    complex ones the one with the positive imaginary part; real ones do not come in pairs."""
+    own = np.flatnonzero(values.imag >= 0.0)
+    return np.asarray(own[np.argsort(np.abs(values[own]), kind="stable")])
+
+
+def frequencies(every: NDArray[Any]) -> NDArray[np.float64]:
+    """(steps, n) |eigenvalue| / 2 pi [Hz] from low to high of stored eigenvalues (steps, m, 2); nan fills up steps
+    with fewer."""
+    values = every[..., 0] + 1j * every[..., 1]
+    rows = [np.abs(v[frequency_order(v)]) / (2.0 * np.pi) for v in values]
+    longest = max(map(len, rows))
+    return np.array([np.pad(row, (0, longest - len(row)), constant_values=np.nan) for row in rows])

@@ -6,32 +6,25 @@ with a corner (abs, max, min, span) have the derivative of the branch that they 
 
 import ast
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar.errors import UsageError
-from spacar.expressions.expression_units import NONE, Unit, combine, of_power, of_sum
-from spacar.expressions.functions import FUNCTIONS
+from spacar.expressions.evaluation import Evaluation, Value, step_at
+from spacar.expressions.expression_units import NONE
 from spacar.expressions.grammar import Expression, when
 
 
-class ChainValue(NamedTuple):
-    """A value (steps,) or (), its derivatives (..., directions), and its unit."""
-
-    value: Array
-    rate: Array
-    unit: Unit | None
-
-
-Leaf = Callable[[ast.Subscript], ChainValue]
-
-
-def derivative(expression: Expression, variable: Leaf, steps: int, directions: int) -> ChainValue:
-    """Value and derivatives of an expression; `variable` gives its variables over all steps. Raises UsageError for a
-    step that does not exist."""
-    return _Chain(expression.text, variable, steps, directions).of(expression.tree)
+def derivative(
+    expression: Expression, variable: Callable[[ast.Subscript], Value], steps: int, directions: int
+) -> Value:
+    """Value and derivatives (..., directions) of an expression; `variable` gives its variables over all steps. Raises
+    UsageError for a step that does not exist."""
+    found = _Chain(expression.text, variable, lambda *_: NONE, steps=steps).value(expression.tree)
+    return found._replace(rates=np.broadcast_to(found.rates, (*np.shape(found.values), directions)))
 
 
 def variables(node: ast.expr) -> Iterator[ast.Subscript]:
@@ -44,7 +37,7 @@ def steps_of(expression: Expression, steps: int) -> set[int]:
 
     def walk(node: ast.expr, at: int | None) -> None:
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.MatMult):
-            walk(node.left, step_of(when(node.right, expression.text), steps, expression.text))
+            walk(node.left, step_at(np.arange(float(steps)), when(node.right, expression.text), expression.text))
         elif isinstance(node, ast.Subscript):
             found.update(range(steps) if at is None else [at])
         else:
@@ -56,99 +49,52 @@ def steps_of(expression: Expression, steps: int) -> set[int]:
     return found
 
 
-def step_of(moment: str | int | float, steps: int, text: str) -> int:
-    """The stored step (from 0) of what stands after @; the time of a stationary result counts its steps from 0."""
-    if isinstance(moment, str):
-        return 0 if moment == "start" else steps - 1
-    number = moment - 1 if isinstance(moment, int) else moment
-    if number != int(number) or not 0 <= number < steps:
-        what = f"step {moment}" if isinstance(moment, int) else f"t = {moment:g}"
-        raise UsageError(f"'{text}': {what} does not exist; there are {steps} steps", "expression.step")
-    return int(number)
+@dataclass(frozen=True)
+class _Chain(Evaluation):
+    """Over the steps of a stationary result, whose time counts them from 0."""
+
+    steps: int = 0
+
+    def variable(self, node: ast.Subscript) -> Value:
+        found: Value = self.variables(node)
+        return found
+
+    @property
+    def t(self) -> NDArray[np.float64]:
+        return np.arange(float(self.steps))
+
+    def rates_of(self, operator: ast.operator, left: Value, right: Value) -> Any:
+        x, y, a, b = left.values[..., None], right.values[..., None], left.rates, right.rates
+        if isinstance(operator, (ast.Add, ast.Sub)):
+            return a + b if isinstance(operator, ast.Add) else a - b
+        if isinstance(operator, ast.Mult):
+            return a * y + x * b
+        if isinstance(operator, ast.Div):
+            return a / y - x * b / y**2
+        rate = np.where(a != 0.0, y * x ** (y - 1.0) * a, 0.0)
+        return rate + x**y * np.log(x) * b if np.any(b) else rate
+
+    def rates_of_call(self, name: str, values: Any, *arguments: Value) -> Any:
+        value, x, a = values[..., None], arguments[0].values[..., None], arguments[0].rates
+        if len(arguments) == 2:
+            y, b = arguments[1].values[..., None], arguments[1].rates
+            return (x * a + y * b) / value if name == "hypot" else (y * a - x * b) / (x * x + y * y)  # atan2
+        if name in ("max", "min", "span", "mean", "rms", "last"):
+            rate = np.broadcast_to(a, (*arguments[0].values.shape, np.shape(a)[-1] if np.ndim(a) else 1))
+            return _of_series(name, value, np.atleast_1d(arguments[0].values), rate.reshape(-1, rate.shape[-1]))
+        if name == "abs":
+            return (np.conj(x) * a).real / value
+        if name in ("real", "imag"):
+            return np.asarray(getattr(np, name)(a))
+        factors: dict[str, Callable[[], Any]] = {
+            "sqrt": lambda: 0.5 / value, "deg": lambda: 180.0 / np.pi, "sin": lambda: np.cos(x),
+            "cos": lambda: -np.sin(x), "tan": lambda: 1.0 / np.cos(x) ** 2, "exp": lambda: value,
+            "log": lambda: 1.0 / x, "log10": lambda: 1.0 / (x * np.log(10.0)),
+        }  # fmt: skip
+        return factors[name]() * a
 
 
-class _Chain:
-    def __init__(self, text: str, variable: Leaf, steps: int, directions: int) -> None:
-        self.text, self.variable, self.steps, self.directions = text, variable, steps, directions
-
-    def of(self, node: ast.expr) -> ChainValue:
-        if isinstance(node, ast.Constant):
-            return self.constant(np.asarray(float(node.value)))  # type: ignore[arg-type]
-        if isinstance(node, ast.Name):
-            return self.constant(np.asarray(np.pi) if node.id == "pi" else np.arange(float(self.steps)))
-        if isinstance(node, ast.Subscript):
-            return self.variable(node)
-        if isinstance(node, ast.UnaryOp):
-            a = self.of(node.operand)
-            return ChainValue(-a.value, -a.rate, a.unit) if isinstance(node.op, ast.USub) else a
-        if isinstance(node, ast.BinOp):
-            return self.binary(node)
-        assert isinstance(node, ast.Call)
-        assert isinstance(node.func, ast.Name)
-        return self.call(node.func.id, [self.of(a) for a in node.args])
-
-    def constant(self, value: Array) -> ChainValue:
-        return ChainValue(value, np.zeros((*value.shape, self.directions)), NONE)
-
-    def binary(self, node: ast.BinOp) -> ChainValue:
-        a = self.of(node.left)
-        if isinstance(node.op, ast.MatMult):
-            if a.value.shape != (self.steps,):
-                text = f"'{self.text}': @ stands behind a series, one value for every step"
-                raise UsageError(text, "expression.step")
-            k = step_of(when(node.right, self.text), self.steps, self.text)
-            return ChainValue(a.value[k], a.rate[k], a.unit)
-        b = self.of(node.right)
-        x, y = a.value[..., None], b.value[..., None]
-        with np.errstate(all="ignore"):
-            if isinstance(node.op, (ast.Add, ast.Sub)):
-                sign = 1.0 if isinstance(node.op, ast.Add) else -1.0
-                return ChainValue(a.value + sign * b.value, a.rate + sign * b.rate, of_sum(a.unit, b.unit, self.text))
-            if isinstance(node.op, ast.Mult):
-                return ChainValue(a.value * b.value, a.rate * y + x * b.rate, combine(a.unit or NONE, b.unit or NONE))
-            if isinstance(node.op, ast.Div):
-                unit = combine(a.unit or NONE, b.unit or NONE, -1)
-                return ChainValue(a.value / b.value, a.rate / y - x * b.rate / y**2, unit)
-            single = float(b.value) if b.value.ndim == 0 and np.isrealobj(b.value) else None
-            rate = np.where(a.rate != 0.0, y * x ** (y - 1.0) * a.rate, 0.0)
-            if b.rate.any():
-                rate = rate + x**y * np.log(x) * b.rate
-            return ChainValue(a.value**b.value, rate, of_power(a.unit, b.unit, single, self.text))
-
-    def call(self, name: str, arguments: list[ChainValue]) -> ChainValue:
-        unit = FUNCTIONS[name].unit(name, [a.unit for a in arguments], self.text)
-        with np.errstate(all="ignore"):
-            try:
-                value = np.asarray(FUNCTIONS[name].compute(*(a.value for a in arguments)))
-                return ChainValue(value, np.asarray(_rate(name, value[..., None], *arguments)), unit)
-            except TypeError:  # of NumPy for a function of real numbers
-                text = f"'{self.text}': {name} takes real numbers; write abs(), real() or imag() inside"
-                raise UsageError(text, "expression.complex") from None
-
-
-def _rate(name: str, value: Array, a: ChainValue, b: ChainValue | None = None) -> Array:
-    x = a.value[..., None]
-    if b is not None:
-        y = b.value[..., None]
-        if name == "hypot":
-            return np.asarray((x * a.rate + y * b.rate) / value)
-        return np.asarray((y * a.rate - x * b.rate) / (x * x + y * y))  # atan2
-    if name in ("max", "min", "span", "mean", "rms", "last"):
-        return _of_series(name, value, a)
-    factors: dict[str, Callable[[], Any]] = {
-        "sqrt": lambda: 0.5 / value, "deg": lambda: 180.0 / np.pi, "sin": lambda: np.cos(x), "cos": lambda: -np.sin(x),
-        "tan": lambda: 1.0 / np.cos(x) ** 2, "exp": lambda: value, "log": lambda: 1.0 / x,
-        "log10": lambda: 1.0 / (x * np.log(10.0)),
-    }  # fmt: skip
-    if name == "abs":
-        return np.asarray((np.conj(x) * a.rate).real / value)
-    if name in ("real", "imag"):
-        return np.asarray(getattr(a.rate, name))
-    return np.asarray(factors[name]() * a.rate)
-
-
-def _of_series(name: str, value: Array, a: ChainValue) -> Array:
-    series, rate = np.atleast_1d(a.value), a.rate.reshape(-1, a.rate.shape[-1])
+def _of_series(name: str, value: Array, series: Array, rate: Array) -> Array:
     if name == "last":
         return np.asarray(rate[-1])
     if name == "mean":
@@ -156,4 +102,4 @@ def _of_series(name: str, value: Array, a: ChainValue) -> Array:
     if name == "rms":
         return np.asarray((np.conj(series)[:, None] * rate).real.mean(axis=0) / value)
     high, low = rate[np.argmax(series)], rate[np.argmin(series)]
-    return np.asarray({"max": high, "min": low, "span": high - low}[name])
+    return {"max": high, "min": low, "span": high - low}[name]

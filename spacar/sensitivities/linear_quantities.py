@@ -8,7 +8,7 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report
-from spacar.expressions.frequencies import frequency_order
+from spacar.expressions.evaluation import frequency_order
 from spacar.linear.buckling import BucklingModes, buckling_modes, directional_compliances
 from spacar.linear.eigen import Modes, is_symmetric, is_zero, matters, vibration_modes
 from spacar.linear.internal_unknowns import buckling_matrices

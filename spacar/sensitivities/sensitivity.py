@@ -27,6 +27,7 @@ from spacar.dynamics.limits import Limits
 from spacar.dynamics.motion_equations import Accelerations
 from spacar.errors import UsageError
 from spacar.expressions import Dimensions, unit_text
+from spacar.expressions.evaluation import Value
 from spacar.expressions.grammar import ALIASES, indices, parse
 from spacar.kinematics.constraint_condition import condition_number
 from spacar.linear.linear_modes import say_lost_digits
@@ -34,7 +35,7 @@ from spacar.linearization.matrices import linearize
 from spacar.mechanism import Mechanism
 from spacar.mechanism.build import along
 from spacar.modes import registered
-from spacar.sensitivities.expression_derivatives import ChainValue, derivative, steps_of, variables
+from spacar.sensitivities.expression_derivatives import derivative, steps_of, variables
 from spacar.sensitivities.linear_quantities import LinearQuantities
 from spacar.sensitivities.state_derivatives import state_derivatives
 from spacar.sensitivities.step_quantities import (
@@ -228,28 +229,28 @@ class _Analysis:
         return Sensitivity(
             parameters=tuple(n.setting.name for n in self.numbers),
             quantities=tuple(q.name for q in self.wanted),
-            values=np.array([float(np.ravel(m.value)[0]) for m in moving]),
-            derivatives=np.array([m.rate.reshape(-1) for m in moving]).reshape(shape),
+            values=np.array([float(np.ravel(m.values)[0]) for m in moving]),
+            derivatives=np.array([m.rates.reshape(-1) for m in moving]).reshape(shape),
             parameter_values=np.array([n.value for n in self.numbers]),
             parameter_units=tuple(n.unit for n in self.numbers),
             quantity_units=tuple(unit_text(m.unit) for m in moving),
             notes=tuple(self.prepared.report.lines),
         )
 
-    def _require_number(self, q: Quantity, found: ChainValue) -> None:
-        if found.value.size != 1:
-            text = f"{q.text} has a value at each of {found.value.size} steps; add @end or a function such as max()"
+    def _require_number(self, q: Quantity, found: Value) -> None:
+        if found.values.size != 1:
+            text = f"{q.text} has a value at each of {found.values.size} steps; add @end or a function such as max()"
             raise UsageError(text, "sensitivity.quantity")
-        if np.iscomplexobj(found.value):
+        if np.iscomplexobj(found.values):
             raise UsageError(f"{q.text} is complex; take its abs(), real() or imag()", "sensitivity.quantity")
-        if not np.isfinite(found.value).all():
-            raise UsageError(f"{q.text} is {np.ravel(found.value)[0]}", "sensitivity.quantity")
+        if not np.isfinite(found.values).all():
+            raise UsageError(f"{q.text} is {np.ravel(found.values)[0]}", "sensitivity.quantity")
 
-    def _leaf(self, node: Any) -> ChainValue:
+    def _leaf(self, node: Any) -> Value:
         variable = self._variable(node)
         value, rate = self.found[variable]
         name, numbers = variable
-        return ChainValue(value, rate, STRESSES[name] if name in STRESSES else self._dimensions(name, numbers))
+        return Value(value, STRESSES[name] if name in STRESSES else self._dimensions(name, numbers), rate)
 
     @property
     def _dimensions(self) -> Dimensions:

@@ -47,9 +47,7 @@ class StateDerivative:
     fxtot: Array
 
 
-def state_derivatives(
-    solver: StationarySolver, level: LoadLevel, directions: list[Mechanism]
-) -> list[StateDerivative]:
+def state_derivatives(solver: StationarySolver, level: LoadLevel, directions: list[Mechanism]) -> list[StateDerivative]:
     """One for every directed mechanism, at the level that was stored last.
 
     Raises AnalysisError 'sensitivity.singular' where the tangent is singular: there the state has no derivative.
