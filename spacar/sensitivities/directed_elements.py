@@ -5,6 +5,7 @@ direction, without any linear system: residuals, and the blocks of the stiffness
 (sensitivity.md section 2).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -47,15 +48,13 @@ class DirectedElements:
     """
 
     def __init__(self, mechanism: Mechanism, level: LoadLevel) -> None:
-        loads = loads_at(mechanism, level)
-        self.mechanism = with_flow(mechanism, loads)
-        self.loads: Loads = loads
+        self.loads: Loads = loads_at(mechanism, level)
+        self.mechanism = with_flow(mechanism, self.loads)
         self.drive: DriveState = SteadyDrive.at_level(mechanism, level).state
         n = mechanism.numbering
         self.nx, self.ne = n.nx, n.ne
         self.field = np.zeros(n.nx, complex)
-        if loads.gravity.any():
-            self.field[n.positions] = loads.gravity
+        self.field[n.positions] = self.loads.gravity
         self.evaluated: list[Evaluated] = []
 
     def at(self, x: Array, near: Array) -> None:
@@ -68,12 +67,17 @@ class DirectedElements:
             V = np.zeros((len(b.e), len(b.x), b.family.n), complex)
             self.evaluated.append(Evaluated(b, b.family.strain(x[b.x], branch[b.e], e, V), e, V))
 
+    def _of_rows(self, each: Callable[[Evaluated], Array]) -> Array:
+        """(ne,) of the numbers (n_deformations, n) of every batch that has deformations."""
+        out = np.zeros(self.ne, complex)
+        for one in self.evaluated:
+            if len(one.batch.e):
+                out[one.batch.e] = each(one)
+        return out
+
     def deformations(self) -> Array:
         """e (ne,)."""
-        out = np.zeros(self.ne, complex)
-        for b, _, e, _ in self.evaluated:
-            out[b.e] = e
-        return out
+        return self._of_rows(lambda one: one.e)
 
     def stress_forces(self, sigma: Array) -> Array:
         """V^T sigma (nx,)."""
@@ -93,20 +97,18 @@ class DirectedElements:
 
     def strain_rate(self, v: Array) -> Array:
         """V v (ne,)."""
-        out = np.zeros(self.ne, complex)
-        for b, _, _, V in self.evaluated:
-            out[b.e] = np.einsum("ebn,bn->en", V, v[b.x])
-        return out
+        return self._of_rows(lambda one: np.einsum("ebn,bn->en", one.V, v[one.batch.x]))
 
     def convective(self, v: Array) -> Array:
         """H(v, v) (ne,)."""
-        out = np.zeros(self.ne, complex)
-        for b, c, _, _ in self.evaluated:
-            if len(b.e) and not b.family.constant_gradient:
-                block = np.zeros((len(b.e), b.family.n), complex)
-                b.family.convective_strain(c, v[b.x] + 0j, block)
-                out[b.e] = block
-        return out
+
+        def each(one: Evaluated) -> Array:
+            block = np.zeros(one.e.shape, complex)
+            if not one.batch.family.constant_gradient:
+                one.batch.family.convective_strain(one.at, v[one.batch.x] + 0j, block)
+            return block
+
+        return self._of_rows(each)
 
     def viscous(self, rates: Array) -> Array:
         """S_d de/dt of all rows (ne,)."""
@@ -132,11 +134,9 @@ class DirectedElements:
         return self.loads.preload + self._by_law(0, deformations)
 
     def _by_law(self, which: int, values: Array) -> Array:
-        out = np.zeros(self.ne, complex)
-        for b, *_ in self.evaluated:
-            if len(b.e):
-                out[b.e] = np.einsum("abn,bn->an", b.family.stiffness()[which], values[b.e])
-        return out
+        return self._of_rows(
+            lambda one: np.einsum("abn,bn->an", one.batch.family.stiffness()[which], values[one.batch.e])
+        )
 
     # -- matrices ------------------------------------------------------------------------------------------------
     def gradient(self) -> list[ElementMatrices]:
@@ -151,12 +151,9 @@ class DirectedElements:
         return self._law(1)
 
     def _law(self, which: int) -> list[ElementMatrices]:
-        found = []
-        for b, *_ in self.evaluated:
-            if len(b.e):
-                keep = b.e >= self.mechanism.numbering.e_class["input"].stop
-                found.append(ElementMatrices(b.e, b.e, b.family.stiffness()[which] * keep[:, None] * keep[None] + 0j))
-        return found
+        begin, batches = self.mechanism.numbering.e_class["input"].stop, [b for b, *_ in self.evaluated if len(b.e)]
+        kept = [(b, (b.e >= begin)[:, None] & (b.e >= begin)[None]) for b in batches]
+        return [ElementMatrices(b.e, b.e, b.family.stiffness()[which] * keep + 0j) for b, keep in kept]
 
     def geometric(self, sigma: Array) -> list[ElementMatrices]:
         """Hs(sigma)."""

@@ -1,6 +1,6 @@
 """Eigenvalues, load multipliers and compliances of one stored state, with their derivatives along all directions."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -27,7 +27,6 @@ class LinearQuantities:
     states: list[StateDerivative]
     report: Report
     moving: bool = False
-    _found: dict[tuple[str, int], Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.dynamic = self.dynamics.numbering.dynamic
@@ -79,17 +78,13 @@ class LinearQuantities:
     def _eigenvalue_rates(self, index: int) -> Array:
         """Derivatives of the eigenvalues that are equal to this one, (directions, m), in no particular order."""
         values = self.eigenvalues
-        value, group = values[index], together(values, index)
-        key = ("eigenvalue", int(group[0]))
-        if key not in self._found:
-            if is_zero(values)[index]:
-                self._say(f"eigenvalue {index + 1} is zero, its derivatives are not defined (nan)")
-                self._found[key] = np.full((len(self.states), 1), complex(np.nan, np.nan))
-            else:
-                self._found[key] = self._vibration_rates(value, group)
-                if len(group) > 1:
-                    self._say(f"eigenvalue {index + 1} occurs {len(group)} times: its derivatives are one-sided")
-        return self._found[key]
+        group = together(values, index)
+        if is_zero(values)[index]:
+            self._say(f"eigenvalue {index + 1} is zero, its derivatives are not defined (nan)")
+            return np.full((len(self.states), 1), complex(np.nan, np.nan))
+        if len(group) > 1:
+            self._say(f"eigenvalue {group[0] + 1} occurs {len(group)} times: its derivatives are one-sided")
+        return self._vibration_rates(values[index], group)
 
     def _vibration_rates(self, value: complex, group: Index) -> Array:
         """Of the eigenvalues of this value, at these places."""
@@ -139,12 +134,9 @@ class LinearQuantities:
             self._say(f"load multiplier {index + 1} is infinite, it has no derivatives (nan)")
             return value, np.full(len(self.states), np.nan)
         group = together(values, index)
-        key = ("multiplier", int(group[0]))
-        if key not in self._found:
-            self._found[key] = self._multiplier_rates(value, len(group))
-            if len(group) > 1:
-                self._say(f"load multiplier {index + 1} occurs {len(group)} times: its derivatives are one-sided")
-        rates = np.sort(self._found[key], axis=1)
+        if len(group) > 1:
+            self._say(f"load multiplier {group[0] + 1} occurs {len(group)} times: its derivatives are one-sided")
+        rates = np.sort(self._multiplier_rates(value, len(group)), axis=1)
         rank = int(np.flatnonzero(group == index)[0])
         return value, rates[:, rank if value > 0.0 else -1 - rank]
 

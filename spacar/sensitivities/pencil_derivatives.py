@@ -63,7 +63,7 @@ class PencilDerivatives:
         ue, we = self._strained(u), self._strained(w)
         M = forms(mass, w, u) + forms(Me, we, ue)
         C = forms(flow, w, u) + forms(damping, we, ue)
-        K = forms(tangent, w, u) + forms(self._stiffness, we, ue)
+        K = forms(tangent, w, u) + forms(self.state.elements.stiffness(), we, ue)
         if self.moving:
             H1, of_accelerations = self._of_motion
             ne = len(ue)
@@ -81,7 +81,7 @@ class PencilDerivatives:
         (phi, inner), (psi, inner_left) = np.split(phi, [n]), np.split(psi, [n])
         u, w = self._solved(self.L.W, phi), self._solved(self.L.W, psi)
         weight = state.elements.loading(False, state.v, state.a)
-        K0 = forms(self._stiffness, self._strained(w), self._strained(u))
+        K0 = forms(self.state.elements.stiffness(), self._strained(w), self._strained(u))
         G0 = forms([*self._geometric, *weight], w, u)
         at = 0
         for rows, coupling, k, eliminated in state.elements.internal(state.sigma):
@@ -103,10 +103,6 @@ class PencilDerivatives:
         return product(self.state.elements.gradient(), u, self.state.elements.ne)
 
     # -- element matrices ----------------------------------------------------------------------------------------
-    @cached_property
-    def _stiffness(self) -> list[ElementMatrices]:
-        return self.state.elements.stiffness()
-
     @cached_property
     def _geometric(self) -> list[ElementMatrices]:
         return self.state.elements.geometric(self.state.sigma)

@@ -130,8 +130,9 @@ def _start(deck: Deck, mechanism: Mechanism, move: StrokeMove) -> float:
 
 def _start_of(s: Statement) -> Place | None:
     """What a statement of the dynamics block gives a start value to."""
-    kind = {"INPUTE": "e", "STARTDE": "e", "INPUTX": "x", "STARTDX": "x"}.get(s.keyword)
-    return (kind, s.integer(0), s.integer(1)) if kind else None
+    if s.keyword not in ("INPUTE", "STARTDE", "INPUTX", "STARTDX"):
+        return None
+    return s.keyword[-1].lower(), s.integer(0), s.integer(1)
 
 
 def _without(s: Statement, mechanism: Mechanism, dropped: Sequence[Place]) -> list[Row]:
@@ -184,10 +185,7 @@ def _replaced(mechanism: Mechanism, move: StrokeMove) -> tuple[Place, str] | Non
 
 def _drives(deck: Deck) -> list[Place]:
     """What the file itself moves."""
-    return [
-        ("e" if s.keyword == "DELINPE" else "x", s.integer(0), s.integer(1))
-        for s in deck.of("DELINPX", "DELINPE", block=2)
-    ]
+    return [(s.keyword[-1].lower(), s.integer(0), s.integer(1)) for s in deck.of("DELINPX", "DELINPE", block=2)]
 
 
 def _candidate(mechanism: Mechanism, share: Array, drives: Sequence[Place]) -> Place:

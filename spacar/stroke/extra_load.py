@@ -19,15 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import moment_entries
-from spacar.errors import Report
-from spacar.linear.buckling import BucklingModes, buckling_modes
-from spacar.linear.internal_unknowns import extra_load_matrices
-from spacar.linear.node_compliance import displacements
-from spacar.linear_systems.linear_system import matrix
-from spacar.linearization.coefficients import geometric_stiffness
-from spacar.linearization.matrices import Linearization
 from spacar.mechanism.numbering import Numbering
 from spacar.stroke.driven_deck import Row
 
@@ -61,34 +53,3 @@ class ExtraLoad:
     def gradient_entries(self) -> tuple[Index, Index, Array]:
         """d(df)/dx as rows, columns, values (16 n,)."""
         return moment_entries(self.rows, self.moments)
-
-
-def extra_stresses(dynamics: Dynamics, L: Linearization, rows: Index, load: ExtraLoad) -> Array:
-    """d_sigma (ne,) by the extra load on the degrees of freedom `rows`. Raises AnalysisError 'compliance.singular'."""
-    c, K, df = L.c, L.stiffness[np.ix_(rows, rows)], load.at(dynamics.kinematics.x)
-    dq = displacements(K, (L.W[:, rows].T @ df)[:, None])[:, 0]
-    dx, dv = L.G[:, rows] @ dq, L.Z[:, rows] @ dq
-    sigma = c.S @ (c.V @ dx) + c.Sd @ (L.Ze[:, rows] @ dq) + c.stress_x @ dx + c.stress_v @ dv
-    force = (
-        (c.inertia_x + c.geometric + c.load_x + c.user_x) @ dx
-        + (c.inertia_v + c.user_v) @ dv
-        + c.M @ (L.Y[:, rows] @ dq)
-        - df
-    )
-    dynamics.kinematics.reactions(force, sigma)
-    return np.asarray(sigma)
-
-
-def extra_multipliers(
-    dynamics: Dynamics, L: Linearization, rows: Index, sigma: Array, load: ExtraLoad, report: Report
-) -> BucklingModes:
-    """Multipliers of the extra load with its stresses `sigma` (ne,), the degrees of freedom `rows` free. Raises
-    AnalysisError 'buckling.singular'."""
-    if not len(rows):
-        return BucklingModes(np.zeros(0), np.zeros((0, 0)))
-    G, W = L.G[:, rows], L.W[:, rows]
-    nx = dynamics.numbering.nx
-    loading = geometric_stiffness(dynamics.sweep, sigma) - matrix(*load.gradient_entries(), (nx, nx))
-    added = np.asarray((W.T @ loading) @ G)
-    K = L.stiffness[np.ix_(rows, rows)]
-    return buckling_modes(*extra_load_matrices(dynamics, L, rows, K, added, sigma), report)

@@ -79,7 +79,7 @@ class Flexure:
 
         locked  with the drive held, else free;  body  along axes that turn with the node instead of the global ones
         """
-        C = np.array([s.locked if locked else s.free for s in self.stations])
+        C = self.of("locked" if locked else "free")
         if body:
             B = np.array([_body_axes(self.node, s.frame.x) for s in self.stations])
             C = B @ C @ B.transpose(0, 2, 1)
@@ -100,7 +100,7 @@ class Flexure:
     @property
     def energy(self) -> Array:
         """(k,) strain energy [J]."""
-        return np.array([s.energy for s in self.stations])
+        return self.of("energy")
 
     @property
     def missing_energy(self) -> Array:
@@ -116,15 +116,15 @@ class Flexure:
     @property
     def frequencies(self) -> Array:
         """(k, f) with the drive locked [Hz]; the first is the first unwanted one, negative: unstable."""
-        return np.array([s.hertz for s in self.stations])
+        return self.of("hertz")
 
     @property
     def free_frequencies(self) -> Array:
         """(k, f) with the drive free [Hz]."""
-        return np.array([s.hertz_free for s in self.stations])
+        return self.of("hertz_free")
 
     def of(self, name: str) -> Array:
-        """(k,) drive_hertz, unwanted_free [Hz], margin, margin_free, extra or extra_free of the stations."""
+        """(k, ...) a field of the stations, such as drive_hertz, unwanted_free [Hz], margin, margin_free, extra."""
         return np.array([getattr(s, name) for s in self.stations])
 
     @cached_property
@@ -180,8 +180,11 @@ class Flexure:
             Column("energy", "strain energy", "J", self.energy),
             *self.motion_columns(),
             *self._stiffness_columns(body),
-            *self._series("f", "frequency, locked", self.frequencies),
-            *self._series("ffree", "frequency, free", self.free_frequencies),
+            *(
+                Column(f"{name}_{i}", f"frequency, {drive} {i}", "Hz", hertz)
+                for name, drive, values in (("f", "locked", self.frequencies), ("ffree", "free", self.free_frequencies))
+                for i, hertz in enumerate(values.T, 1)
+            ),
             Column("f_drive", "frequency, free drive", "Hz", self.of("drive_hertz")),
             Column("f_unwanted_free", "frequency, first other of the free drive", "Hz", self.of("unwanted_free")),
             Column("margin", "load multiplier, drive locked", "", self.of("margin")),
@@ -212,18 +215,16 @@ class Flexure:
         ]  # fmt: skip
 
     def _stiffness_columns(self, body: bool) -> list[Column]:
-        found = []
         units = ["N/m" if row.startswith("u") else "N m/rad" for row in self.node.names]
-        for title, name, locked in (("support stiffness", "k", True), ("stiffness, drive free", "kfree", False)):
-            values = self.stiffness(locked, body).T
-            found += [
-                Column(f"{name}_{d}", f"{title}, {d}", unit, v)
-                for d, unit, v in zip(self.directions, units, values, strict=True)
-            ]
-        ratio = self.remaining(body)
-        return found + [
-            Column(f"remaining_{d}", f"remaining support stiffness, {d}", "", ratio[:, i])
-            for i, d in enumerate(self.directions)
+        kinds = (
+            ("k", "support stiffness", units, self.stiffness(body=body)),
+            ("kfree", "stiffness, drive free", units, self.stiffness(False, body)),
+            ("remaining", "remaining support stiffness", [""] * len(units), self.remaining(body)),
+        )
+        return [
+            Column(f"{name}_{d}", f"{title}, {d}", unit, v)
+            for name, title, own, values in kinds
+            for d, unit, v in zip(self.directions, own, values.T, strict=True)
         ]
 
     def _extra_columns(self) -> list[Column]:
@@ -235,10 +236,6 @@ class Flexure:
             Column("margin_extra", f"{title}, drive locked", "", self.of("extra")),
             Column("margin_extra_free", f"{title}, drive free", "", self.of("extra_free")),
         ]
-
-    @staticmethod
-    def _series(name: str, title: str, values: Array) -> list[Column]:
-        return [Column(f"{name}_{i + 1}", f"{title} {i + 1}", "Hz", f) for i, f in enumerate(values.T)]
 
     def table(self, body: bool = False) -> dict[str, Array]:
         """The columns by name, (k,) each; `body` as in `columns`."""

@@ -127,31 +127,13 @@ class _StrokeState(NamedTuple):
     others: Array
 
 
-class _Side:
+class _Side(NamedTuple):
     """The states from the undeflected one to one end."""
 
-    def __init__(self, mechanism: Mechanism, node: ObservedNode, move: StrokeMove, report: Report) -> None:
-        self.mechanism, self.node, self.move, self.report = mechanism, node, move, report
-        n = mechanism.numbering
-        self.row = n.e_index(move.number, move.place) if move.deformation else n.x_index(move.number, move.place)
-        self.drive = DrivePlace.of(n, self.row, move.deformation)
-        self.states: list[_StrokeState] = []
-
-    def add(self, s: Station, pushed: float, turning: float) -> None:
-        """`pushed`: force of the actuator if it is given;  turning: rotation of its node by a unit of it."""
-        move, frame = self.move, s.frame
-        change = float(frame.e[self.row] if move.deformation else frame.x[self.row] - self.mechanism.x0[self.row])
-        stroke = float(move.stroke(change))
-        others = self.mechanism.loads.force + frame.fxgrav
-        if move.pushed:
-            force = pushed
-            slope = 1.0 / turning if move.rotation and turning else s.slope
-        else:
-            applied = (frame.fx + frame.fxgrav)[self.row]
-            dual = -frame.sig[self.row] if move.deformation else frame.fxtot[self.row] - applied
-            force = float(move.force(np.array(stroke), dual))
-            slope = float(move.stiffness(np.array(stroke), dual, np.array(s.slope)))
-        self.states.append(_StrokeState(s, stroke, force, slope, others))
+    mechanism: Mechanism
+    node: ObservedNode
+    report: Report
+    states: list[_StrokeState]
 
 
 def _side(
@@ -162,28 +144,36 @@ def _side(
     settings = {"load_steps": count, "store_every": 1, "stationary_type": WITH_INITIAL}
     run = frames(10, made, **(options | settings))
     n = run.mechanism.numbering
-    here = _observed(run.mechanism, move, node, orientation)
-    side = _Side(run.mechanism, here, move, run.report)
+    row = n.e_index(move.number, move.place) if move.deformation else n.x_index(move.number, move.place)
+    drive = DrivePlace.of(n, row, move.deformation)
+    side = _Side(run.mechanism, _observed(run.mechanism, move, node, orientation), run.report, [])
     extra = ExtraLoad.of(beside, n) if beside else None
-    at_drive = None if move.deformation else ObservedNode.of(n, move.number) if move.rotation else None
-    turned = at_drive if move.pushed else None
+    turned = ObservedNode.of(n, move.number) if move.pushed and move.rotation else None
     mixed: MixedDrive | None = None
     with np.errstate(all="ignore"):
         for k, solution in enumerate(stationary(run, sparse_in_motion=False)):
-            d, turning = solution.dynamics, 0.0
+            d, frame = solution.dynamics, solution.frame
             equations: DriveEquations
             if solution.tangent is not None:
                 if mixed is None or mixed.dynamics is not d:
-                    mixed = MixedDrive(d, side.drive)
+                    mixed = MixedDrive(d, drive)
                 equations = mixed.at(solution.tangent.sigma)
             else:
                 assert solution.L is not None
-                equations = ReducedDrive(d, solution.L, side.drive)
-            found = station(solution.frame, equations, not move.pushed, here, modes, extra, run.report)
-            if turned is not None:
+                equations = ReducedDrive(d, solution.L, drive)
+            found = station(frame, equations, not move.pushed, side.node, modes, extra, run.report)
+            change = float(frame.e[row] if move.deformation else frame.x[row] - run.mechanism.x0[row])
+            stroke, force, slope = float(move.stroke(change)), end * k / count, found.slope
+            if turned is not None:  # rotation of its node by a unit of the moment
                 axis = turned.names.index(f"phi{move.text[-1]}")
                 turning = float(node_compliance(equations, turned, True, run.report)[axis, axis])
-            side.add(found, end * k / count, turning)
+                slope = 1.0 / turning if turning else slope
+            elif not move.pushed:
+                dual = -frame.sig[row] if move.deformation else (frame.fxtot - (frame.fx + frame.fxgrav))[row]
+                force = float(move.force(np.array(stroke), dual))
+                slope = float(move.stiffness(np.array(stroke), dual, np.array(slope)))
+            others = run.mechanism.loads.force + frame.fxgrav
+            side.states.append(_StrokeState(found, stroke, force, slope, others))
     return side
 
 

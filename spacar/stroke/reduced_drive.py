@@ -21,11 +21,13 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.linear.buckling import BucklingModes, buckling_modes
 from spacar.linear.eigen import vibration_modes
-from spacar.linear.internal_unknowns import buckling_matrices
+from spacar.linear.internal_unknowns import buckling_matrices, extra_load_matrices
 from spacar.linear.node_compliance import compliance_of, displacements
+from spacar.linear_systems.linear_system import matrix
+from spacar.linearization.coefficients import geometric_stiffness
 from spacar.linearization.matrices import Linearization
 from spacar.mechanism.numbering import Numbering
-from spacar.stroke.extra_load import ExtraLoad, extra_multipliers, extra_stresses
+from spacar.stroke.extra_load import ExtraLoad
 from spacar.stroke.observed_node import ObservedNode
 
 
@@ -113,12 +115,29 @@ class ReducedDrive:
         return buckling_modes(*buckling_matrices(self.dynamics, self.L, rows), told)
 
     def extra_stresses(self, free: bool, load: ExtraLoad) -> Array:
-        """sigma (ne,) that the extra load adds."""
-        return extra_stresses(self.dynamics, self.L, self._rows[free], load)
+        """sigma (ne,) that the extra load adds. Raises AnalysisError 'compliance.singular'."""
+        d, L, c, rows = self.dynamics, self.L, self.L.c, self._rows[free]
+        df = load.at(d.kinematics.x)
+        dq = displacements(self._block(L.stiffness, free), (L.W[:, rows].T @ df)[:, None])[:, 0]
+        dx, dv = L.G[:, rows] @ dq, L.Z[:, rows] @ dq
+        sigma = c.S @ (c.V @ dx) + c.Sd @ (L.Ze[:, rows] @ dq) + c.stress_x @ dx + c.stress_v @ dv
+        force = (
+            (c.inertia_x + c.geometric + c.load_x + c.user_x) @ dx
+            + (c.inertia_v + c.user_v) @ dv
+            + c.M @ (L.Y[:, rows] @ dq)
+            - df
+        )
+        d.kinematics.reactions(force, sigma)
+        return np.asarray(sigma)
 
     def extra(self, free: bool, sigma: Array, load: ExtraLoad, wanted: int, told: Report) -> BucklingModes:
-        """Multipliers of the extra load alone, with its stresses."""
-        return extra_multipliers(self.dynamics, self.L, self._rows[free], sigma, load, told)
+        """Multipliers of the extra load alone, with its stresses. Raises AnalysisError 'buckling.singular'."""
+        d, L, rows = self.dynamics, self.L, self._rows[free]
+        if not len(rows):
+            return BucklingModes(np.zeros(0), np.zeros((0, 0)))
+        loading = geometric_stiffness(d.sweep, sigma) - matrix(*load.gradient_entries(), L.G.shape[:1] * 2)
+        added = np.asarray((L.W[:, rows].T @ loading) @ L.G[:, rows])
+        return buckling_modes(*extra_load_matrices(d, L, rows, self._block(L.stiffness, free), added, sigma), told)
 
     def contains_all(self, found: BucklingModes, wanted: int, free: bool) -> bool:
         """Are all finite multipliers among those that were found?"""

@@ -39,30 +39,6 @@ void accel(const double *p, const double *y, const double *u, double *M, double 
 }}
 """
 
-_LDL = """\
-/* LDL^T without pivoting, M overwritten; m columns of b, row by row, become the solution. */
-static int solve(double *M, double *b, int m)
-{
-    for (int j = 0; j < N; j++) {
-        for (int k = 0; k < j; k++) M[j*N + j] -= M[j*N + k]*M[j*N + k]*M[k*N + k];
-        if (!(M[j*N + j] > 0.0)) return j + 1;
-        for (int i = j + 1; i < N; i++) {
-            for (int k = 0; k < j; k++) M[i*N + j] -= M[i*N + k]*M[k*N + k]*M[j*N + k];
-            M[i*N + j] /= M[j*N + j];
-        }
-    }
-    for (int i = 0; i < N; i++)
-        for (int k = 0; k < i; k++)
-            for (int h = 0; h < m; h++) b[i*m + h] -= M[i*N + k]*b[k*m + h];
-    for (int i = N - 1; i >= 0; i--) {
-        for (int h = 0; h < m; h++) b[i*m + h] /= M[i*N + i];
-        for (int k = i + 1; k < N; k++)
-            for (int h = 0; h < m; h++) b[i*m + h] -= M[k*N + i]*b[k*m + h];
-    }
-    return 0;
-}
-"""
-
 _RHS = """\
 /* accelerations and constraint forces a */
 static int accelerations(const double *c, const double *p, const double *y, const double *u, double *a)
@@ -136,7 +112,7 @@ def _solving(program: OrderedProgram, jacobian: bool) -> list[str]:
     tied = program.m > 0
     filled = ", J_, h" if tied else ""
     arrays = ", J_[NM*N], h[NM]" if tied else ""
-    solve = "    return solve(M, a, 1);"
+    solve = "    return solve(N, M, a, 1);"
     if tied:
         solve = "    int bad = constrained(M, J_, a, h, 1);\n    for (int i = 0; i < NM; i++) a[N + i] = h[i];"
         solve += "\n    return bad;"
@@ -146,9 +122,9 @@ def _solving(program: OrderedProgram, jacobian: bool) -> list[str]:
         out += "    eom_outputs(c, p, y, u, a, out);\n    return bad;\n"
     rhs = _RHS.format(arrays=arrays, filled=filled, solve=solve, outputs=out)
     accel = _ACCEL.format(more=", double *J, double *h" if tied else "", filled=", J, h" if tied else "")
-    parts = [accel, solvers.C if tied else _LDL, rhs, _MANY]
+    parts = [accel, solvers.SOLVE, *[solvers.CONSTRAINED] * tied, rhs, _MANY]
     if jacobian:
-        many = "constrained(M, J_, K + NQ*NY, K + NY*NY, NY)" if tied else "solve(M, K + NQ*NY, NY)"
+        many = "constrained(M, J_, K + NQ*NY, K + NY*NY, NY)" if tied else "solve(N, M, K + NQ*NY, NY)"
         parts.append(_JAC.format(arrays=arrays, filled=filled, solve=many))
     return parts
 

@@ -7,7 +7,7 @@ values. M is the full symmetric matrix as a vector, J is row by row.
 
 import textwrap
 
-from spacar.symbolic.emit.fortran_solvers import CONSTRAINED, JAC, LDL, RHS, SIZES
+from spacar.symbolic.emit.fortran_solvers import CONSTRAINED, JAC, RHS, SIZES, SOLVE
 from spacar.symbolic.emit.routines import Routine, compiled_routines
 from spacar.symbolic.emit.scalars import FORTRAN, Writer
 from spacar.symbolic.ordered import OrderedProgram
@@ -31,7 +31,7 @@ def source(program: OrderedProgram, jacobian: bool, head: list[str]) -> str:
         "  use, intrinsic :: iso_c_binding, only: dp => c_double, c_int",
         "  implicit none",
         *SIZES.format(nq=len(program.coordinates), n=n, ny=len(program.state), nm=program.m).splitlines(),
-        f"  private :: accelerations, {'constrained' if program.m else 'solve'}{', eom_slopes' if jacobian else ''}",
+        f"  private :: accelerations, solve{', constrained' * (program.m > 0)}{', eom_slopes' * jacobian}",
         "  private :: n_q, n_s, n_y, n_g",
     ]
     lines += ["contains", ""]
@@ -48,16 +48,16 @@ def _solving(program: OrderedProgram, jacobian: bool) -> list[str]:
     """What solves for accelerations, with or without constraints."""
     tied = program.m > 0
     names = {"arrays": ", rows(n_s*n_g), h(n_g)" if tied else "", "filled": ", rows, h" if tied else ""}
-    solve = "constrained(mass, rows, a, h, 1)" if tied else "solve(mass, a, 1)"
+    solve = "constrained(mass, rows, a, h, 1)" if tied else "solve(n_s, mass, a, 1)"
     out = "    call eom_feed(t, c, p, y, u)\n    call eom_outputs(c, p, y, u, out)\n    bad = 0\n"
     if program.outputs_need_accelerations:
         out = "    real(dp) :: a(n_s + n_g)\n    call eom_feed(t, c, p, y, u)\n"
         out += "    bad = accelerations(c, p, y, u, a)\n    call eom_outputs(c, p, y, u, a, out)\n"
     moved = "    a(n_s + 1:) = h\n" if tied else ""
-    parts = [CONSTRAINED if tied else LDL, RHS.format(solve=solve, moved=moved, outputs=out, **names)]
+    parts = [SOLVE, *[CONSTRAINED] * tied, RHS.format(solve=solve, moved=moved, outputs=out, **names)]
     if jacobian:
         places = "slopes(n_q*n_y + 1), slopes(n_y*n_y + 1), n_y" if tied else "slopes(n_q*n_y + 1), n_y"
-        many = f"constrained(mass, rows, {places})" if tied else f"solve(mass, {places})"
+        many = f"constrained(mass, rows, {places})" if tied else f"solve(n_s, mass, {places})"
         parts.append(JAC.format(solve=many, **names))
     return [*"\n".join(parts).splitlines(), ""]
 

@@ -4,40 +4,28 @@ SIZES = """\
   integer, parameter :: n_q = {nq}, n_s = {n}, n_y = {ny}, n_g = {nm}  ! coordinates, speeds, state, constraints
 """
 
-LDL = """\
-  ! L D L^T without pivoting, mass overwritten; k columns of b become the solution
-  function solve(mass, b, k) result(bad)
-    integer, intent(in) :: k
-    real(dp), intent(inout) :: mass(n_s, n_s), b(k, n_s)
+SOLVE = """\
+  ! L D L^T without pivoting, the matrix m is overwritten; k columns of b become the solution
+  function solve(n, m, b, k) result(bad)
+    integer, intent(in) :: n, k
+    real(dp), intent(inout) :: m(n, n), b(k, n)
     integer(c_int) :: bad
-    integer :: i, j, l
+    real(dp) :: d(n), v(n)
+    integer :: i
+    do i = 1, n
+      bad = i
+      v(:i - 1) = m(i, :i - 1)*d(:i - 1)
+      d(i) = m(i, i) - dot_product(m(i, :i - 1), v(:i - 1))
+      if (.not. d(i) > 0.0_dp) return
+      m(i + 1:, i) = (m(i + 1:, i) - matmul(m(i + 1:, :i - 1), v(:i - 1)))/d(i)
+    end do
+    do i = 1, n
+      b(:, i) = b(:, i) - matmul(b(:, :i - 1), m(i, :i - 1))
+    end do
+    do i = n, 1, -1
+      b(:, i) = b(:, i)/d(i) - matmul(b(:, i + 1:), m(i + 1:, i))
+    end do
     bad = 0
-    do j = 1, n_s
-      do l = 1, j - 1
-        mass(j, j) = mass(j, j) - mass(j, l)*mass(j, l)*mass(l, l)
-      end do
-      if (.not. mass(j, j) > 0.0_dp) then
-        bad = j
-        return
-      end if
-      do i = j + 1, n_s
-        do l = 1, j - 1
-          mass(i, j) = mass(i, j) - mass(i, l)*mass(l, l)*mass(j, l)
-        end do
-        mass(i, j) = mass(i, j)/mass(j, j)
-      end do
-    end do
-    do i = 1, n_s
-      do l = 1, i - 1
-        b(:, i) = b(:, i) - mass(i, l)*b(:, l)
-      end do
-    end do
-    do i = n_s, 1, -1
-      b(:, i) = b(:, i)/mass(i, i)
-      do l = i + 1, n_s
-        b(:, i) = b(:, i) - mass(l, i)*b(:, l)
-      end do
-    end do
   end function solve
 """
 
@@ -49,9 +37,10 @@ CONSTRAINED = """\
     integer, intent(in) :: k
     real(dp), intent(inout) :: mass(n_s, n_s), rows(n_s, n_g), b(k, n_s), h(k, n_g)
     integer(c_int) :: bad
-    real(dp) :: d(n_s), e(n_g, n_g), w(n_s, n_g), a(n_s, n_s), x(n_s), v(n_s), s(n_s), r(n_g), best, by, factor
-    integer :: pivot(n_g), kept(n_s), nk, i, j, l, q, at, column
-    logical :: done(n_g), dependent(n_s)
+    integer, parameter :: n_i = n_s - n_g
+    real(dp) :: d(n_s), e(n_g, n_g), w(n_s, n_g), t(n_i, n_s), a(n_i, n_i), x(k, n_i), s(k, n_s), largest
+    integer :: pivot(n_g), kept(n_i), i, j, l, q, at(2)
+    logical :: dependent(n_s), done(n_g)
     bad = -1
     e = 0.0_dp
     done = .false.
@@ -66,98 +55,41 @@ CONSTRAINED = """\
     end do
     do l = 1, n_g
       rows(:, l) = rows(:, l)*d
-      best = maxval(abs(rows(:, l)))
-      if (.not. best > 0.0_dp) return
-      w(:, l) = rows(:, l)/best
-      e(l, l) = 1.0_dp/best
+      largest = maxval(abs(rows(:, l)))
+      if (.not. largest > 0.0_dp) return
+      w(:, l) = rows(:, l)/largest
+      e(l, l) = 1.0_dp/largest
     end do
     do q = 1, n_g
-      best = 8.0_dp*n_s*2.3e-16_dp
-      at = 0
-      column = 0
-      do l = 1, n_g
-        if (done(l)) cycle
-        do j = 1, n_s
-          if (.not. dependent(j) .and. abs(w(j, l)) > best) then
-            best = abs(w(j, l))
-            at = l
-            column = j
-          end if
-        end do
-      end do
-      if (at == 0) return
-      done(at) = .true.
-      dependent(column) = .true.
-      pivot(at) = column
-      by = w(column, at)
-      w(:, at) = w(:, at)/by
-      e(:, at) = e(:, at)/by
-      do l = 1, n_g
-        factor = w(column, l)
-        if (l == at) cycle
-        w(:, l) = w(:, l) - factor*w(:, at)
-        e(:, l) = e(:, l) - factor*e(:, at)
+      at = maxloc(abs(w), mask=.not. (spread(dependent, 2, n_g) .or. spread(done, 1, n_s)))
+      if (any(at == 0)) return
+      i = at(1)
+      l = at(2)
+      if (.not. abs(w(i, l)) > 8.0_dp*n_s*2.3e-16_dp) return
+      done(l) = .true.
+      dependent(i) = .true.
+      pivot(l) = i
+      e(:, l) = e(:, l)/w(i, l)
+      w(:, l) = w(:, l)/w(i, l)
+      do j = 1, n_g
+        if (j == l) cycle
+        e(:, j) = e(:, j) - w(i, j)*e(:, l)
+        w(:, j) = w(:, j) - w(i, j)*w(:, l)
       end do
     end do
-    nk = 0
-    do i = 1, n_s
-      if (.not. dependent(i)) then
-        nk = nk + 1
-        kept(nk) = i
-      end if
-    end do
-    do i = 1, nk
-      x = mass(:, kept(i)) - matmul(mass(:, pivot), w(kept(i), :))
-      do j = 1, nk
-        a(j, i) = x(kept(j)) - dot_product(w(kept(j), :), x(pivot))
-      end do
-    end do
-    do j = 1, nk
-      do q = 1, j - 1
-        a(j, j) = a(j, j) - a(j, q)*a(j, q)*a(q, q)
-      end do
-      if (.not. a(j, j) > 0.0_dp) then
-        bad = kept(j)
-        return
-      end if
-      do i = j + 1, nk
-        do q = 1, j - 1
-          a(i, j) = a(i, j) - a(i, q)*a(q, q)*a(j, q)
-        end do
-        a(i, j) = a(i, j)/a(j, j)
-      end do
-    end do
-    do l = 1, k
-      s = 0.0_dp
-      do q = 1, n_g
-        s(pivot(q)) = s(pivot(q)) - dot_product(e(:, q), h(l, :))
-      end do
-      x = b(l, :) - matmul(mass, s)
-      do i = 1, nk
-        v(i) = x(kept(i)) - dot_product(w(kept(i), :), x(pivot))
-        do q = 1, i - 1
-          v(i) = v(i) - a(i, q)*v(q)
-        end do
-      end do
-      do i = nk, 1, -1
-        v(i) = v(i)/a(i, i)
-        do q = i + 1, nk
-          v(i) = v(i) - a(q, i)*v(q)
-        end do
-      end do
-      do i = 1, nk
-        s(kept(i)) = s(kept(i)) + v(i)
-        do q = 1, n_g
-          s(pivot(q)) = s(pivot(q)) - w(kept(i), q)*v(i)
-        end do
-      end do
-      do q = 1, n_g
-        r(q) = dot_product(mass(:, pivot(q)), s) - b(l, pivot(q))
-      end do
-      h(l, :) = matmul(e, r)
-      b(l, :) = d*s
-    end do
-    bad = 0
+    kept = pack([(i, i = 1, n_s)], .not. dependent)
+    t = merge(1.0_dp, 0.0_dp, spread(kept, 2, n_s) == spread([(i, i = 1, n_s)], 1, n_i))
+    t(:, pivot) = -w(kept, :)
+    s = 0.0_dp
+    s(:, pivot) = -matmul(h, e)
+    a = matmul(t, matmul(mass, transpose(t)))
+    x = matmul(b - matmul(s, mass), transpose(t))
+    bad = solve(n_i, a, x, k)
+    if (bad > 0) bad = kept(bad)
+    if (bad > 0) return
+    s = s + matmul(x, t)
+    h = matmul(matmul(s, mass(:, pivot)) - b(:, pivot), transpose(e))
+    b = s*spread(d, 1, k)
   end function constrained
 """
 

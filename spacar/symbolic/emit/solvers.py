@@ -51,13 +51,37 @@ INDEFINITE = 'mass matrix is not positive definite on the motions that the const
 DEPENDENT = 'the constraints depend on each other at this position'
 '''
 
-C = """\
+SOLVE = """\
+/* LDL^T of M (n x n) without pivoting, M overwritten; m columns of b, row by row, become the solution. */
+static int solve(int n, double *M, double *b, int m)
+{
+    for (int j = 0; j < n; j++) {
+        for (int k = 0; k < j; k++) M[j*n + j] -= M[j*n + k]*M[j*n + k]*M[k*n + k];
+        if (!(M[j*n + j] > 0.0)) return j + 1;
+        for (int i = j + 1; i < n; i++) {
+            for (int k = 0; k < j; k++) M[i*n + j] -= M[i*n + k]*M[k*n + k]*M[j*n + k];
+            M[i*n + j] /= M[j*n + j];
+        }
+    }
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < i; k++)
+            for (int h = 0; h < m; h++) b[i*m + h] -= M[i*n + k]*b[k*m + h];
+    for (int i = n - 1; i >= 0; i--) {
+        for (int h = 0; h < m; h++) b[i*m + h] /= M[i*n + i];
+        for (int k = i + 1; k < n; k++)
+            for (int h = 0; h < m; h++) b[i*m + h] -= M[k*n + i]*b[k*m + h];
+    }
+    return 0;
+}
+"""
+
+CONSTRAINED = """\
 /* M a - J^T l = b, J a = -h for k columns, row by row; b becomes a, h becomes l. M and J are overwritten.
    Dependent speeds are chosen by pivoting. Returns j when the pivot of speed j is not positive, -1 when the
    constraints depend on each other. */
 static int constrained(double *M, double *J, double *b, double *h, int k)
 {
-    double d[N], E[NM*NM], B[NM*N], A[N*N], x[N];
+    double d[N], E[NM*NM], B[NM*N], A[N*N], x[N], t[N*k], a[N*k];
     int pivot[NM], done[NM], dependent[N], kept[N], nk = 0;
     for (int i = 0; i < N; i++) d[i] = M[i*N + i] > 0.0 ? 1.0/sqrt(M[i*N + i]) : 1.0;
     for (int i = 0; i < N; i++) {
@@ -103,45 +127,36 @@ static int constrained(double *M, double *J, double *b, double *h, int k)
             for (int q = 0; q < NM; q++) A[j*nk + i] -= B[q*N + kept[j]]*x[pivot[q]];
         }
     }
-    for (int j = 0; j < nk; j++) {
-        for (int q = 0; q < j; q++) A[j*nk + j] -= A[j*nk + q]*A[j*nk + q]*A[q*nk + q];
-        if (!(A[j*nk + j] > 0.0)) return kept[j] + 1;
-        for (int i = j + 1; i < nk; i++) {
-            for (int q = 0; q < j; q++) A[i*nk + j] -= A[i*nk + q]*A[q*nk + q]*A[j*nk + q];
-            A[i*nk + j] /= A[j*nk + j];
-        }
-    }
     for (int c = 0; c < k; c++) {
-        double t[N], a[N], w[NM];
-        for (int i = 0; i < N; i++) t[i] = 0.0;
+        for (int i = 0; i < N; i++) t[i*k + c] = 0.0;
         for (int r = 0; r < NM; r++)
-            for (int q = 0; q < NM; q++) t[pivot[r]] -= E[r*NM + q]*h[q*k + c];
+            for (int q = 0; q < NM; q++) t[pivot[r]*k + c] -= E[r*NM + q]*h[q*k + c];
         for (int i = 0; i < N; i++) {
             x[i] = b[i*k + c];
-            for (int j = 0; j < N; j++) x[i] -= M[i*N + j]*t[j];
+            for (int j = 0; j < N; j++) x[i] -= M[i*N + j]*t[j*k + c];
         }
         for (int i = 0; i < nk; i++) {
-            a[i] = x[kept[i]];
-            for (int q = 0; q < NM; q++) a[i] -= B[q*N + kept[i]]*x[pivot[q]];
-            for (int q = 0; q < i; q++) a[i] -= A[i*nk + q]*a[q];
+            a[i*k + c] = x[kept[i]];
+            for (int q = 0; q < NM; q++) a[i*k + c] -= B[q*N + kept[i]]*x[pivot[q]];
         }
-        for (int i = nk - 1; i >= 0; i--) {
-            a[i] /= A[i*nk + i];
-            for (int q = i + 1; q < nk; q++) a[i] -= A[q*nk + i]*a[q];
-        }
+    }
+    const int bad = solve(nk, A, a, k);
+    if (bad) return kept[bad - 1] + 1;
+    for (int c = 0; c < k; c++) {
+        double w[NM];
         for (int i = 0; i < nk; i++) {
-            t[kept[i]] += a[i];
-            for (int q = 0; q < NM; q++) t[pivot[q]] -= B[q*N + kept[i]]*a[i];
+            t[kept[i]*k + c] += a[i*k + c];
+            for (int q = 0; q < NM; q++) t[pivot[q]*k + c] -= B[q*N + kept[i]]*a[i*k + c];
         }
         for (int r = 0; r < NM; r++) {
             w[r] = -b[pivot[r]*k + c];
-            for (int j = 0; j < N; j++) w[r] += M[pivot[r]*N + j]*t[j];
+            for (int j = 0; j < N; j++) w[r] += M[pivot[r]*N + j]*t[j*k + c];
         }
         for (int q = 0; q < NM; q++) {
             h[q*k + c] = 0.0;
             for (int r = 0; r < NM; r++) h[q*k + c] += E[r*NM + q]*w[r];
         }
-        for (int i = 0; i < N; i++) b[i*k + c] = d[i]*t[i];
+        for (int i = 0; i < N; i++) b[i*k + c] = d[i]*t[i*k + c];
     }
     return 0;
 }
