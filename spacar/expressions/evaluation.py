@@ -44,7 +44,7 @@ class Value(NamedTuple):
 def evaluate_cases(expression: Expression, variables: Variables) -> NDArray[Any]:
     """Values of many cases at once: of `variables` every one has a further axis of cases at its end, and so have the
     values, (steps, cases); or (cases,) or () where they are numbers. Raises what `evaluate` does."""
-    return np.asarray(Evaluation(expression.text, variables, None, of_cases=True).value(expression.tree).values)
+    return np.asarray(ExpressionWalk(expression.text, variables, None, of_cases=True).value(expression.tree).values)
 
 
 def evaluate(
@@ -58,7 +58,7 @@ def evaluate(
     stay in the values.
     """
     try:
-        found = Evaluation(expression.text, variables, units).value(expression.tree)
+        found = ExpressionWalk(expression.text, variables, units).value(expression.tree)
     except (RecursionError, OverflowError):
         text = f"'{expression.text}' is nested too deep or has numbers that are too large"
         raise UsageError(text, "expression.form") from None
@@ -66,7 +66,7 @@ def evaluate(
 
 
 @dataclass(frozen=True)
-class Evaluation:
+class ExpressionWalk:
     """One walk through an expression; who follows derivatives writes `rates_of` and `rates_of_call`."""
 
     text: str

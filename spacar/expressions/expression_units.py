@@ -60,12 +60,10 @@ class Dimensions:
 
     def __call__(self, name: str, numbers: Sequence[int]) -> Unit | None:
         """The unit of a variable that exists; None for those of the linearized equations."""
-        if name == "t":
-            return NONE if self.stationary else unit(s=1)
-        if name == "frequency":
-            return unit(Hz=1)
-        if name in ("eigval", "lmult"):
-            return unit(s=-1) if name == "eigval" else NONE
+        of_model = {"frequency": unit(Hz=1), "eigval": unit(s=-1), "lmult": NONE}
+        of_model["t"] = NONE if self.stationary else unit(s=1)
+        if name in of_model:
+            return of_model[name]
         order = ORDERS.get(name)
         if order is None:
             return None

@@ -45,16 +45,11 @@ def _root(name: str, units: Sequence[Unit | None], text: str) -> Unit | None:
 
 
 def _pure(name: str, units: Sequence[Unit | None], text: str) -> Unit | None:
-    allowed = (None, NONE, RAD) if name in ("sin", "cos", "tan") else (None, NONE)
+    allowed = (None, NONE, RAD) if name in ("sin", "cos", "tan", "deg") else (None, NONE)
     if units[0] not in allowed:
-        raise UsageError(f"'{text}': {name} takes a number without unit", "expression.unit")
-    return None if units[0] is None else NONE
-
-
-def _degrees(name: str, units: Sequence[Unit | None], text: str) -> Unit | None:
-    if units[0] not in (None, NONE, RAD):
-        raise UsageError(f"'{text}': deg converts radians", "expression.unit")
-    return None if units[0] is None else DEGREE
+        why = "deg converts radians" if name == "deg" else f"{name} takes a number without unit"
+        raise UsageError(f"'{text}': {why}", "expression.unit")
+    return None if units[0] is None else DEGREE if name == "deg" else NONE
 
 
 def _rms(values: Any) -> Any:
@@ -74,7 +69,7 @@ FUNCTIONS = {
     "sqrt": ExpressionFunction("square root", np.sqrt, _root),
     "hypot": ExpressionFunction("sqrt(a² + b²)", np.hypot, _same, 2),
     "atan2": ExpressionFunction("angle of (second, first argument) with the axis [rad]", np.arctan2, _angle, 2),
-    "deg": ExpressionFunction("radians to degrees", np.degrees, _degrees),
+    "deg": ExpressionFunction("radians to degrees", np.degrees, _pure),
     **{name: ExpressionFunction(help, getattr(np, name), _pure) for name, help in (
         ("sin", "sine of radians"), ("cos", "cosine of radians"), ("tan", "tangent of radians"),
         ("exp", "exponential function"), ("log", "natural logarithm"), ("log10", "logarithm to base 10"))},

@@ -64,7 +64,7 @@ def wrong(text: str, why: str) -> UsageError:
 
 
 def _check(node: ast.expr, text: str, more: More) -> None:
-    """Refuse everything that is not in the tables."""
+    parts: list[ast.expr] = []
     if isinstance(node, ast.Constant):
         if isinstance(node.value, bool) or not isinstance(node.value, (int, float)):
             raise wrong(text, f"{node.value!r} is not a number")
@@ -77,13 +77,12 @@ def _check(node: ast.expr, text: str, more: More) -> None:
             raise wrong(text, f"{name}variables with indices are {', '.join((*INDICES, *more))}")
         indices(node, text, more)
     elif isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.UAdd)):
-        _check(node.operand, text, more)
+        parts = [node.operand]
     elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.MatMult):
-        _check(node.left, text, more)
+        parts = [node.left]
         when(node.right, text)
     elif isinstance(node, ast.BinOp) and isinstance(node.op, OPERATORS):
-        _check(node.left, text, more)
-        _check(node.right, text, more)
+        parts = [node.left, node.right]
     elif isinstance(node, ast.Call):
         name = node.func.id if isinstance(node.func, ast.Name) else ""
         if name not in FUNCTIONS:
@@ -91,10 +90,11 @@ def _check(node: ast.expr, text: str, more: More) -> None:
         count = FUNCTIONS[name].arguments
         if len(node.args) != count or node.keywords:
             raise wrong(text, f"{name} takes {count} argument{'s' * (count > 1)}")
-        for argument in node.args:
-            _check(argument, text, more)
+        parts = node.args
     else:
         raise wrong(text, f"{type(node).__name__} is not allowed; {EXAMPLES}")
+    for part in parts:
+        _check(part, text, more)
 
 
 def _name(name: str, text: str, more: More) -> UsageError:

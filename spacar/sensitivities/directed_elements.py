@@ -58,7 +58,6 @@ class DirectedElements:
         self.evaluated: list[Evaluated] = []
 
     def at(self, x: Array, near: Array) -> None:
-        """Evaluate all elements."""
         self.x = x
         self.evaluated = []
         branch = self.mechanism.layout.branch(x.real, near)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar.expressions.evaluation import Evaluation, Value, step_at
+from spacar.expressions.evaluation import ExpressionWalk, Value, step_at
 from spacar.expressions.expression_units import NONE
 from spacar.expressions.grammar import Expression, when
 
@@ -50,7 +50,7 @@ def steps_of(expression: Expression, steps: int) -> set[int]:
 
 
 @dataclass(frozen=True)
-class _Chain(Evaluation):
+class _Chain(ExpressionWalk):
     """Over the steps of a stationary result, whose time counts them from 0."""
 
     steps: int = 0

@@ -36,15 +36,15 @@ from spacar.mechanism import Mechanism
 from spacar.mechanism.build import along
 from spacar.modes import registered
 from spacar.sensitivities.expression_derivatives import derivative, steps_of, variables
-from spacar.sensitivities.linear_quantities import LinearQuantities
 from spacar.sensitivities.state_derivatives import state_derivatives
 from spacar.sensitivities.step_quantities import (
     LINEAR,
     STRESS_INDICES,
     STRESSES,
-    StepQuantities,
+    LinearQuantities,
     Variable,
     check_variable,
+    step_quantity,
     stress_derivatives,
 )
 from spacar.stationary import LoadProgram, StationarySolver
@@ -184,9 +184,11 @@ def _require_followed(run: Run, names: set[str]) -> None:
     """Raises UsageError for models whose derivatives are not followed; `names` of the variables that are asked for."""
     mechanism = run.mechanism
     why = ""
-    if not mechanism.numbering.holonomic and names.intersection(LINEAR):
+    if names.isdisjoint(LINEAR):
+        return
+    if not mechanism.numbering.holonomic:
         why = "wheels for eigenvalues, multipliers and compliances; positions, deformations, forces, stresses have them"
-    elif mechanism.user_signal is not None and names.intersection(LINEAR):
+    elif mechanism.user_signal is not None:
         why = "forces of the user (USERSIG) for eigenvalues, multipliers and compliances: their second derivatives"
         why += " would be needed, which differences hardly give; use differences of runs (`spacar sweep`)"
     if why:
@@ -209,11 +211,9 @@ class _Analysis:
                 self.needed.setdefault(variable, set()).update(places)
         _require_followed(run, {name for name, _ in self.needed})
         self.directions = directions(run.mechanism, deck, numbers)
-        self.found = {v: self._empty(v) for v in self.needed}
-
-    def _empty(self, variable: Variable) -> tuple[Array, Array]:
-        kind = complex if variable[0] == "eigval" else float
-        return np.full(self.steps, np.nan, kind), np.full((self.steps, len(self.numbers)), np.nan, kind)
+        kinds = {v: complex if v[0] == "eigval" else float for v in self.needed}
+        shapes = (self.steps,), (self.steps, len(numbers))
+        self.found = {v: [np.full(shape, np.nan, kind) for shape in shapes] for v, kind in kinds.items()}
 
     @staticmethod
     def _variable(node: Any) -> Variable:
@@ -247,16 +247,14 @@ class _Analysis:
             raise UsageError(f"{q.text} is {np.ravel(found.values)[0]}", "sensitivity.quantity")
 
     def _leaf(self, node: Any) -> Value:
-        variable = self._variable(node)
+        name, numbers = variable = self._variable(node)
         value, rate = self.found[variable]
-        name, numbers = variable
         return Value(value, STRESSES[name] if name in STRESSES else self._dimensions(name, numbers), rate)
 
     @property
     def _dimensions(self) -> Dimensions:
         n = self.prepared.mechanism.numbering
-        highest = max(n.keyword, default=0)
-        keywords = [n.keyword.get(k, "") for k in range(1, highest + 1)]
+        keywords = [n.keyword.get(k, "") for k in range(1, max(n.keyword, default=0) + 1)]
         nodes = frozenset(k for k, kind in n.kind.items() if kind == "position")
         return Dimensions(n.planar, True, nodes, keywords)
 
@@ -298,10 +296,10 @@ class _Analysis:
                 if any(name in LINEAR for name, _ in here):
                     self._require_determined(d, stored)
                     linear = LinearQuantities(d, linearize(d, state.xdd, state.sigma), states, report, solver.moving)
-                at = StepQuantities(frame, mechanism.numbering, states, linear, stresses)
-                for variable in here:
-                    values, rates = self.found[variable]
-                    values[stored], rates[stored] = at(variable)
+                for v in here:
+                    values, rates = self.found[v]
+                    n = mechanism.numbering
+                    values[stored], rates[stored] = step_quantity(v, frame, n, states, linear, stresses)
             stored += 1
 
 

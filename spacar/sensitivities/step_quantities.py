@@ -1,19 +1,29 @@
-"""Variables of expressions at one stored step, with their derivatives along all directions."""
+"""Variables of expressions at one stored step, with their derivatives along all directions: those of the state, and
+eigenvalues, load multipliers and compliances of its linearized equations.
+"""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array
-from spacar.errors import UsageError
+from spacar.arrays import Array, Index
+from spacar.dynamics.array_evaluator import Dynamics
+from spacar.errors import AnalysisError, Report, UsageError
+from spacar.expressions.evaluation import frequency_order
 from spacar.expressions.expression_units import Unit, unit
 from spacar.expressions.result_places import ELEMENT, NODE, place
 from spacar.frame import Frame
+from spacar.linear.buckling import BucklingModes, buckling_modes, directional_compliances
+from spacar.linear.eigen import Modes, is_symmetric, is_zero, matters, vibration_modes
+from spacar.linear.internal_unknowns import buckling_matrices
+from spacar.linearization.matrices import Linearization
 from spacar.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 from spacar.modes import registered
-from spacar.sensitivities.linear_quantities import LinearQuantities
+from spacar.sensitivities.pencil_derivatives import PencilDerivatives, null_vectors, together
 from spacar.sensitivities.state_derivatives import StateDerivative
 
 COORDINATES, DEFORMATIONS = ("x", "fx", "fxgrav", "fxtot"), ("e", "sig")
@@ -29,6 +39,157 @@ STRESS_INDICES = dict.fromkeys(STRESSES, (1, 2))
 KNOWN = (*COORDINATES, *DEFORMATIONS, *LINEAR, *STRESSES)
 
 Variable = tuple[str, tuple[int, ...]]
+
+
+@dataclass
+class LinearQuantities:
+    """Of the linearized equations L; `states`: one for every direction. Each quantity gives its value and its
+    derivatives (directions,)."""
+
+    dynamics: Dynamics
+    L: Linearization
+    states: list[StateDerivative]
+    report: Report
+    moving: bool = False
+
+    def __post_init__(self) -> None:
+        self.dynamic = self.dynamics.numbering.dynamic
+        self.along = [PencilDerivatives(self.dynamics, self.L, s, self.moving) for s in self.states]
+
+    # -- vibration -----------------------------------------------------------------------------------------------
+    @cached_property
+    def _matrices(self) -> tuple[Array, Array, Array]:
+        L, block = self.L, np.ix_(self.dynamic, self.dynamic)
+        return L.m0[block], L.damping[block], L.stiffness[block]
+
+    @cached_property
+    def _undamped(self) -> bool:
+        M, C, K = self._matrices
+        return is_symmetric(K) and is_symmetric(M) and not matters(C, M, K)
+
+    @cached_property
+    def _modes(self) -> Modes:
+        q = self.dynamic
+        if not len(q):
+            raise AnalysisError("no dynamic degrees of freedom: there are no eigenvalues", "sensitivity.eigenvalues")
+        return vibration_modes(self.L, q, q, self.report, self.dynamics.numbering.twist_rates)
+
+    @property
+    def eigenvalues(self) -> Array:
+        """(n,) [rad/s], in the order of the results."""
+        return np.asarray(self._modes.values)
+
+    def eigenvalue(self, index: int) -> tuple[complex, Array]:
+        """Value and derivatives of the eigenvalue at a place (from 0) of the results."""
+        values = self.eigenvalues
+        group = together(values, index)
+        rates = self._eigenvalue_rates(index)
+        size = (np.conj(values[index]) * rates).real  # decreasing modulus
+        order = np.argsort(-size, axis=1, kind="stable")
+        rank = int(np.flatnonzero(group == index)[0])
+        return complex(values[index]), np.take_along_axis(rates, order, 1)[:, rank]
+
+    def frequency(self, index: int) -> tuple[float, Array]:
+        """Value and derivatives of the natural frequency [Hz] at a place (from 0), counted from low to high."""
+        values = self.eigenvalues
+        order = frequency_order(values)
+        here = int(order[index])
+        group = set(together(values, here).tolist())
+        rank = [int(j) for j in order if j in group].index(here)
+        rates = (np.conj(values[here]) * self._eigenvalue_rates(here)).real / np.abs(values[here])
+        return float(np.abs(values[here])) / (2.0 * np.pi), np.sort(rates, axis=1)[:, rank] / (2.0 * np.pi)
+
+    def _eigenvalue_rates(self, index: int) -> Array:
+        """Derivatives of the eigenvalues that are equal to this one, (directions, m), in no particular order."""
+        values = self.eigenvalues
+        group = together(values, index)
+        if is_zero(values)[index]:
+            self._say(f"eigenvalue {index + 1} is zero, its derivatives are not defined (nan)")
+            return np.full((len(self.states), 1), complex(np.nan, np.nan))
+        if len(group) > 1:
+            self._say(f"eigenvalue {group[0] + 1} occurs {len(group)} times: its derivatives are one-sided")
+        return self._vibration_rates(values[index], group)
+
+    def _vibration_rates(self, value: complex, group: Index) -> Array:
+        """Of the eigenvalues of this value, at these places."""
+        M, C, K = self._matrices
+        if self._undamped and not self.moving:
+            square = float((-value * value).real)
+            phi = self._modes.vectors[: len(K), group].real
+            of_squares = [dK - square * dM for dM, _, dK in (d.vibration(phi, phi) for d in self.along)]
+            return -self._eigenvalues_of(of_squares, phi.T @ M @ phi, symmetric=True) / (2.0 * value)
+        size = np.abs(np.diag(K)) + np.abs(value) ** 2 * np.abs(np.diag(M))
+        phi, psi = null_vectors(value**2 * M + value * C + K, size, len(group))
+        brackets = [value**2 * dM + value * dC + dK for dM, dC, dK in (d.vibration(phi, psi) for d in self.along)]
+        return self._eigenvalues_of(brackets, -psi.T @ (2.0 * value * M + C) @ phi)
+
+    def _eigenvalues_of(self, brackets: list[Array], weight: Array, symmetric: bool = False) -> Array:
+        """Eigenvalues `rate` of the small pencils bracket - rate weight, (directions, m)."""
+        from scipy.linalg import eigh, eigvals
+
+        if symmetric:
+            found = [eigh(0.5 * (B + B.T), weight, eigvals_only=True) for B in brackets]
+        else:
+            found = [eigvals(B, weight) for B in brackets]
+        return np.array(found).reshape(len(self.states), len(weight))
+
+    # -- buckling ------------------------------------------------------------------------------------------------
+    @cached_property
+    def _pencil(self) -> tuple[Array, Array]:
+        return buckling_matrices(self.dynamics, self.L, self.dynamic)
+
+    @cached_property
+    def _buckling(self) -> BucklingModes:
+        if not len(self.dynamic):
+            text = "no dynamic degrees of freedom: there are no load multipliers"
+            raise AnalysisError(text, "sensitivity.multipliers")
+        return buckling_modes(*self._pencil, self.report).first(len(self.dynamic))
+
+    @property
+    def multipliers(self) -> Array:
+        """(n,) in the order of the results."""
+        return self._buckling.multipliers
+
+    def multiplier(self, index: int) -> tuple[float, Array]:
+        """Value and derivatives of the load multiplier at a place (from 0) of the results."""
+        values = self.multipliers
+        value = float(values[index])
+        if not np.isfinite(value):
+            self._say(f"load multiplier {index + 1} is infinite, it has no derivatives (nan)")
+            return value, np.full(len(self.states), np.nan)
+        group = together(values, index)
+        if len(group) > 1:
+            self._say(f"load multiplier {group[0] + 1} occurs {len(group)} times: its derivatives are one-sided")
+        rates = np.sort(self._multiplier_rates(value, len(group)), axis=1)
+        rank = int(np.flatnonzero(group == index)[0])
+        return value, rates[:, rank if value > 0.0 else -1 - rank]
+
+    def _multiplier_rates(self, value: float, count: int) -> Array:
+        K0, G0 = self._pencil
+        phi, psi = null_vectors(K0 + value * G0, np.abs(np.diag(K0)), count)
+        brackets = [dK0 + value * dG0 for dK0, dG0 in (d.buckling(phi, psi) for d in self.along)]
+        return np.real(self._eigenvalues_of(brackets, -psi.T @ G0 @ phi))
+
+    # -- compliances ---------------------------------------------------------------------------------------------
+    @cached_property
+    def compliances(self) -> Array:
+        """(nx,) as in the results."""
+        return directional_compliances(self.L, self.dynamic, self.report)
+
+    def compliance(self, place: int) -> tuple[float, Array]:
+        """Value and derivatives of the compliance of a coordinate (from 0)."""
+        value = float(self.compliances[place])
+        row = self.L.W[place, self.dynamic]
+        if not row.any() or not np.isfinite(value):
+            return value, np.full(len(self.states), 0.0 if np.isfinite(value) else np.nan)
+        K = self._matrices[2]
+        phi, psi = np.linalg.solve(K, row)[:, None], np.linalg.solve(K.T, row)[:, None]
+        rates = [d.moved(phi + psi)[place, 0] - d.vibration(phi, psi)[2][0, 0] for d in self.along]
+        return value, np.array(rates)
+
+    def _say(self, text: str) -> None:
+        if text not in self.report.lines:
+            self.report.add(text)
 
 
 def stress_derivatives(mechanism: Mechanism, directions: Sequence[Mechanism], mode: int) -> Any:
@@ -53,40 +214,31 @@ def check_variable(variable: Variable, numbering: Numbering) -> None:
         place(numbering.lnp, numbers[0], numbers[1], NODE)
 
 
-class StepQuantities:
-    """The state of a stored step: `frame`, its derivatives, and where wanted the linearized equations and stresses."""
-
-    def __init__(
-        self, frame: Frame, numbering: Numbering, states: list[StateDerivative], linear: LinearQuantities | None,
-        stresses: Any,
-    ) -> None:  # fmt: skip
-        self.frame, self.numbering, self.states = frame, numbering, states
-        self.linear, self.stresses = linear, stresses
-
-    def __call__(self, variable: Variable) -> tuple[float | complex, Array]:
-        """Value and derivatives (directions,)."""
-        name, numbers = variable
-        if name in COORDINATES:
-            return self._stored(name, place(self.numbering.lnp, numbers[0], numbers[1], NODE))
-        if name in DEFORMATIONS:
-            return self._stored(name, place(self.numbering.le, numbers[0], numbers[1], ELEMENT))
-        if name in STRESSES:
-            dsigma, de = [s.dsigma for s in self.states], [s.de for s in self.states]
-            value, rates = self.stresses(name, numbers, self.frame.sig, self.frame.e, dsigma, de)
-            return float(value), rates
-        assert self.linear is not None
-        if name == "xcompl":
-            return self.linear.compliance(place(self.numbering.lnp, numbers[0], numbers[1], NODE))
-        count = {"eigval": len, "frequency": lambda v: int(np.sum(v.imag >= 0.0)), "lmult": len}[name](
-            self.linear.multipliers if name == "lmult" else self.linear.eigenvalues
+def step_quantity(
+    variable: Variable, frame: Frame, numbering: Numbering, states: list[StateDerivative],
+    linear: LinearQuantities | None, stresses: Any,
+) -> tuple[float | complex, Array]:  # fmt: skip
+    """Value and derivatives (directions,) at a stored step: the frame, its derivatives, and where the variable needs
+    them the linearized equations or stresses."""
+    name, numbers = variable
+    if name in (*COORDINATES, *DEFORMATIONS):
+        table, words = (numbering.le, ELEMENT) if name in DEFORMATIONS else (numbering.lnp, NODE)
+        at, attribute = (
+            place(table, numbers[0], numbers[1], words),
+            {"x": "dx", "e": "de", "sig": "dsigma"}.get(name, name),
         )
-        if numbers[0] > count:
-            text = f"{name}[{numbers[0]}]: the model has {count} of them"
-            raise UsageError(text, "expression.number")
-        of = {"eigval": self.linear.eigenvalue, "frequency": self.linear.frequency, "lmult": self.linear.multiplier}
-        return of[name](numbers[0] - 1)
-
-    def _stored(self, name: str, at: int) -> tuple[float, Array]:
-        attribute = {"x": "dx", "e": "de", "sig": "dsigma"}.get(name, name)
-        rates = np.array([getattr(s, attribute)[at] for s in self.states])
-        return float(getattr(self.frame, name)[at]), rates
+        return float(getattr(frame, name)[at]), np.array([getattr(s, attribute)[at] for s in states])
+    if name in STRESSES:
+        dsigma, de = [s.dsigma for s in states], [s.de for s in states]
+        value, rates = stresses(name, numbers, frame.sig, frame.e, dsigma, de)
+        return float(value), rates
+    assert linear is not None
+    if name == "xcompl":
+        return linear.compliance(place(numbering.lnp, numbers[0], numbers[1], NODE))
+    known = linear.multipliers if name == "lmult" else linear.eigenvalues
+    count = int(np.sum(known.imag >= 0.0)) if name == "frequency" else len(known)
+    if numbers[0] > count:
+        text = f"{name}[{numbers[0]}]: the model has {count} of them"
+        raise UsageError(text, "expression.number")
+    of = {"eigval": linear.eigenvalue, "frequency": linear.frequency, "lmult": linear.multiplier}
+    return of[name](numbers[0] - 1)
