@@ -184,7 +184,6 @@ def _replaced(mechanism: Mechanism, move: StrokeMove) -> tuple[Place, str] | Non
 
 
 def _drives(deck: Deck) -> list[Place]:
-    """What the file itself moves."""
     return [(s.keyword[-1].lower(), s.integer(0), s.integer(1)) for s in deck.of("DELINPX", "DELINPE", block=2)]
 
 
@@ -193,19 +192,14 @@ def _candidate(mechanism: Mechanism, share: Array, drives: Sequence[Place]) -> P
     coordinates. Raises UsageError."""
     n = mechanism.numbering
     steered = {s.values[:2] for s in mechanism.deck.of(*STEERED, block=2)}
-    dynamic = set(n.dynamic.tolist())
+    places: list[Place] = [("x", *n.x_owner(int(i))) for i in n.q_x] + [("e", *n.e_owner(int(i))) for i in n.q_e]
     best: tuple[float, Place] = (0.0, ("", 0, 0))
-    for k in range(n.ndof):
-        on_x = k < len(n.q_x)
-        number, place = n.x_owner(int(n.q_x[k])) if on_x else n.e_owner(int(n.q_e[k - len(n.q_x)]))
-        here: Place = ("x" if on_x else "e", number, place)
-        if here in drives:
-            weight = 1e6
-        elif k not in dynamic or (number, place) in steered or (on_x and n.kind[number] == "warping"):
-            continue
-        else:
-            weight = 1e-3 if on_x else 1.0
-        best = max(best, (weight * float(share[k]), here))
+    for k, here in enumerate(places):
+        on_x, number = here[0] == "x", here[1]
+        fitting = k in n.dynamic and here[1:] not in steered and not (on_x and n.kind[number] == "warping")
+        if here in drives or fitting:
+            weight = 1e6 if here in drives else 1e-3 if on_x else 1.0
+            best = max(best, (weight * float(share[k]), here))
     if not best[0] > 0.0:
         text = "no dynamic degree of freedom (DYNE, DYNX) can give way to the drive; prescribe it in the file (INPUTX)"
         raise UsageError(text, "flexure.move")

@@ -18,6 +18,7 @@ from spacar.stroke.station import Station
 from spacar.stroke.stroke_move import StrokeMove
 
 DIRECTION = {"ux": "x", "uy": "y", "uz": "z", "phi": "r", "phix": "rx", "phiy": "ry", "phiz": "rz"}
+EXTRA = (("margin_extra", "locked", "extra"), ("margin_extra_free", "free", "extra_free"))
 UNBALANCED = 0.01  # of the energy: when the work integral misses more, there is a warning
 POINTS = 9  # places along every beam where stresses are computed
 
@@ -189,7 +190,11 @@ class Flexure:
             Column("f_unwanted_free", "frequency, first other of the free drive", "Hz", self.of("unwanted_free")),
             Column("margin", "load multiplier, drive locked", "", self.of("margin")),
             Column("margin_free", "load multiplier, drive free", "", self.of("margin_free")),
-            *self._extra_columns(),
+            *(
+                Column(name, f"load multiplier, {' and '.join(self.extra)} alone, drive {drive}", "", self.of(field))
+                for name, drive, field in EXTRA
+                if self.extra
+            ),
             Column("mises", "largest von Mises stress", "N/m^2", stress),
             Column("mises_element", "its element", "", element),
             Column("mises_place", "its place in it", "", place),
@@ -198,17 +203,16 @@ class Flexure:
     def motion_columns(self) -> list[Column]:
         """Displacement and rotation, then the errors of a line (deviation) or of an axis (pivot shift, tilt, pole)."""
         e = self.errors
-        axes = [("x", 0), ("y", 1)] + ([] if self.node.planar else [("z", 2)])
-        turning = [("z", 2)] if self.node.planar else [("x", 0), ("y", 1), ("z", 2)]
+        planar = self.node.planar
 
         def of(name: str, title: str, unit: str, values: Array) -> list[Column]:
-            chosen = axes if unit == "m" else turning
-            return [Column(f"{name}_{a}", f"{title}, {a}", unit, values[:, i]) for a, i in chosen]
+            axes = "xyz" if not planar else "xy" if unit == "m" else "z"
+            return [Column(f"{name}_{a}", f"{title}, {a}", unit, values[:, "xyz".index(a)]) for a in axes]
 
         found = of("u", "displacement", "m", e.displacement) + of("rotation", "rotation", "rad", e.rotation)
         if not e.turning:
             return found + of("line", "deviation from the line", "m", e.line_error)
-        tilt = [] if self.node.planar else of("tilt", "tilt of the axis", "rad", e.tilt)
+        tilt = [] if planar else of("tilt", "tilt of the axis", "rad", e.tilt)
         return [
             *found, Column("angle", "rotation about the axis", "rad", e.angle),
             *of("pivot", "pivot shift", "m", e.pivot_shift), *tilt, *of("pole", "pole", "m", e.pole),
@@ -225,16 +229,6 @@ class Flexure:
             Column(f"{name}_{d}", f"{title}, {d}", unit, v)
             for name, title, own, values in kinds
             for d, unit, v in zip(self.directions, own, values.T, strict=True)
-        ]
-
-    def _extra_columns(self) -> list[Column]:
-        """Multipliers of the extra load alone, if one was given."""
-        if not self.extra:
-            return []
-        title = f"load multiplier, {' and '.join(self.extra)} alone"
-        return [
-            Column("margin_extra", f"{title}, drive locked", "", self.of("extra")),
-            Column("margin_extra_free", f"{title}, drive free", "", self.of("extra_free")),
         ]
 
     def table(self, body: bool = False) -> dict[str, Array]:

@@ -104,10 +104,9 @@ def _bodies(numbering: Numbering, number: int) -> set[int]:
 def _partners(numbering: Numbering, number: int, side: int) -> set[int]:
     """Nodes of the other kind at the same end of an element: the next (side 1) or the one before."""
     wanted = "orientation" if side > 0 else "position"
-    found = set()
-    for _, keyword, nodes in numbering.elements:
-        kinds = ELEMENT_TYPES[keyword].nodes
-        for k, node in enumerate(nodes):
-            if node == number and 0 <= k + side < len(nodes) and kinds[k + side] == wanted:
-                found.add(nodes[k + side])
-    return found
+    return {
+        nodes[k + side]
+        for _, keyword, nodes in numbering.elements
+        for k, node in enumerate(nodes)
+        if node == number and 0 <= k + side < len(nodes) and ELEMENT_TYPES[keyword].nodes[k + side] == wanted
+    }

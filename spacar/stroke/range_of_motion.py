@@ -30,14 +30,12 @@ from spacar.linear.linear_modes import stationary
 from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
 from spacar.result import Result
+from spacar.stroke.drive_equations import DriveEquations, DrivePlace, ExtraLoad, MixedDrive, ReducedDrive
 from spacar.stroke.driven_deck import Row, driven, load_row, own_move
 from spacar.stroke.error_motions import error_motions, relative_rotations
-from spacar.stroke.extra_load import ExtraLoad
 from spacar.stroke.flexure_results import Flexure
-from spacar.stroke.mixed_drive import MixedDrive
 from spacar.stroke.observed_node import ObservedNode
-from spacar.stroke.reduced_drive import DrivePlace, ReducedDrive
-from spacar.stroke.station import DriveEquations, Station, node_compliance, station
+from spacar.stroke.station import Station, node_compliance, station
 from spacar.stroke.stroke_move import StrokeMove, parse_move
 
 OURS = {"load_steps", "store_every", "stationary_type"}
@@ -82,7 +80,13 @@ def flexure(
     if not mechanism.numbering.holonomic or mechanism.numbering.nk:
         raise UsageError(f"{deck.source} has wheels: there is no stroke of a flexure", "flexure.wheels")
     centre = _pivot(pivot, deck.metre, mechanism.numbering.planar)
-    asked = _asked(deck, mechanism, move, force)
+    if move is not None and force is not None:
+        raise UsageError("give either a move or a force, not both", "flexure.move")
+    given = force if move is None else move
+    if given is None:
+        asked = own_move(deck, mechanism)
+    else:
+        asked = parse_move(given, mechanism.numbering, deck.metre, pushed=force is not None)
     whole = asked.within(min(asked.low, 0.0), max(asked.high, 0.0))
     acting = [load_row(text, mechanism, deck.metre) for text in loads]
     beside = [load_row(text, mechanism, deck.metre, "--extra") for text in extra]
@@ -107,14 +111,6 @@ def beyond(move: StrokeMove, length: float, metre: float) -> str:
     unit = shown_in("m", metre)[1]
     sizes = f"the range of {move.text}, {farthest / metre:.4g} {unit}, exceeds the size of the model, "
     return f"{sizes}{length / metre:.4g} {unit}; lengths are in {unit}, the unit of the input file (UNITS)"
-
-
-def _asked(deck: Deck, mechanism: Mechanism, move: str | None, force: str | None) -> StrokeMove:
-    if move is not None and force is not None:
-        raise UsageError("give either a move or a force, not both", "flexure.move")
-    if move is None and force is None:
-        return own_move(deck, mechanism)
-    return parse_move(move or force or "", mechanism.numbering, deck.metre, pushed=force is not None)
 
 
 class _StrokeState(NamedTuple):
@@ -213,8 +209,7 @@ def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Array |
     return Flexure(
         deck.source, move, node, deck.metre, zero, stroke, force, slope,
         drive_work(stroke, force, slope, zero),
-        load_work(others, x, zero)
-        + moment_work(loads.moment, x[:, loads.moment_rows.T], zero),
+        load_work(others, x, loads.moment, x[:, loads.moment_rows.T], zero),
         stations, errors, result,
     )  # fmt: skip
 
@@ -236,15 +231,10 @@ def drive_work(stroke: Array, force: Array, slope: Array, zero: int) -> Array:
     return _from_zero(parts, zero)
 
 
-def load_work(forces: Array, x: Array, zero: int) -> Array:
-    """(k,) work of the forces (k, nx) on the coordinates x (k, nx) [J]."""
+def load_work(forces: Array, x: Array, moments: Array, turns: Array, zero: int) -> Array:
+    """(k,) work [J] of the forces (k, nx) on the coordinates x (k, nx), and of constant global moments (n, 3) on nodes
+    with the Euler parameters turns (k, n, 4)."""
     parts = 0.5 * np.sum((forces[:-1] + forces[1:]) * np.diff(x, axis=0), axis=1)
-    return _from_zero(parts, zero)
-
-
-def moment_work(moments: Array, turns: Array, zero: int) -> Array:
-    """(k,) work of constant global moments (n, 3) on nodes with the Euler parameters turns (k, n, 4) [J]."""
-    parts = np.zeros(len(turns) - 1)
     for k, moment in enumerate(moments):
         parts += relative_rotations(turns[1:, k], turns[:-1, k]).as_rotvec() @ moment
     return _from_zero(parts, zero)

@@ -1,9 +1,9 @@
 """What is known of one state of the stroke: node, frequencies and multipliers with the drive free and with it locked.
 
-The equations of the state are `spacar.stroke.reduced_drive` or, of large models, `spacar.stroke.mixed_drive`.
+The equations of the state: `spacar.stroke.drive_equations`.
 
     buckling        det(K0 + lambda G0) = 0 without and with the drive (theory-system.md 6.5)
-    extra load      det(K + lambda dG) = 0 of the same (spacar.stroke.extra_load)
+    extra load      det(K + lambda dG) = 0 of the same (the same file)
 
 The free mode that belongs to the drive is the one with the largest share s of the motion v of the path,
 s = (phi^T M v)^2 / (phi^T M phi v^T M v). All modes together have 1.
@@ -20,15 +20,12 @@ from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
 from spacar.linear.buckling import BucklingModes
 from spacar.linear_systems import SingularMatrixError
-from spacar.stroke.extra_load import ExtraLoad
-from spacar.stroke.mixed_drive import MixedDrive
+from spacar.stroke.drive_equations import DriveEquations, ExtraLoad, Frequencies
 from spacar.stroke.observed_node import ObservedNode
-from spacar.stroke.reduced_drive import Frequencies, ReducedDrive
 
 NOTHING = 1e-11  # of the largest displacement by a degree of freedom: a direction that moves less counts as rigid
 FIRST, MOST = 6, 40  # multipliers, and free modes, that are computed at first and at most
 FAILED = AnalysisError, SingularMatrixError
-DriveEquations = ReducedDrive | MixedDrive
 
 
 @dataclass(frozen=True)

@@ -106,18 +106,19 @@ def move_of(numbering: Numbering, deformation: bool, number: int, place: int) ->
         (numbering.e_index if deformation else numbering.x_index)(number, place)
     except KeyError:
         raise UsageError(f"there is no {name} in the model", "flexure.move") from None
+    rotation, unit, kind = False, "rad", "" if deformation else numbering.kind[number]
     if deformation:
         unit = ELEMENT_TYPES[numbering.keyword[number]].modes[place - 1][1]
-        return StrokeMove(name, True, number, place, False, unit, 0.0, 0.0)
-    kind = numbering.kind[number]
-    if kind == "position":
-        return StrokeMove(f"{number}{AXES[place - 1]}", False, number, place, False, "m", 0.0, 0.0)
-    if kind == "orientation" and numbering.planar:
-        return StrokeMove(f"{number}r", False, number, place, False, "rad", 0.0, 0.0)
-    if kind == "orientation" and place > 1:
-        return StrokeMove(f"{number}r{AXES[place - 2]}", False, number, place, True, "rad", 0.0, 0.0)
-    what = "lambda0 follows from the other three" if kind == "orientation" else "a twist rate is no range of motion"
-    raise UsageError(f"{name}: {what}", "flexure.move")
+    elif kind == "position":
+        name, unit = f"{number}{AXES[place - 1]}", "m"
+    elif kind == "orientation" and numbering.planar:
+        name = f"{number}r"
+    elif kind == "orientation" and place > 1:
+        name, rotation = f"{number}r{AXES[place - 2]}", True
+    else:
+        what = "lambda0 follows from the other three" if kind == "orientation" else "a twist rate is no range of motion"
+        raise UsageError(f"{name}: {what}", "flexure.move")
+    return StrokeMove(name, deformation, number, place, rotation, unit, 0.0, 0.0)
 
 
 def _named(name: str, numbering: Numbering, asked: str) -> StrokeMove:
@@ -136,15 +137,12 @@ def _named(name: str, numbering: Numbering, asked: str) -> StrokeMove:
         what = "turns" if wanted == "orientation" else "moves"
         text = f"{asked}: node {number} is a node for {kind}s; what {what} is a node for {wanted}s"
         raise UsageError(text, "flexure.move")
-    if numbering.planar:
-        known = {"x": 1, "y": 2, "r": 1}
-        if axis not in known:
-            raise UsageError(f"{asked}: a planar model has x, y and r, not {axis}", "flexure.move")
-        return move_of(numbering, False, number, known[axis])
-    if axis == "r":
-        raise UsageError(f"{asked}: say about which axis node {number} turns: rx, ry or rz", "flexure.move")
-    place = AXES.index(axis[-1]) + (2 if wanted == "orientation" else 1)
-    return move_of(numbering, False, number, place)
+    places = {"x": 1, "y": 2, "r": 1} if numbering.planar else {"x": 1, "y": 2, "z": 3, "rx": 2, "ry": 3, "rz": 4}
+    if axis not in places:
+        planar = f"a planar model has x, y and r, not {axis}"
+        spatial = f"say about which axis node {number} turns: rx, ry or rz"
+        raise UsageError(f"{asked}: {planar if numbering.planar else spatial}", "flexure.move")
+    return move_of(numbering, False, number, places[axis])
 
 
 def _range(value: str, asked: str) -> tuple[float, float]:

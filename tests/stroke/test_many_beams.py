@@ -9,7 +9,7 @@ import spacar
 from spacar.deck import parse_deck, read_deck
 from spacar.linear import form
 from spacar.stroke import station
-from spacar.stroke.mixed_drive import MixedDrive
+from spacar.stroke.drive_equations import MixedDrive
 from tests.examples import DATA
 
 from . import stroke_models as models

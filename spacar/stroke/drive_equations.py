@@ -6,29 +6,89 @@ With q the dynamic degrees of freedom, d the drive, K = K0 + N0 + G0 of both (th
     drive           dF/dd = K_dd + K_dq dq/dd
     node, locked    C = D_q K_qq^-1 D_q^T;          free: C = D K^-1 D^T over q and d
     frequencies     of (K_qq, M_qq), of (K, M);     without damping
+
+Of large models in mixed form, without dense matrices: two tangents (theory-system.md 6.2) stand for the drive held and
+free. The coordinate of the drive is left out of the free ones or added to them; if the drive is a deformation, this is
+a constraint or has no stress. Then
+
+    path            T_held (x, sigma) = -(column of the drive); for a deformation 1 in its row
+    slope           the row of the drive of the mixed matrix times (path, 1); for a deformation -sigma of its row
+    node            C = P^T T^-1 P with P the forces and moments on the node
+
+Frequencies and multipliers are the lowest ones (`spacar.linear.lowest`, `spacar.linear.lowest_multipliers`).
+
+The margin of one extra load alone: how much of it a state bears besides all that it carries (docs/flexures.md 3).
+
+    (K + lambda dG) x = 0
+
+K   stiffness at the state with all present loads, K0 + N0 + G0
+dG  what a unit of the extra load adds to the geometric stiffness: Hs(d_sigma) and the gradient of its own moments. The
+    stresses d_sigma are the linear answer of the state to the load, with the drive as it stands (held where it is
+    prescribed), in the present configuration:  K dq = W^T df,  d_sigma = S V dx and the reactions of constraints
+
+lambda is counted in the load that was given; the proportional multiplier (theory-system.md 6.5) multiplies all loads
+and prestresses instead. For a column under a load P the extra load of the same place has lambda = P_cr - P.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import Array
+from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
+from spacar.dynamics.loaded_mechanism import moment_entries
 from spacar.errors import AnalysisError, Report
+from spacar.kinematics.transfer import moved_along
 from spacar.linear.buckling import BucklingModes, buckling_modes
 from spacar.linear.eigen import vibration_modes
 from spacar.linear.internal_unknowns import buckling_matrices, extra_load_matrices
+from spacar.linear.lowest import is_symmetric_loading, lowest_vibration
+from spacar.linear.lowest_multipliers import lowest_buckling, lowest_extra_load
 from spacar.linear.node_compliance import compliance_of, displacements
 from spacar.linear_systems.linear_system import matrix
 from spacar.linearization.coefficients import geometric_stiffness
 from spacar.linearization.matrices import Linearization
 from spacar.mechanism.numbering import Numbering
-from spacar.stroke.extra_load import ExtraLoad
+from spacar.stationary.flexibility import Flexibility
+from spacar.stationary.tangent import STATIC, SparseTangent
+from spacar.stroke.driven_deck import Row
 from spacar.stroke.observed_node import ObservedNode
+
+
+@dataclass(frozen=True)
+class ExtraLoad:
+    """force (nx,) [N, planar N m];  moments (n, 3) [N m] about global axes at the Euler parameters rows (4, n)."""
+
+    force: Array
+    rows: Index
+    moments: Array
+
+    @classmethod
+    def of(cls, loads: Sequence[Row], n: Numbering) -> ExtraLoad:
+        """The sum of all XF statements, rows of the dynamics block."""
+        force, rows, moments = np.zeros(n.nx), [np.zeros((4, 0), np.int64)], [np.zeros((0, 3))]
+        for _, node, *values in loads:
+            places = n.lnp[int(node) - 1] - 1
+            if not n.planar and n.kind[int(node)] == "orientation":
+                rows.append(places[:4, None])
+                moments.append(np.array([values], float))
+            else:
+                force[places[: len(values)]] += np.array(values, float)
+        return cls(force, np.concatenate(rows, axis=1), np.concatenate(moments))
+
+    def at(self, x: Array) -> Array:
+        """df (nx,) at coordinates x (nx,)."""
+        rows, columns, values = self.gradient_entries()
+        return self.force + np.bincount(rows, values * x[columns], len(self.force))
+
+    def gradient_entries(self) -> tuple[Index, Index, Array]:
+        """d(df)/dx as rows, columns, values (16 n,)."""
+        return moment_entries(self.rows, self.moments)
 
 
 class DrivePlace(NamedTuple):
@@ -153,3 +213,91 @@ def _massless(M: Array) -> bool:
     scale = 1.0 / np.sqrt(np.maximum(np.diag(M), np.finfo(float).tiny))
     values = np.linalg.eigvalsh(M * np.outer(scale, scale))
     return bool(values.min(initial=np.inf) <= np.finfo(float).eps * len(M) * values.max(initial=0.0))
+
+
+class MixedDrive:
+    """As ReducedDrive, with tangents of one evaluator that stands at the state."""
+
+    complete = False
+
+    def __init__(self, dynamics: Dynamics, drive: DrivePlace) -> None:
+        n, row = dynamics.numbering, drive.row
+        self.dynamics, self.drive = dynamics, drive
+        self.most = n.nddof
+        stiff, moving = Flexibility(dynamics), None
+        loose = Flexibility(dynamics, (row,)) if drive.deformation else stiff
+        if not drive.deformation:
+            moving = np.setdiff1d(np.r_[n.x_class["calculable"], n.x_class["dynamic"]], row)
+        self._tangents = (
+            SparseTangent(dynamics, stiff, moving),
+            SparseTangent(dynamics, loose, None if moving is None else np.append(moving, row)),
+        )
+
+    def at(self, sigma: Array) -> MixedDrive:
+        """With the stresses of the state, (ne,)."""
+        for tangent in self._tangents:
+            tangent.sigma = sigma
+        return self
+
+    def moved(self, node: ObservedNode, free: bool) -> Array:
+        d = self.dynamics
+        every = np.array([moved_along(d.kinematics, f) for f in self._forces(node).T])
+        return every if free else np.delete(every, self.drive.place, axis=1)
+
+    def compliance(self, node: ObservedNode, free: bool) -> Array:
+        tangent, P = self._tangents[free], self._forces(node)
+        return np.asarray(P.T @ tangent.displacement(tangent.factor(STATIC), P))
+
+    def path(self, node: ObservedNode) -> tuple[Array, float, Array]:
+        (t, free), d, row = self._tangents, self.dynamics, self.drive.row
+        system, size = t.factor(STATIC), t.flexibility.size
+        right, x = np.zeros(t.nf + t.ne), np.zeros(d.numbering.nx)
+        if self.drive.deformation:
+            right[t.nf + row] = size
+        else:
+            x[row] = 1.0
+            right[: t.nf] = -(free.assembled(tuple(STATIC)) @ x)[t.F]
+            right[t.nf :] = -size * t.flexibility.coupled * d.sweep.rate(x)
+        found = system.solve(right)
+        x[t.F] = found[: t.nf]
+        sigma = size * found[t.nf :]
+        if self.drive.deformation:
+            slope = -float(sigma[row])
+        else:
+            force = free.assembled(tuple(STATIC)) @ x + d.sweep.rate_transposed(sigma)
+            slope = float(force[row])
+        return self._forces(node).T @ x, slope, x
+
+    def vibration(self, free: bool, wanted: int, told: Report) -> Frequencies:
+        found = lowest_vibration(self._tangents[free], told, wanted, undamped=True)
+        assert found.motions is not None
+        return Frequencies.of(found.values, found.motions)
+
+    def momenta(self, motions: Array) -> Array:
+        return np.asarray(self._tangents[True].assembled(("mass",)) @ motions)
+
+    def buckling(self, free: bool, wanted: int, told: Report) -> BucklingModes:
+        return lowest_buckling(self._tangents[free], told, wanted)
+
+    def extra_stresses(self, free: bool, load: ExtraLoad) -> Array:
+        t = self._tangents[free]
+        right = np.zeros(t.nf + t.ne)
+        right[: t.nf] = load.at(self.dynamics.kinematics.x)[t.F]
+        return np.asarray(t.flexibility.size * t.factor(STATIC).solve(right)[t.nf :])
+
+    def extra(self, free: bool, sigma: Array, load: ExtraLoad, wanted: int, told: Report) -> BucklingModes:
+        return lowest_extra_load(self._tangents[free], sigma, load.gradient_entries(), told, wanted)
+
+    def contains_all(self, found: BucklingModes, wanted: int, free: bool) -> bool:
+        """If there are fewer than wanted, the others are infinite or, with an unsymmetric loading only, complex."""
+        return len(found.multipliers) < wanted and is_symmetric_loading(self._tangents[free])
+
+    def _forces(self, node: ObservedNode) -> Array:
+        """Unit forces and moments on the node, (nx, m)."""
+        d = self.dynamics
+        P = np.zeros((d.numbering.nx, len(node.names)))
+        P[node.rows] = node.map(d.kinematics.x).T
+        return P
+
+
+DriveEquations = ReducedDrive | MixedDrive
