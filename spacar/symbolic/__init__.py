@@ -5,9 +5,8 @@
 
 from spacar.symbolic import beam_shapes
 from spacar.symbolic.collect import ZTable, gather_dots, gather_scalars, gather_vectors
-from spacar.symbolic.derivatives import dvdt, partial_velocity
 from spacar.symbolic.printing import latex, text, unicode
-from spacar.symbolic.reference_frames import ReferenceFrame, omega, set_omega
+from spacar.symbolic.reference_frames import ReferenceFrame, dvdt, omega, partial_velocity, set_omega
 from spacar.symbolic.system import MultibodySystem
 from spacar.symbolic.transform import from_sympy, to_sympy, transform
 from spacar.symbolic.unit_vectors import TIME

@@ -65,10 +65,9 @@ def make_beam(
         shapes = shape_functions(shapes_of, X, length, clamped)
         if not shapes:
             return
-        pairs: list[tuple[sp.Expr, sp.Expr]] = []
-        for _ in shapes:
-            k = sum(len(f.shapes) for f in made) + len(pairs) + 1
-            pairs.append(system.coordinate(f"phi{number}_{k}", speed=f"dphi{number}_{k}"))
+        done = sum(len(f.shapes) for f in made)
+        names = [f"phi{number}_{done + k}" for k in range(1, len(shapes) + 1)]
+        pairs = [system.coordinate(name, speed=f"d{name}") for name in names]
         coordinates, speeds = zip(*pairs, strict=True)
         function = field_function(f"{letter}{number}")
         made.append(Field(letter, kind, direction, function, shapes, coordinates, speeds, along(system, stiffness)))

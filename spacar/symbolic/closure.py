@@ -18,7 +18,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from spacar.errors import AnalysisError, UsageError
-from spacar.symbolic.ordered import Constrained, OrderedProgram
+from spacar.symbolic.ordered import OrderedProgram
 
 ITERATIONS = 60
 DRIFT = {"DOP853": 0.1, "Radau": 0.1, "LSODA": 10.0}
@@ -35,14 +35,9 @@ class Manifold:
     function: Any
     notes: list[str] = field(default_factory=list)
 
-    @property
-    def nq(self) -> int:
-        return len(self.program.coordinates)
-
-    @property
-    def constraints(self) -> Constrained:
+    def __post_init__(self) -> None:
         assert self.program.constraints is not None
-        return self.program.constraints
+        self.nq, self.constraints = len(self.program.coordinates), self.program.constraints
 
     def numbers(self, t: float, y: np.ndarray) -> tuple[np.ndarray, ...]:
         """D, J, J_g, e, g, W."""
@@ -58,9 +53,6 @@ class Manifold:
         last = np.inf
         for _ in range(ITERATIONS):
             D, _, Jg, _, g, W = self.numbers(t, y)
-            if not len(g):
-                last = 0.0
-                break
             move = W @ (D * np.linalg.lstsq(Jg * D, -g, rcond=None)[0])
             size = float(np.max(np.abs(move)) / max(np.max(np.abs(y[:n])), 1e-300))
             if not size < last / 2:  # rounding: no further digit is gained
@@ -103,8 +95,7 @@ class Manifold:
         """Speeds that may be changed: first those of no field, then all."""
         soft = {s.name for s in self.program.fields}
         rigid = np.array([s.name not in soft for s in self.program.speeds])
-        everything = np.ones(len(rigid), dtype=bool)
-        return [rigid, everything] if not rigid.all() else [everything]
+        return [rigid, np.ones(len(rigid), dtype=bool)]
 
     def _close_gaps(self, t: float, y: np.ndarray, fixed: list[bool]) -> np.ndarray:
         if self._gap(t, y) == 0.0:
@@ -191,11 +182,9 @@ class Manifold:
 
 
 def _null_space(A: np.ndarray) -> np.ndarray:
-    if not A.size:
-        return np.eye(A.shape[1])
-    _, values, Vt = np.linalg.svd(A)
-    rank = int(np.sum(values > 1e-10 * values[0])) if values[0] > 0 else 0
-    return np.asarray(Vt[rank:].T)
+    from scipy.linalg import null_space
+
+    return np.asarray(null_space(A, rcond=1e-10)) if A.size else np.eye(A.shape[1])
 
 
 def integrate(

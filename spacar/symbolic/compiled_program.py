@@ -1,7 +1,9 @@
 """A generated C file, compiled with the system compiler: right-hand sides at 30 to 50 times the speed of Python.
 
-The right-hand side is called as a function of an extension module where the headers of Python are installed, and by
-ctypes, at several times the price of a call, where they are not; everything else by ctypes.
+The right-hand side is called as a function of an extension module where the headers of Python and NumPy are installed,
+as ctypes converts every argument again and costs ten times the arithmetic of a small system; everything else by ctypes.
+The function takes any y, without a copy when it is a contiguous array of doubles, and returns a new array, or the
+number of the pivot (int) that stopped the solution. c, p and u stay at the addresses that `bind` is given.
 """
 
 import ctypes
@@ -11,6 +13,7 @@ import os
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -20,10 +23,81 @@ import numpy as np
 
 from spacar.errors import AnalysisError, UsageError
 from spacar.native import store
-from spacar.symbolic.emit import emit, python_call
+from spacar.symbolic.emit import emit
+from spacar.symbolic.emit.routines import sizes
 from spacar.symbolic.ordered import OrderedProgram
 from spacar.symbolic.program_jacobian import jacobian_of
-from spacar.symbolic.simulated_motion import check_feeds, check_values
+from spacar.symbolic.simulated_motion import check_values
+
+MODULE = "spacar_equations"
+
+SOURCE = """
+enum { STATES = NY };
+#undef NP  /* headers may use such short names */
+#undef NC
+#undef NQ
+#undef N
+#undef NY
+#undef NU
+#undef NOUT
+#undef NM
+#undef NG
+#define PY_SSIZE_T_CLEAN
+#define NPY_NO_DEPRECATED_API NPY_1_7_API_VERSION
+#include <Python.h>
+#include <numpy/arrayobject.h>
+
+static double *bound_c, *bound_p, *bound_u;
+
+static PyObject *bind(PyObject *self, PyObject *args)
+{
+    Py_ssize_t c, p, u;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "nnn", &c, &p, &u)) return NULL;
+    bound_c = (double *)c;
+    bound_p = (double *)p;
+    bound_u = (double *)u;
+    Py_RETURN_NONE;
+}
+
+static PyObject *call(PyObject *self, PyObject *const *args, Py_ssize_t count)
+{
+    (void)self;
+    if (count != 2) return PyErr_Format(PyExc_TypeError, "expected t and y, got %zd arguments", count);
+    double t = PyFloat_AsDouble(args[0]);
+    if (t == -1.0 && PyErr_Occurred()) return NULL;
+    PyArrayObject *y = (PyArrayObject *)PyArray_FROM_OTF(args[1], NPY_DOUBLE, NPY_ARRAY_IN_ARRAY);
+    if (!y) return NULL;
+    if (PyArray_SIZE(y) != STATES) {
+        Py_ssize_t given = PyArray_SIZE(y);
+        PyErr_Format(PyExc_ValueError, "y has %zd numbers, the system has %d states", given, STATES);
+        Py_DECREF(y);
+        return NULL;
+    }
+    npy_intp size = STATES;
+    PyObject *ydot = PyArray_SimpleNew(1, &size, NPY_DOUBLE);
+    int bad = ydot ? rhs(t, bound_c, bound_p, PyArray_DATA(y), bound_u, PyArray_DATA((PyArrayObject *)ydot)) : 0;
+    Py_DECREF(y);
+    if (!bad) return ydot;
+    Py_DECREF(ydot);
+    return PyLong_FromLong(bad);
+}
+
+static PyMethodDef methods[] = {
+    {"rhs", (PyCFunction)(void (*)(void))call, METH_FASTCALL, "rhs(t, y) -> ydot"},
+    {"bind", bind, METH_VARARGS, "bind(c, p, u): addresses"},
+    {NULL, NULL, 0, NULL}
+};
+static struct PyModuleDef module = {
+    PyModuleDef_HEAD_INIT, "spacar_equations", NULL, -1, methods, NULL, NULL, NULL, NULL
+};
+
+PyMODINIT_FUNC PyInit_spacar_equations(void)
+{
+    import_array();
+    return PyModule_Create(&module);
+}
+"""
 
 
 def compiler() -> list[str] | None:
@@ -49,17 +123,11 @@ class CompiledFunction:
         self, program: OrderedProgram, values: Mapping[str, float],
         feeds: Mapping[str, Callable[..., float]] | None = None,
     ) -> None:  # fmt: skip
-        numbers = check_values(program, values)
-        check_feeds(program, feeds)
+        numbers = check_values(program, values, feeds)
         self.program = program
-        self.library, module = _build(emit(program, "c", jacobian=True, headed=False), program.m > 0)
-        n, size = program.n, len(program.state)
-        lengths = {
-            "p": len(program.parameters), "c": len(jacobian_of(program).once), "y": size, "u": len(program.inputs),
-            "ydot": size, "J": size * size, "M": n * n, "f": n, "out": len(program.outputs),
-            "Jc": program.m * n, "h": program.m, "turn": len(program.coordinates) * n,
-            "res": len(program.constraints.residual) if program.constraints else 0,
-        }  # fmt: skip
+        self.library, module = _build(emit(program, "c", jacobian=True, headed=False))
+        lengths = sizes(program, jacobian_of(program).once)
+        lengths |= {"ydot": lengths["y"], "jac": lengths["y"] ** 2}
         # one buffer for every argument: addresses are taken once, a call costs little more than the arithmetic
         self._buffer = {name: np.zeros(max(length, 1)) for name, length in lengths.items()}
         self._at = {name: ctypes.c_void_p(array.ctypes.data) for name, array in self._buffer.items()}
@@ -119,9 +187,9 @@ class CompiledFunction:
     def jac(self, t: float, y: Any) -> np.ndarray:
         """∂ẏ/∂y at (t, y)."""
         self._at_state(t, y)
-        self._report(self._call("jac", "c", "p", "y", "u", "J", time=t))
+        self._report(self._call("jac", "c", "p", "y", "u", "jac", time=t))
         size = len(self.program.state)
-        return self._buffer["J"].reshape(size, size).copy()
+        return self._buffer["jac"].reshape(size, size).copy()
 
     def inputs(self, t: float, y: Any) -> tuple[float, ...]:
         """The inputs at (t, y)."""
@@ -140,7 +208,7 @@ class CompiledFunction:
         n = self.program.n
         self._buffer["y"][:] = y
         self._buffer["u"][: len(self.program.inputs)] = u
-        self._call("accel", "p", "y", "u", "M", "f", *(("Jc", "h") if self.program.m else ()))
+        self._call("accel", "p", "y", "u", "M", "f", *(("J", "h") if self.program.m else ()))
         M = self._buffer["M"].reshape(n, n)
         return tuple(M[np.triu_indices(n)].tolist()), tuple(self._buffer["f"].tolist())
 
@@ -151,9 +219,9 @@ class CompiledFunction:
             raise UsageError("the program has no constraints", "constraint")
         n, m = self.program.n, self.program.m
         self.inputs(t, y)
-        self._call("eom_step", "c", "p", "y", "u", "M", "f", "Jc", "h")
+        self._call("eom_step", "c", "p", "y", "u", "M", "f", "J", "h")
         self._call("eom_manifold", "c", "p", "y", "u", "res", "turn")
-        M, J, res, turn = (self._buffer[name].copy() for name in ("M", "Jc", "res", "turn"))
+        M, J, res, turn = (self._buffer[name].copy() for name in ("M", "J", "res", "turn"))
         return M.reshape(n, n), J.reshape(m, n), res[:m], res[m : m + len(c.position)], turn.reshape(-1, n)
 
     def _report(self, bad: int) -> None:
@@ -163,16 +231,16 @@ class CompiledFunction:
             raise ArithmeticError(f"mass matrix is not positive definite at {self.program.speeds[bad - 1].name}")
 
 
-def _build(text: str, tied: bool) -> tuple[Any, Any]:
+def _build(text: str) -> tuple[Any, Any]:
     """The library, and the same file as a module when the headers of Python are there, else None."""
     cc = compiler()
     if cc is None:
         raise AnalysisError("no C compiler was found (cc, gcc or $CC): run without --compiled", "compiler")
-    options = python_call.compiler_options()
+    options = compiler_options()
     with tempfile.TemporaryDirectory(prefix="spacar-symbolic-") as folder:  # a loaded library stays mapped
         library = None
         if options is not None:
-            library = _compile(cc, Path(folder) / "module", text + python_call.SOURCE, options)
+            library = _compile(cc, Path(folder) / "module", text + SOURCE, options)
         direct = library is not None
         if library is None:
             library = _compile(cc, Path(folder) / "plain", text, [])
@@ -180,7 +248,10 @@ def _build(text: str, tied: bool) -> tuple[Any, Any]:
         tried = subprocess.run([sys.executable, "-I", "-c", store.TRY, str(library)], capture_output=True, check=False)
         if tried.returncode:  # a broken library would end this process
             raise AnalysisError(f"{cc[0]} wrote a library that cannot be loaded: run without --compiled", "compiler")
-        return _declared(ctypes.CDLL(str(library)), tied), _module(library) if direct else None
+        loaded = ctypes.CDLL(str(library))
+        for timed in (loaded.rhs, loaded.jac, loaded.outputs, loaded.eom_feed):
+            timed.argtypes = [ctypes.c_double]  # addresses follow
+        return loaded, _module(library) if direct else None
 
 
 def _compile(cc: list[str], stem: Path, text: str, options: list[str]) -> Path | None:
@@ -199,23 +270,18 @@ def _compile(cc: list[str], stem: Path, text: str, options: list[str]) -> Path |
 
 
 def _module(library: Path) -> Any:
-    loader = importlib.machinery.ExtensionFileLoader(python_call.MODULE, str(library))
-    spec = importlib.util.spec_from_loader(python_call.MODULE, loader)
+    loader = importlib.machinery.ExtensionFileLoader(MODULE, str(library))
+    spec = importlib.util.spec_from_loader(MODULE, loader)
     assert spec is not None
     module = importlib.util.module_from_spec(spec)
     loader.exec_module(module)
     return module
 
 
-def _declared(library: Any, tied: bool) -> Any:
-    """With the types of arguments and results."""
-    real, address = ctypes.c_double, ctypes.c_void_p
-    library.rhs_many.argtypes = [ctypes.c_int, *[address] * 6]
-    solving = ("rhs", "jac", "outputs")
-    arrays = {"eom_once": 2, "accel": 7 if tied else 5, "eom_step": 8 if tied else 6}
-    arrays |= {"eom_manifold": 6} if tied else {}
-    for name, number in (arrays | dict.fromkeys(solving, 5) | {"eom_feed": 4}).items():
-        timed = name in solving or name == "eom_feed"
-        getattr(library, name).argtypes = [real] * timed + [address] * number
-        getattr(library, name).restype = ctypes.c_int if name in solving else None
-    return library
+def compiler_options() -> list[str] | None:
+    """Where the headers are, and what a module needs to be linked; None when there are no headers of Python."""
+    python, numpy = sysconfig.get_paths()["include"], np.get_include()
+    if not (Path(python) / "Python.h").is_file() or not (Path(numpy) / "numpy" / "arrayobject.h").is_file():
+        return None
+    undefined = ["-undefined", "dynamic_lookup"] if sys.platform == "darwin" else []
+    return [f"-I{python}", f"-I{numpy}", *undefined]

@@ -20,8 +20,8 @@ from sympy.core.function import AppliedUndef
 
 from spacar.errors import UsageError
 from spacar.symbolic.collect import split_linear
-from spacar.symbolic.derivatives import rate
 from spacar.symbolic.description import Description
+from spacar.symbolic.reference_frames import rate
 from spacar.symbolic.transform import transform
 from spacar.symbolic.unit_vectors import TIME
 

@@ -1,4 +1,4 @@
-"""Check of derived equations that needs no second derivation: energy, constraints and a definite mass matrix.
+"""Energies of a system, the power of its loads, and a check of derived equations that needs no second derivation.
 
 At a random state, with random positive parameters and many digits, along the motion y' = (q̇, ṡ):
 
@@ -18,14 +18,74 @@ import numpy as np
 import sympy as sp
 
 from spacar.errors import AnalysisError, UsageError
+from spacar.symbolic.beam_shapes import X, integral
 from spacar.symbolic.collect import definition_order
 from spacar.symbolic.derivation import DerivedEquations
-from spacar.symbolic.energy import kinetic_energy, potential_energy, power
+from spacar.symbolic.description import Description
+from spacar.symbolic.held import damping_force
 from spacar.symbolic.ordered import plain_symbols
+from spacar.symbolic.reference_frames import omega
+from spacar.symbolic.system_parts import GeometricPoint
 from spacar.symbolic.unit_vectors import TIME
+from spacar.symbolic.vectors import Vector, dot
 
 LARGEST = 1e-12
 """30 digits leave 1e-28 in equations that are right; a wrong term is of order one."""
+
+
+def kinetic_energy(eq: DerivedEquations) -> sp.Expr:
+    """½ sᵀ I s [J]. UsageError when velocities contain parts without speeds (prescribed motion)."""
+    at_rest = dict.fromkeys(eq.system.speeds, sp.S.Zero)
+    points = [b.point.velocity for b in eq.system.bodies] + [b.root.velocity for b in eq.system.beams]
+    frames = [b.frame for b in eq.system.bodies if b.frame] + [b.frame for b in eq.system.beams]
+    still = at_rest | {p.speed: sp.S.Zero for p in eq.system.pseudo}
+    for v in [*points, *(omega(eq.system.N, f) for f in frames)]:
+        if v.xreplace(still):
+            raise UsageError("kinetic energy from the mass matrix needs velocities that are linear in the speeds")
+    s = sp.Matrix(eq.speeds)
+    return (s.T * eq.mass_matrix * s)[0] / 2
+
+
+def potential_energy(eq: DerivedEquations) -> sp.Expr:
+    """Gravity, strain energy of the fields and springs [J]; zero at the origin, with unstrained fields."""
+    system = eq.system
+    total = sp.Add(*(spring.energy() for spring in system.springs))
+    for body in system.bodies:
+        total -= body.mass * dot(system.gravity, position(system, body.point))
+    for beam in system.beams:
+        place = beam.offset.xreplace(beam.shape(X))
+        offset: Vector = place.map(lambda c, beam=beam: integral(c * beam.mass, X, beam.length))
+        weight = dot(system.gravity, position(system, beam.root)) * beam.total_mass
+        total -= weight + dot(system.gravity, offset)
+        total += sp.Add(*(f.strain_energy(beam.length) for f in beam.fields))
+    return eq.scalar(total)
+
+
+def position(system: Description, point: GeometricPoint) -> Vector:
+    """Position from the origin. UsageError for a point of which only the velocity is known, under gravity."""
+    if system.gravity and (lost := point.adrift):
+        raise UsageError(f"point {lost.name} has no position: potential energy is unknown")
+    return point.position
+
+
+def power(eq: DerivedEquations) -> sp.Expr:
+    """Power [W] of forces, torques, spring dampers and field damping (inputs as symbols)."""
+    system = eq.system
+    total = sp.Add(*(-s.damping * s.lengthening**2 for s in system.springs))
+    for load in system.loads:
+        if load.point is not None:
+            total += dot(load.vector, load.point.velocity)
+        for frame, sign in load.turned:
+            total += sign * dot(load.vector, omega(system.N, frame))
+    for spread in system.distributed_loads:  # ∫ f·v dx
+        beam = spread.beam
+        along = system.ddt(system.N, beam.offset).xreplace(beam.assumed(system.accelerations))
+        total += integral(dot(spread.vector, beam.root.velocity + along), X, beam.length)
+    for beam in system.beams:
+        for f in beam.fields:
+            for s, psi in zip(f.speeds, f.shapes, strict=True):
+                total -= s * damping_force(beam, f, psi)
+    return eq.scalar(total)
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,9 @@ import sympy as sp
 
 from spacar.errors import UsageError
 from spacar.symbolic.beam_shapes import X
-from spacar.symbolic.derivatives import dvdt
 from spacar.symbolic.fields import Pseudo
 from spacar.symbolic.model_names import ModelNames
-from spacar.symbolic.reference_frames import Attitude, ReferenceFrame, omega, set_omega
+from spacar.symbolic.reference_frames import Attitude, ReferenceFrame, dvdt, omega, set_omega
 from spacar.symbolic.scalar_reader import read_expression, read_number
 from spacar.symbolic.system_parts import (
     Beam,
@@ -89,7 +88,7 @@ class Description:
 
     def vector(self, components: Sequence[Any], frame: ReferenceFrame) -> Vector:
         """A vector from three measure numbers in a frame."""
-        if isinstance(components, str) or not hasattr(components, "__len__") or len(components) != 3:
+        if not _is_list(components) or len(components) != 3:
             raise UsageError(f"a vector needs a list of 3 measure numbers, not {components!r}")
         return sum((self.expression(c) * frame[i] for i, c in enumerate(components, 1)), ZERO)
 
@@ -182,9 +181,9 @@ class Description:
         numbers = [int(a) for a in axes.lower().translate(str.maketrans("xyz", "123")) if a in "123"]
         if not numbers or len(numbers) != len(axes) or any(a == b for a, b in pairwise(numbers)):
             raise UsageError(f"frame {name}: axis must be 1, 2, 3 or a sequence such as '321' or 'zyx', not {axes!r}")
-        if len(numbers) == 1 and (isinstance(angles, str) or not hasattr(angles, "__len__")):
+        if len(numbers) == 1 and not _is_list(angles):
             return self.frame(name, base, numbers[0], angles, symbol)
-        if isinstance(angles, str) or not hasattr(angles, "__len__") or len(angles) != len(numbers):
+        if not _is_list(angles) or len(angles) != len(numbers):
             raise UsageError(f"frame {name}: the sequence {axes} needs a list of {len(numbers)} angles, not {angles!r}")
         for k, (number, angle) in enumerate(zip(numbers, angles, strict=True), 1):
             last = k == len(numbers)
@@ -252,16 +251,15 @@ class Description:
         """
         frame = frame_at(frame)
         if not isinstance(inertia, Dyad):
-            if inertia is not None and (isinstance(inertia, str) or not hasattr(inertia, "__len__")):
+            if inertia is not None and not _is_list(inertia):
                 raise UsageError(f"body {name}: inertia must be a dyad or 3 or 6 numbers, not {inertia!r}", "inertia")
             numbers = [self.expression(value) for value in (() if inertia is None else inertia)]
             if len(numbers) not in (0, 3, 6):
                 raise UsageError(f"body {name}: inertia needs 3 or 6 numbers, not {len(numbers)}", "inertia")
             dyad = Dyad()
             for (i, j), value in zip(_INERTIA, numbers, strict=False):
-                dyad += (frame[i] | frame[j]) * value
-                if i != j:
-                    dyad += (frame[j] | frame[i]) * value
+                for p, q in sorted({(i, j), (j, i)}):
+                    dyad += (frame[p] | frame[q]) * value
             inertia = dyad
         return self._add_body(RigidBody(name, at, self.expression(mass), frame, inertia))
 
@@ -357,6 +355,10 @@ class Description:
 
     def all_loads(self) -> list[Load]:
         return [*self.loads, *(load for spring in self.springs for load in spring.loads())]
+
+
+def _is_list(value: Any) -> bool:
+    return hasattr(value, "__len__") and not isinstance(value, str)
 
 
 def _parameter(name: str) -> sp.Symbol:

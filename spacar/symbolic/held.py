@@ -15,6 +15,7 @@ import sympy as sp
 
 from spacar.symbolic.beam_shapes import X, integral
 from spacar.symbolic.collect import (
+    LinearSplit,
     ZTable,
     gather_dots,
     gather_scalars,
@@ -24,12 +25,10 @@ from spacar.symbolic.collect import (
     split_linear,
 )
 from spacar.symbolic.derivation import Derivation
-from spacar.symbolic.derivatives import partial_velocity
 from spacar.symbolic.description import Description
 from spacar.symbolic.fields import Field
 from spacar.symbolic.moments import Form, Integrals, collected
-from spacar.symbolic.reference_frames import omega
-from spacar.symbolic.splitting import LinearSplit
+from spacar.symbolic.reference_frames import omega, partial_velocity
 from spacar.symbolic.system_parts import Beam, DistributedLoad, RigidBody
 from spacar.symbolic.transform import DirectionCosines, transform
 from spacar.symbolic.unit_vectors import TIME, Key
@@ -138,17 +137,13 @@ class HeldDerivation:
 
     def distributed(self, load: DistributedLoad) -> Wrench:
         """∫ f dx and ∫ r × f dx of a load about the root of its beam."""
-        beam, plain = load.beam, self.lengths(load.beam)
+        beam, plain = load.beam, Integrals(self.read, load.beam, sp.S.One)
         place = self.split(beam, beam.offset)
         force = sum((v * plain.integral({sp.S.One: g}) for v, g in load.parts), ZERO)
         torque = sum(
             (cross(p.vector, v) * plain.integral(p.form, {sp.S.One: g}) for p in place for v, g in load.parts), ZERO
         )
         return Wrench(beam.root.velocity, force, omega(self.system.N, beam.frame), torque)
-
-    def lengths(self, beam: Beam) -> Integrals:
-        """The integrals along a beam without its mass."""
-        return Integrals(self.read, beam, sp.S.One)
 
     def integrals(self, beam: Beam) -> Integrals:
         """The integrals along a beam, memory reads when recurrence is on."""
@@ -181,7 +176,7 @@ class HeldDerivation:
         """d/dt of the polar momentum ρ_p (w·b1 + θ_t) b1 of a section."""
         if beam.polar == 0:
             return ZERO
-        twist, b1 = beam.kind("twist"), beam.frame[1]
+        twist, b1 = next((f for f in beam.fields if f.kind == "twist"), None), beam.frame[1]
         spin = dot(omega(self.system.N, beam.frame), b1) + (twist.function.diff(TIME) if twist else 0)
         rate = self.system.ddt(self.system.N, b1 * (beam.polar * spin))
         return rate.xreplace(beam.assumed(self.system.accelerations))
@@ -231,7 +226,7 @@ class HeldDerivation:
                 for load in self.system.distributed_loads:
                     if load.beam is beam:
                         parts += [
-                            dot(e, v) * self.lengths(beam).integral(form, {sp.S.One: g})
+                            dot(e, v) * Integrals(self.read, beam, sp.S.One).integral(form, {sp.S.One: g})
                             for e, form in move for v, g in load.parts
                         ]  # fmt: skip
                 parts.append(
@@ -272,16 +267,13 @@ def derive_unevaluated(system: Description, recurrence: bool = True) -> Derivati
         E0[i] = finish(rest)
         for j in range(i, n):
             I[i, j] = I[j, i] = finish(-coefficients[j])
-    boundary = {p.speed: p for p in system.pseudo}
-    complete = {s: held[s] + _boundary_terms(system, held, s) for s in system.speeds} | {s: held[s] for s in boundary}
+    complete = dict(held)
+    for p in system.pseudo:  # the boundary terms of (B)
+        for q, g in p.gradient.items():
+            complete[system.field_speeds[q]] += held[p.speed] * g
     T, t = _pseudo_relations(system, finish)
     mass = (T.T * I * T).applyfunc(sp.expand) if not recurrence else T.T * I * T
     return Derivation(mass, T.T * (E0 - I * t), steps.table, cosines, steps.values, complete)
-
-
-def _boundary_terms(system: Description, held: dict[sp.Expr, sp.Expr], speed: sp.Expr) -> sp.Expr:
-    of = [q for q, s in system.field_speeds.items() if s == speed]
-    return sp.Add(*(held[p.speed] * p.gradient[q] for p in system.pseudo for q in of if q in p.gradient))
 
 
 def _finisher(system: Description, steps: HeldDerivation, cosines: DirectionCosines) -> Callable[[sp.Expr], sp.Expr]:

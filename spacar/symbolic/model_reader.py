@@ -1,9 +1,10 @@
 """Model files: TOML text (or a small Python script) to a `MultibodySystem` with parameter values, start and settings.
 
 Errors name the file, the table, the key, and what was expected; expressions by `Description.expression`.
-The format: `symbolic.md`, section 7; the keys: `model_tables.py`.
+The format: `symbolic.md`, section 7; the keys: `model_file.py`.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,7 @@ import sympy as sp
 from spacar.errors import UsageError
 from spacar.symbolic.beam_shapes import FAMILIES, X
 from spacar.symbolic.constraints import check_constraints
-from spacar.symbolic.model_file import ModelFile, label_of
-from spacar.symbolic.model_tables import KINDS, REFERENCES, TABLES
+from spacar.symbolic.model_file import KINDS, REFERENCES, TABLES, ModelFile, label_of
 from spacar.symbolic.name_rules import is_name, is_output
 from spacar.symbolic.reference_frames import ReferenceFrame
 from spacar.symbolic.script import SymbolicModel, read_script
@@ -48,9 +48,8 @@ class _TomlReader(ModelFile):
         super().__init__(path, data)
         self.guess: dict[str, float] = {}
         self.symbols: dict[str, sp.Symbol] = {}
-        self.beam_start: dict[str, float] = {}
+        self.start: dict[str, float] = {}
         self.turning: dict[str, list[list[Any]]] = {}
-        self.scalars: dict[str, sp.Expr] = {}
         self.frames: dict[str, FrameOrSection] = {}
         self.points: dict[str, GeometricPoint] = {}
 
@@ -60,15 +59,14 @@ class _TomlReader(ModelFile):
         system_table = self.single(tables, "system")
         system = self.system = MultibodySystem(title=system_table.get("title", self.path.stem))
         system.parameters_declared = self.symbols
-        start = self._coordinates(self.table(tables, "coordinates"))
+        self._coordinates(self.table(tables, "coordinates"))
         self.place = "[system] gravity"
         system.gravity = self._vector(system_table.get("gravity", [0, 0, 0]), system.N)
-        start |= self._speeds(self.rows(tables, "speed"))
-        start |= self._quaternions(self.rows(tables, "attitude"))
+        self._speeds(self.rows(tables, "speed"))
+        self._quaternions(self.rows(tables, "attitude"))
         self._kinematics(self.rows(tables, "kinematic"))
         self.frames["N"], self.points["O"] = system.N, system.O
         self._resolve(tables)
-        start |= self.beam_start
         for table, make in (("body", self._body), ("force", self._force), ("distributed", self._distributed),
                             ("torque", self._torque), ("spring", self._spring), ("constraint", self._constraint),
                             ("close", self._close)):  # fmt: skip
@@ -78,7 +76,7 @@ class _TomlReader(ModelFile):
         settings = self.single(tables, "simulate") | ({"guess": self.guess} if self.guess else {})
         outputs = self._outputs(self.table(tables, "outputs"))
         declared = frozenset(tables.get("parameters", {}))
-        return SymbolicModel(self.path, system, values, start, settings, outputs, declared, self.sha256)
+        return SymbolicModel(self.path, system, values, self.start, settings, outputs, declared, self.sha256)
 
     def expression(self, value: Any, extra: dict[str, sp.Expr] | None = None, outputs: bool = False) -> sp.Expr:
         if isinstance(value, bool) or not isinstance(value, (str, int, float)):
@@ -111,42 +109,36 @@ class _TomlReader(ModelFile):
             values[name] = float(value)
         return values
 
-    def _coordinates(self, table: dict[str, Any]) -> dict[str, float]:
-        start: dict[str, float] = {}
+    def _coordinates(self, table: dict[str, Any]) -> None:
         for name, row in table.items():
             self.place = f"[coordinates] {name}"
             if not isinstance(row, dict):
                 self.fail(f'must be a table such as {{ speed = "s", start = 0.0 }}, not {row!r}')
             self.checked(row, TABLES["coordinate"])
             self.claim(name)
-            self.scalars[name] = self.system.coordinate(name)
-            for key, what in (("start", start), ("guess", self.guess)):
-                if key in row:
-                    what[name] = float(row[key])
-            if "speed" in row:
-                self.claim(row["speed"])
-                speed = self.scalars[row["speed"]] = self.system.speed(row["speed"])
-                self.system.kinematic(self.scalars[name], speed)
-                if "speed_start" in row:
-                    start[row["speed"]] = float(row["speed_start"])
-        return start
+            q, speed = self.system.coordinate(name), row.get("speed")
+            if speed is not None:
+                self.claim(speed)
+                self.system.kinematic(q, self.system.speed(speed))
+            for key, what, state in (
+                ("start", self.start, name), ("guess", self.guess, name), ("speed_start", self.start, speed),
+            ):  # fmt: skip
+                if key in row and state is not None:
+                    what[state] = float(row[key])
 
-    def _speeds(self, rows: list[dict[str, Any]]) -> dict[str, float]:
-        start = {}
+    def _speeds(self, rows: list[dict[str, Any]]) -> None:
         for row in rows:
             self.place = f"[[speed]] {row['name']}"
             self.claim(row["name"])
-            self.scalars[row["name"]] = self.system.speed(row["name"])
+            self.system.speed(row["name"])
             if "start" in row:
-                start[row["name"]] = float(row["start"])
-        return start
+                self.start[row["name"]] = float(row["start"])
 
-    def _quaternions(self, rows: list[dict[str, Any]]) -> dict[str, float]:
+    def _quaternions(self, rows: list[dict[str, Any]]) -> None:
         """Coordinates and speeds of attitudes; their frames are made when their parents are known."""
-        start: dict[str, float] = {}
         for number, row in enumerate(rows, 1):
             self.place = label_of("attitude", row, number)
-            made = []
+            made = self.turning[row["name"]] = []
             for key, indices, values, make in (
                 ("quaternion", (0, 1, 2, 3), "start", self.system.coordinate),
                 ("speed", (1, 2, 3), "speed_start", self.system.speed),
@@ -155,28 +147,25 @@ class _TomlReader(ModelFile):
                 for name in names:
                     self.claim(name)
                 made.append([make(name) for name in names])
-                start |= dict(zip(names, self.numbers(row, values, len(names)), strict=False))
-            self.turning[row["name"]] = made
-        return start
+                self.start |= dict(zip(names, self.numbers(row, values, len(names)), strict=False))
 
     def _attitude(self, row: dict[str, Any]) -> None:
-        quaternion, speeds = self.turning[row["name"]]
-        parent = self.frame_of(row, "parent")
-        made = self.system.attitude(row["name"], parent, quaternion, speeds, row.get("symbol"))
-        self.frames[row["name"]] = made
+        name, (quaternion, speeds) = row["name"], self.turning[row["name"]]
+        parent, symbol = self.frame_of(row, "parent"), row.get("symbol")
+        self.frames[name] = self.system.attitude(name, parent, quaternion, speeds, symbol)
 
     def _kinematics(self, rows: list[dict[str, Any]]) -> None:
+        turning = {q for quaternion, _ in self.turning.values() for q in quaternion}
+        known = {str(q.func): q for q in self.system.coordinates if q not in turning}
         for number, row in enumerate(rows, 1):
             self.place = f"[[kinematic]] {number} coordinate"
-            q = self.scalars.get(row["coordinate"])
-            if q not in self.system.coordinates:
+            if row["coordinate"] not in known:
                 self.fail(f"'{row['coordinate']}' is not a coordinate")
             self.place = f"[[kinematic]] {number} rate"
-            self.system.kinematic(q, self.expression(row["rate"]))
-        turning = {q for quaternion, _ in self.turning.values() for q in quaternion}
-        for q in self.system.coordinates:
-            if q not in turning and q.diff(TIME) not in self.system.rates:
-                self.place = f"[coordinates] {q.func}"
+            self.system.kinematic(known[row["coordinate"]], self.expression(row["rate"]))
+        for name, q in known.items():
+            if q.diff(TIME) not in self.system.rates:
+                self.place = f"[coordinates] {name}"
                 self.fail("the coordinate needs a speed, or a [[kinematic]] table")
 
     # -- frames, points, beams ---------------------------------------------------------------------------------
@@ -204,25 +193,24 @@ class _TomlReader(ModelFile):
                 self.fail(f"refers to {self._missing(table, n, row)}, which depends on it in a cycle")
 
     def _missing(self, table: str, n: int, row: dict[str, Any]) -> list[str]:
-        """The references of a row to what has not been made."""
-        homes = {key: self.points if key in ("base", "root") else self.frames for key in REFERENCES[table]}
-        return [row[key] for key, home in homes.items() if row.get(key) is not None and row[key] not in home]
+        homes = [(row[key], self.points if key in ("base", "root") else self.frames)
+                 for key in REFERENCES[table] if key in row]  # fmt: skip
+        return [name for name, home in homes if name not in home]
 
-    def frame_of(self, row: dict[str, Any], key: str, default: ReferenceFrame | None = None) -> Any:
-        name = row.get(key)
-        if name is None and default is not None:
-            return default
-        if name not in self.frames:
-            self.fail(f"{key} refers to ['{name}'], which is not defined")
-        return self.frames[name]
+    def _named(self, home: Mapping[str, Any], row: dict[str, Any], key: str) -> Any:
+        if row.get(key) not in home:
+            self.fail(f"{key} refers to ['{row.get(key)}'], which is not defined")
+        return home[row[key]]
+
+    def frame_of(self, row: dict[str, Any], key: str) -> Any:
+        return self._named(self.frames, row, key)
 
     def point_of(self, row: dict[str, Any], key: str) -> GeometricPoint:
-        if row[key] not in self.points:
-            self.fail(f"{key} refers to ['{row[key]}'], which is not defined")
-        return self.points[row[key]]
+        found: GeometricPoint = self._named(self.points, row, key)
+        return found
 
     def components_in(self, row: dict[str, Any]) -> ReferenceFrame:
-        return frame_at(self.frame_of(row, "in", self.system.N))
+        return frame_at(self.frame_of(row, "in")) if "in" in row else self.system.N
 
     def _frame(self, row: dict[str, Any]) -> None:
         parent = self.frame_of(row, "parent")
@@ -261,7 +249,7 @@ class _TomlReader(ModelFile):
         beam = self.system.beam(row["name"], self.frame_of(row, "frame"), self.point_of(row, "root"), **options)
         for key, states in (("start", beam.coordinates), ("speed_start", beam.speeds)):
             numbers = self.numbers(row, key, len(states))
-            self.beam_start |= {str(s.func): v for s, v in zip(states, numbers, strict=False)}
+            self.start |= {str(s.func): v for s, v in zip(states, numbers, strict=False)}
         tip = f"{row['name']}.tip"
         self.frames[tip] = self.points[tip] = beam.tip
 
@@ -310,9 +298,7 @@ class _TomlReader(ModelFile):
         self.system.force(point, self._load(row, number, "force"))
 
     def _distributed(self, row: dict[str, Any], number: int) -> None:
-        beam = next((b for b in self.system.beams if b.name == row["beam"]), None)
-        if beam is None:
-            self.fail(f"beam refers to ['{row['beam']}'], which is not defined")
+        beam = self._named({b.name: b for b in self.system.beams}, row, "beam")
         frame = self.components_in(row)
         self.place += " vector"
         self.system.distributed(beam, self._vector(row["vector"], frame, {"x": X}))

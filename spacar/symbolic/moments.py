@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 import sympy as sp
 
 from spacar.symbolic.beam_shapes import X, weighted_integral
-from spacar.symbolic.splitting import common_factors
+from spacar.symbolic.collect import common_factors
 from spacar.symbolic.system_parts import Beam
 
 Form = dict[sp.Expr, sp.Expr]

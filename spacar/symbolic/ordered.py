@@ -36,11 +36,6 @@ class Constrained:
     turning: tuple[sp.Expr, ...]
 
     @property
-    def equations(self) -> list[sp.Expr]:
-        """J and γ."""
-        return [*self.matrix, *self.bias]
-
-    @property
     def residual(self) -> list[sp.Expr]:
         """e and g."""
         return [*self.velocity, *self.position]
@@ -92,13 +87,13 @@ class OrderedProgram:
 
     @property
     def inertia(self) -> sp.Matrix:
-        """I in full."""
         return symmetric(self.mass, self.n)
 
     @property
     def system(self) -> list[sp.Expr]:
         """I (upper triangle), f, J and γ."""
-        return [*self.mass, *self.rhs, *(self.constraints.equations if self.constraints else [])]
+        c = self.constraints
+        return [*self.mass, *self.rhs, *((*c.matrix, *c.bias) if c else ())]
 
     @property
     def outputs_need_accelerations(self) -> bool:
@@ -110,13 +105,17 @@ class OrderedProgram:
     def state(self) -> tuple[sp.Symbol, ...]:
         return self.coordinates + self.speeds
 
+    @property
+    def names(self) -> dict[str, list[str]]:
+        """Of parameters, state, inputs and outputs."""
+        symbols = {"parameters": self.parameters, "state": self.state, "inputs": tuple(self.inputs)}
+        return {what: [s.name for s in group] for what, group in symbols.items()} | {"outputs": list(self.outputs)}
+
     def counts(self) -> dict[str, int]:
         """Operations per step and once per run for I and f (SymPy `count_ops`), outputs not counted."""
         results = self.system
-        return {
-            "step": sum(_ops(e) for _, e in self.order(results)) + sum(_ops(e) for e in results),
-            "once": sum(_ops(e) for _, e in self.once),
-        }
+        groups = {"step": [*(e for _, e in self.order(results)), *results], "once": [e for _, e in self.once]}
+        return {name: sum(int(sp.count_ops(e)) for e in group) for name, group in groups.items()}
 
     def order(self, results: Iterable[sp.Expr]) -> Assignments:
         """The step assignments that some results need, in order."""
@@ -130,19 +129,15 @@ class OrderedProgram:
 
     def evaluate(self, values: dict[str, Any], digits: int = 30) -> dict[str, Any]:
         """I, f, q̇ and outputs with many digits (SymPy numbers); `values` names parameters, states, inputs."""
-        known: dict[sp.Symbol, sp.Expr] = {}
-        for s in [*self.parameters, *self.state, *self.inputs]:
-            if s.name in values:
-                known[s] = sp.Float(values[s.name], digits + 10)
-        for s, expression in self.inputs.items():
-            if s not in known and expression is not None:
-                known[s] = sp.N(expression.xreplace(known), digits + 10)
+        given = [s for s in (*self.parameters, *self.state, *self.inputs) if s.name in values]
+        known: dict[sp.Symbol, sp.Expr] = {s: sp.Float(values[s.name], digits + 10) for s in given}
 
         def number(expression: sp.Expr) -> sp.Expr:
             return sp.N(expression.xreplace(known), digits + 10)
 
-        for s, expression in [*self.once, *self.step]:
-            known[s] = number(expression)
+        for s, expression in [*self.inputs.items(), *self.once, *self.step]:
+            if s not in known and expression is not None:
+                known[s] = number(expression)
         I = symmetric(map(number, self.mass), self.n)
         f = sp.Matrix([number(e) for e in self.rhs])
         if self.outputs_need_accelerations:
@@ -169,10 +164,6 @@ def symmetric(upper: Iterable[sp.Expr], n: int) -> sp.Matrix:
         for j in range(i, n):
             found[i, j] = found[j, i] = next(entries)
     return found
-
-
-def _ops(expression: sp.Expr) -> int:
-    return int(sp.count_ops(expression))
 
 
 def plain_symbols(expressions: Iterable[Any]) -> dict[sp.Basic, sp.Symbol]:

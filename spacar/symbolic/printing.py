@@ -13,7 +13,7 @@ from sympy.core.function import AppliedUndef
 from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
 
-from spacar.symbolic.unit_vectors import TIME, Key, UnevaluatedCross, UnevaluatedDot, Unit, unit_latex
+from spacar.symbolic.unit_vectors import TIME, UnevaluatedCross, UnevaluatedDot, Unit, unit_latex
 
 _CROSS = {"text": " >< ", "unicode": " × ", "latex": r" \times "}
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
@@ -96,29 +96,27 @@ def unit_unicode(u: Unit) -> str:
     return symbol[0] + "\u0302" + (symbol[1:] + str(u.index)).translate(_SUBSCRIPTS)
 
 
-def _key(key: Key, style: str) -> str:
-    units: dict[str, Callable[[Unit], str]] = {"text": str, "unicode": unit_unicode, "latex": unit_latex}
-    unit = units[style]
-    if isinstance(key, UnevaluatedCross):
-        return f"{unit(key.a)}{_CROSS[style]}{unit(key.b)}"
-    return unit(key)
-
-
 def _keys(key: Any, style: str) -> str:
-    if not isinstance(key, tuple):
-        return _key(key, style)
-    return " ".join(f"({_key(k, style)})" if isinstance(k, UnevaluatedCross) else _key(k, style) for k in key)
+    if isinstance(key, tuple):
+        return " ".join(f"({_keys(k, style)})" if isinstance(k, UnevaluatedCross) else _keys(k, style) for k in key)
+    if isinstance(key, UnevaluatedCross):
+        return f"{_keys(key.a, style)}{_CROSS[style]}{_keys(key.b, style)}"
+    units: dict[str, Callable[[Unit], str]] = {"text": str, "unicode": unit_unicode, "latex": unit_latex}
+    return units[style](key)
 
 
-def _combination(value: Any, style: str) -> str:
-    scalar = {"text": text, "unicode": unicode, "latex": latex}[style]
+def _shown(value: Any, style: str) -> str:
+    if not hasattr(value, "terms"):
+        printers: dict[str, Any] = {"text": _Text, "unicode": _Unicode, "latex": _Latex}
+        return str(printers[style]().doprint(value))
     pieces: list[str] = []
     for key, coefficient in value.terms.items():
         name, factor = _keys(key, style), coefficient
         negative = not factor.is_Add and factor.could_extract_minus_sign()
         if negative:
             factor = -factor
-        piece = name if factor == 1 else f"({scalar(factor)}) {name}" if factor.is_Add else f"{scalar(factor)} {name}"
+        scalar = _shown(factor, style)
+        piece = name if factor == 1 else f"({scalar}) {name}" if factor.is_Add else f"{scalar} {name}"
         pieces += ["-" if negative else "+", piece]
     if not pieces:
         return "0"
@@ -132,12 +130,12 @@ def text(value: Any) -> str:
     >>> print(text(dynamicsymbols("s1").diff() + sp.Symbol("x")))
     x + s1_dot
     """
-    return _combination(value, "text") if hasattr(value, "terms") else _Text().doprint(value)
+    return _shown(value, "text")
 
 
 def unicode(value: Any) -> str:
     """Text with hats, dots and subscripts for terminals and notebooks."""
-    return _combination(value, "unicode") if hasattr(value, "terms") else _Unicode().doprint(value)
+    return _shown(value, "unicode")
 
 
 def latex(value: Any) -> str:
@@ -148,4 +146,4 @@ def latex(value: Any) -> str:
     >>> print(latex(N[1] ^ B[2]))
     \\hat{n}_{1} \\times \\hat{b}_{12}
     """
-    return _combination(value, "latex") if hasattr(value, "terms") else _Latex().doprint(value)
+    return _shown(value, "latex")

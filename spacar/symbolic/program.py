@@ -15,8 +15,7 @@ from spacar.symbolic.compiled_program import CompiledFunction
 from spacar.symbolic.derivation import DerivedEquations
 from spacar.symbolic.emit import emit
 from spacar.symbolic.ordered import Constrained, OrderedProgram, plain_symbols
-from spacar.symbolic.program_jacobian import Jacobian, jacobian_of
-from spacar.symbolic.sharing import NameSource, share
+from spacar.symbolic.program_jacobian import Jacobian, NameSource, jacobian_of, share
 from spacar.symbolic.simulated_motion import make_function, simulate
 from spacar.symbolic.transform import DirectionCosines
 from spacar.symbolic.unit_vectors import TIME
@@ -86,7 +85,10 @@ def make_program(eq: DerivedEquations, outputs: dict[str, Any]) -> EquationProgr
     feeds = {s: None if e is None else eq.scalar(e, plain) for s, e in eq.system.inputs.items()}
     accelerations = [eq.system.accelerations.get(s, sp.Symbol(f"{s.func}_dot", real=True)) for s in eq.speeds]
     solved = [*accelerations, *(c.forces if c else ())]
-    _check_laws(feeds, {*eq.system.accelerations.values(), *(c.forces if c else ())})
+    later = {*eq.system.accelerations.values(), *(c.forces if c else ())}
+    for name, law in feeds.items():
+        if law is not None and (found := sorted(map(str, law.free_symbols & later))):
+            raise UsageError(f"the law of input {name} reads {found[0]}, which is only known after it", "input")
     known = [*eq.coordinates, *eq.speeds, *solved, *feeds]
     rule = plain_symbols(
         [*definitions, *definitions.values(), *flat, *(e for e in feeds.values() if e is not None), *known]
@@ -125,13 +127,6 @@ def make_program(eq: DerivedEquations, outputs: dict[str, Any]) -> EquationProgr
         positive=_signs(eq, parameters),
         quaternions=tuple(tuple(map(eq.coordinates.index, e)) for e in eq.system.quaternions), seconds=eq.seconds,
     )  # fmt: skip
-
-
-def _check_laws(feeds: dict[sp.Symbol, sp.Expr | None], forbidden: set[sp.Symbol]) -> None:
-    for name, law in feeds.items():
-        found = sorted(str(s) for s in law.free_symbols & forbidden) if law is not None else []
-        if found:
-            raise UsageError(f"the law of input {name} reads {found[0]}, which is only known after it", "input")
 
 
 def _signs(eq: DerivedEquations, parameters: list[sp.Symbol]) -> tuple[tuple[str, sp.Symbol, bool], ...]:

@@ -1,12 +1,10 @@
 """The recursion of strategy `recursive`: what is known of frames and points, body by body, in Z variables.
 
-For each joint (c, s of its angle), W_r, V_r partial (angular) velocities, w, a0, al0 angular velocity and bias
-accelerations, all turned into the new frame: W_r += ∂rate/∂s_r e, w += rate e, al0 += w × rate e + bias e.
-To a point at r(t):  V_r += W_r × r + ∂ṙ/∂s_r,  a0 += al0 × r + w × (w × r) + 2 w × ṙ + r̈_bias.  Gravity enters once
-as base acceleration −g. Rigid body: I_rk += m V_r·V_k + W_r·(J W_k), f_r −= m V_r·a0 + W_r·(J al0 + w × J w).
-Beams: `recursive_beam.py`. Source: `symbolic.md`, section 4.4.
+W_r, V_r are partial (angular) velocities, w, a0, al0 angular velocity and bias accelerations, all in the frame of the
+body. Gravity enters once as base acceleration −g. Formulas: `symbolic.md`, section 4.4; beams: `recursive_beam.py`.
 """
 
+from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
@@ -14,9 +12,8 @@ from typing import Any, TypeAlias
 import sympy as sp
 
 from spacar.symbolic.collect import ZTable, gather_scalars
-from spacar.symbolic.derivatives import rate
 from spacar.symbolic.description import Description
-from spacar.symbolic.reference_frames import ReferenceFrame, omega
+from spacar.symbolic.reference_frames import ReferenceFrame, omega, rate
 from spacar.symbolic.system_parts import GeometricPoint, Load, RigidBody
 from spacar.symbolic.transform import DirectionCosines, merged_rotation, transform
 from spacar.symbolic.unit_vectors import Unit
@@ -49,13 +46,12 @@ class Sums:
     """Upper triangle of I and f while they are added up."""
 
     speeds: list[sp.Expr]
-    mass: dict[tuple[int, int], list[sp.Expr]] = field(default_factory=dict)
-    force: dict[int, list[sp.Expr]] = field(default_factory=dict)
+    mass: dict[tuple[int, int], list[sp.Expr]] = field(default_factory=lambda: defaultdict(list))
+    force: dict[int, list[sp.Expr]] = field(default_factory=lambda: defaultdict(list))
 
     def add_mass(self, r: sp.Expr, k: sp.Expr, value: sp.Expr) -> None:
         i, j = sorted((self.speeds.index(r), self.speeds.index(k)))
-        if value != 0:
-            self.mass.setdefault((i, j), []).append(value)
+        self.mass[i, j].append(value)
 
     def add_squares(
         self, partials: dict[sp.Expr, Column], momentum: Callable[[Column], Column]
@@ -70,8 +66,7 @@ class Sums:
         return momenta
 
     def add_force(self, r: sp.Expr, value: sp.Expr) -> None:
-        if value != 0:
-            self.force.setdefault(self.speeds.index(r), []).append(value)
+        self.force[self.speeds.index(r)].append(value)
 
 
 class Recursion:
@@ -118,6 +113,14 @@ class Recursion:
                     result[s] = result.get(s, sp.S.Zero) + factor * g
         return result
 
+    def columns(self, vector: Column) -> dict[sp.Expr, Column]:
+        """∂vector/∂(every speed)."""
+        found: dict[sp.Expr, Column] = {}
+        for i, component in enumerate(vector):
+            for s, value in self.partials(component).items():
+                found.setdefault(s, sp.zeros(3, 1))[i] = value
+        return found
+
     def bias(self, expression: sp.Expr) -> sp.Expr:
         """Time derivative of a velocity expression with all accelerations of independent speeds zero."""
         derivative = rate(expression).xreplace(self.system.rates).xreplace(self.slope_rates).xreplace(self.at_rest)
@@ -151,9 +154,8 @@ class Recursion:
         parent = self.frame(base)
         partials = {r: self.reads(R * W) for r, W in parent.partials.items()}
         w0 = self.reads(R * parent.velocity)
-        for i, component in enumerate(relative):
-            for r, value in self.partials(component).items():
-                partials[r] = self.reads(partials.get(r, NOTHING) + value * sp.eye(3)[:, i])
+        for r, column in self.columns(relative).items():
+            partials[r] = self.reads(partials.get(r, NOTHING) + column)
         spin = self.reads(relative)
         al0 = self.reads(R * parent.bias + w0.cross(spin) + relative.applyfunc(self.bias))
         return FrameMotion(partials, self.reads(w0 + spin), al0)
@@ -199,11 +201,8 @@ class Recursion:
         partials = dict(here.partials)
         for s, W in turning.partials.items():
             partials[s] = self.reads(partials.get(s, NOTHING) + W.cross(r))
-        for i, component in enumerate(velocity):
-            for s, value in self.partials(component).items():
-                column = sp.Matrix(partials.get(s, NOTHING))
-                column[i] = self.read(column[i] + value)
-                partials[s] = column
+        for s, column in self.columns(velocity).items():
+            partials[s] = self.reads(partials.get(s, NOTHING) + column)
         w, al0 = turning.velocity, turning.bias
         wr = self.reads(w.cross(r))
         own = velocity.applyfunc(self.bias)
@@ -214,10 +213,7 @@ class Recursion:
     def _given(self, point: GeometricPoint, home: ReferenceFrame) -> PointMotion:
         """A point whose velocity in N was given."""
         v = self.cosines.components(point.velocity, home)
-        partials: dict[sp.Expr, Column] = {}
-        for i, component in enumerate(v):
-            for s, value in self.partials(component).items():
-                partials.setdefault(s, sp.zeros(3, 1))[i] = value
+        partials = self.columns(v)
         gravity = self.cosines.components(self.system.gravity, home)
         w = self.frame(home).velocity
         own = v.applyfunc(self.bias)
@@ -243,18 +239,15 @@ class Recursion:
         if body.frame is None or not body.inertia:
             return
         turning = self.frame(frame)
-        J = self._inertia(body, frame)
-        torque = self.reads(J * turning.bias + turning.velocity.cross(self.reads(J * turning.velocity)))
-        sums.add_squares(turning.partials, lambda W: self.reads(J * W))
-        for r, W in turning.partials.items():
-            sums.add_force(r, -W.dot(torque))
-
-    def _inertia(self, body: RigidBody, frame: ReferenceFrame) -> sp.Matrix:
         J = sp.zeros(3, 3)
         for (p, q), c in body.inertia.terms.items():
             left, right = (self.cosines.components(Vector({k: 1}), frame) for k in (p, q))
             J += c * left * right.T
-        return J.applyfunc(self.read)
+        J = self.reads(J)
+        torque = self.reads(J * turning.bias + turning.velocity.cross(self.reads(J * turning.velocity)))
+        sums.add_squares(turning.partials, lambda W: self.reads(J * W))
+        for r, W in turning.partials.items():
+            sums.add_force(r, -W.dot(torque))
 
     def load(self, load: Load, sums: Sums) -> None:
         """Generalized forces of a force at a point, or of a torque and its reaction."""

@@ -12,9 +12,11 @@ Two products replace all cross products under the integral: ∫ρ p × q = vee(�
 ∫ρ r × (w × q) = (tr C 1 − C) w with C = ∫ρ q rᵀ. Source: `symbolic.md`, section 4.4; same result as `held.py`.
 """
 
+from itertools import combinations_with_replacement
+
 import sympy as sp
 
-from spacar.symbolic.beam_shapes import X, integral, product_integral, weighted_integral
+from spacar.symbolic.beam_shapes import X, product_integral, weighted_integral
 from spacar.symbolic.fields import Field
 from spacar.symbolic.moments import BeamMoments, Integrals, swing, vee
 from spacar.symbolic.recursion import Recursion, Sums
@@ -88,24 +90,19 @@ def _section_inertia(recursion: Recursion, b: BeamMoments, sums: Sums) -> None:
     beam = b.beam
     if beam.polar == 0:
         return
-    turning = recursion.frame(beam.frame)
-    total = b.read(integral(beam.polar, X, beam.length))
-    shapes = [(s, psi) for f, _, s, psi in b.modes if f.kind == "twist"]
-    first = {s: b.read(integral(beam.polar * psi, X, beam.length)) for s, psi in shapes}
-    W, w, al0 = turning.partials, turning.velocity, turning.bias
-    h = b.read(total * w[0] + sp.Add(*(c * s for s, c in first.items())))
-    torque = b.reads(total * al0[0] * _E1 + w.cross(h * _E1))
-    rigid = [s for s in sums.speeds if s in W]
-    for i, r in enumerate(rigid):
-        for k in rigid[i:]:
-            sums.add_mass(r, k, total * W[r][0] * W[k][0])
-        for s, c in first.items():
-            sums.add_mass(r, s, c * W[r][0])
-        sums.add_force(r, -W[r].dot(torque))
-    for i, (s, psi) in enumerate(shapes):
-        for k, other in shapes[i:]:
-            sums.add_mass(s, k, b.read(integral(beam.polar * psi * other, X, beam.length)))
-        sums.add_force(s, -first[s] * al0[0])
+    turning, polar = recursion.frame(beam.frame), Integrals(recursion.table.read, beam, beam.polar)
+    W, w, al0, one = turning.partials, turning.velocity, turning.bias, {sp.S.One: sp.S.One}
+    shapes = {s: {sp.S.One: psi} for f, _, s, psi in b.modes if f.kind == "twist"}
+    # the spin of a section by a unit of each speed: a factor and a function of x
+    spins = [(s, W[s][0], one) for s in sums.speeds if s in W] + [(s, sp.S.One, form) for s, form in shapes.items()]
+    for (r, c, f), (k, d, g) in combinations_with_replacement(spins, 2):
+        sums.add_mass(r, k, c * d * polar.integral(f, g))
+    h = b.read(polar.integral(one) * w[0] + sp.Add(*(polar.integral(form) * s for s, form in shapes.items())))
+    torque = b.reads(polar.integral(one) * al0[0] * _E1 + w.cross(h * _E1))
+    for r, column in W.items():
+        sums.add_force(r, -column.dot(torque))
+    for s, form in shapes.items():
+        sums.add_force(s, -polar.integral(form) * al0[0])
 
 
 def _distributed(recursion: Recursion, b: BeamMoments, sums: Sums) -> None:

@@ -59,8 +59,11 @@ class SimulatedMotion:
         )
 
 
-def check_values(program: OrderedProgram, values: Mapping[str, float]) -> dict[str, float]:
-    """The parameter values as floats. UsageError for one that is missing, not finite, or of the wrong sign."""
+def check_values(
+    program: OrderedProgram, values: Mapping[str, float], feeds: Mapping[str, Callable[..., float]] | None
+) -> dict[str, float]:
+    """The parameter values as floats. UsageError for one that is missing, not finite, or of the wrong sign, and for an
+    input with neither a law nor a function."""
     result: dict[str, float] = {}
     for s in program.parameters:
         if s.name not in values:
@@ -74,14 +77,10 @@ def check_values(program: OrderedProgram, values: Mapping[str, float]) -> dict[s
             raise UsageError(
                 f"parameter {s.name} = {value:g} is a {what} and must be {'> 0' if strict else '>= 0'}", "parameter"
             )
-    return result
-
-
-def check_feeds(program: OrderedProgram, feeds: Mapping[str, Callable[..., float]] | None) -> None:
-    """UsageError when an input has neither a law nor a function."""
     missing = [s.name for s, e in program.inputs.items() if e is None and s.name not in (feeds or {})]
     if missing:
         raise UsageError(f"input {missing[0]} has no law: give an expression, or a function in `feeds`", "input")
+    return result
 
 
 def make_function(
@@ -93,8 +92,7 @@ def make_function(
     The Jacobian takes most of the time: it is derived at once where `jacobian` says that it will be needed, otherwise
     by the first call of f.jac.
     """
-    numbers = check_values(program, values)
-    check_feeds(program, feeds)
+    numbers = check_values(program, values, feeds)
     rhs, jac = generated(program, jacobian)(numbers, feeds)
 
     def derived(t: float, y: Sequence[float]) -> np.ndarray:

@@ -25,6 +25,7 @@ from spacar.symbolic.unit_vectors import TIME
 from spacar.symbolic.vectors import Vector
 
 PIECES = 6
+CLASSES = {"rigid": 0, "bar": 0, "beam": 1, "spring": 2}  # of e: fixed, dynamic, calculable in the files
 
 
 @dataclass
@@ -62,11 +63,8 @@ class _Parts:
 
     def point(self, point: GeometricPoint) -> int | None:
         """The node of a point; None when its place is not known."""
-        here: GeometricPoint | None = point
-        while here is not None:
-            if here.given and here.base is self.system.O and not here.offset:
-                return None
-            here = here.base
+        if point.adrift:
+            return None
         if point not in self._points:
             try:
                 self._points[point] = self.place(point.position)
@@ -155,8 +153,9 @@ def picture(system: MultibodySystem, run: SimulatedMotion, values: Mapping[str, 
     A place may need a parameter that the equations do not, and that has no value: then there is no picture either.
     """
     parts = skeleton(system)
-    known = {*values, *run.names, *run.input_names}
-    if not _parameters(parts) <= known:
+    rows = [*parts.positions, *parts.orientations, *(line.along for line in parts.lines if line.along is not None)]
+    atoms = {a for row in rows for a in row.atoms(AppliedUndef, sp.Symbol)} - {TIME}
+    if not {_name(a) for a in atoms} <= {*values, *run.names, *run.input_names}:
         return None
     places = _numbers(parts.positions, run, values).reshape(len(run.time), -1, 3)
     turns = _numbers(parts.orientations, run, values).reshape(len(run.time), -1, 3, 3)
@@ -173,11 +172,8 @@ def picture(system: MultibodySystem, run: SimulatedMotion, values: Mapping[str, 
     return _tables(parts, places, turns, planar, used, _numbers(columns, run, values)[0].reshape(-1, 3))
 
 
-def _parameters(parts: _Parts) -> set[str]:
-    """Names in the expressions of a skeleton, time left out."""
-    rows = [*parts.positions, *parts.orientations, *(line.along for line in parts.lines if line.along is not None)]
-    atoms = set().union(*(row.atoms(AppliedUndef, sp.Symbol) for row in rows)) if rows else set()
-    return {str(a.func) if isinstance(a, AppliedUndef) else a.name for a in atoms if a != TIME}
+def _name(atom: Any) -> str:
+    return str(atom.func) if isinstance(atom, AppliedUndef) else str(atom.name)
 
 
 def _numbers(rows: list[sp.Matrix], run: SimulatedMotion, values: Mapping[str, float]) -> np.ndarray:
@@ -189,7 +185,7 @@ def _numbers(rows: list[sp.Matrix], run: SimulatedMotion, values: Mapping[str, f
     columns = []
     for k, atom in enumerate(atoms):
         known[atom] = sp.Symbol(f"v{k}")
-        name = str(atom.func) if isinstance(atom, AppliedUndef) else atom.name
+        name = _name(atom)
         if atom == TIME:
             columns.append(run.time)
         else:
@@ -226,13 +222,11 @@ def _tables(
         p, q = (ends[n] for n in line.ends)
         ln[i] = (p, turning[line.turns[0]], q, turning[line.turns[1]]) if beam else (p, 0, q, 0)
         start[i] = _start_frame(along[i], planar) if beam else 0.0
-        kinds += [(i, m, line.kind) for m in range(modes if beam else 1)]
+        kinds += [(CLASSES[line.kind], i, m) for m in range(modes if beam else 1)]
         stiff[i, 0] = float(line.kind == "spring")
-    order = {"rigid": 0, "bar": 0, "beam": 1, "spring": 2}  # classes of e: fixed, dynamic, calculable in the files
     le = np.zeros((count, 6), int)
-    numbered = sorted(kinds, key=lambda row: (order[row[2]] != 0, row[2] == "spring", row[0], row[1]))
-    size = [sum(order[kind] == c for *_, kind in kinds) for c in range(3)]
-    for number, (i, m, _) in enumerate(numbered, 1):
+    size = [sum(kind == c for kind, *_ in kinds) for c in range(3)]
+    for number, (_, i, m) in enumerate(sorted(kinds), 1):
         le[i, m] = number
     fixed = sum(parts.fixed[n] for n in used) * k
     nx = int(lnp.max())

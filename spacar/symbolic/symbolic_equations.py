@@ -1,16 +1,7 @@
 """`derive`: a strategy and the constraints make the equations of motion, which know what can be done with them.
 
-The strong form of a field equation, for reading: what the assumed field solves approximately.
-
-    EI u_xxxx + ρ a·b_i − f·b_i − 2γ u_xxt = 0,    u = u_x = 0 at x = 0,
-    EI u_xx = E(s_slope),  −EI u_xxx + 2γ u_xt = E(s_u)  at x = L
-
-E(s') is equation (A) for the pseudo-speed; partial integration of (B). Source: the paper, (13) to (20); `symbolic.md`,
-section 3.3.
-
-Strategy `recursive`: the formulas (A), (B) of `held.py` with every component in the body's own frame a Z variable.
-
-The motion of frames and points: `recursion.py`; of beams: `recursive_beam.py`. Source: `symbolic.md`, section 4.4.
+The strong form of a field equation is what the assumed field solves approximately, for reading; its boundary terms are
+(A) of `held.py` for pseudo-speeds. Source: the paper, (13) to (20); `symbolic.md`, section 3.3.
 
 Linearized equations M0 δs̈ + C0 δṡ + K0 δq = 0 about a state of rest, with the names of the numeric core.
 
@@ -33,14 +24,13 @@ from spacar.symbolic.closure import Manifold
 from spacar.symbolic.collect import definition_order, gather_scalars
 from spacar.symbolic.constraints import check_constraints, constraint_rows
 from spacar.symbolic.derivation import Derivation, DerivedEquations
-from spacar.symbolic.derivation_check import DerivationCheck, check
-from spacar.symbolic.derivatives import dvdt
+from spacar.symbolic.derivation_check import DerivationCheck, check, kinetic_energy, potential_energy
 from spacar.symbolic.description import Description
-from spacar.symbolic.energy import kinetic_energy, potential_energy
 from spacar.symbolic.held import derive_unevaluated
 from spacar.symbolic.program import EquationProgram, make_program
 from spacar.symbolic.recursion import Recursion, Sums
 from spacar.symbolic.recursive_beam import add_beam
+from spacar.symbolic.reference_frames import dvdt
 from spacar.symbolic.system_parts import Beam
 from spacar.symbolic.transform import transform
 from spacar.symbolic.unit_vectors import TIME, UnevaluatedDot
@@ -82,7 +72,7 @@ class SymbolicEquations(DerivedEquations):
     """Derived equations with what follows from them: energies, programs, linearization, checks, strong form."""
 
     def energy(self) -> tuple[sp.Expr, sp.Expr]:
-        """Kinetic and potential energy [J] (gravity, strain, springs); see `energy.py`."""
+        """Kinetic and potential energy [J] (gravity, strain, springs); see `derivation_check.py`."""
         return kinetic_energy(self), potential_energy(self)
 
     def program(self, outputs: dict[str, Any] | None = None) -> EquationProgram:
@@ -135,7 +125,7 @@ class SymbolicEquations(DerivedEquations):
         """
         if not self.held_by_speed:
             raise UsageError("the strong form needs equations in vector notation: derive(strategy='held')")
-        found = next((f for f in beam.bending if f.name == name), None)
+        found = next((f for f in beam.fields if f.kind == "bending" and f.name == name), None)
         if found is None:
             raise UsageError(f"beam {beam.name} has no bending field {name!r}")
         system, u, EI = self.system, found.function, found.stiffness

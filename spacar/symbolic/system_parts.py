@@ -27,6 +27,13 @@ class GeometricPoint:
         """Vector from the origin."""
         return self.offset if self.base is None else self.base.position + self.offset
 
+    @property
+    def adrift(self) -> GeometricPoint | None:
+        """The nearest point on the way to the origin of which only the velocity is known; None: the place is known."""
+        if self.base is None:
+            return None
+        return self if self.given and self.base.base is None and not self.offset else self.base.adrift
+
 
 @dataclass(frozen=True, eq=False)
 class CrossSection(GeometricPoint):
@@ -83,10 +90,6 @@ class Beam:
         return integral(self.mass, X, self.length)
 
     @property
-    def bending(self) -> tuple[Field, ...]:
-        return tuple(f for f in self.fields if f.kind == "bending")
-
-    @property
     def parts(self) -> tuple[Field | Foreshortening, ...]:
         """What is assumed along it: fields, and their foreshortening."""
         return (*self.fields, self.shortening) if self.shortening else self.fields
@@ -98,9 +101,6 @@ class Beam:
     def shape(self, x: sp.Expr) -> dict[sp.Basic, sp.Expr]:
         """The values of the fields at x in the place of u(x, t)."""
         return {part.function: part.value(x) for part in self.parts}
-
-    def kind(self, kind: str) -> Field | None:
-        return next((f for f in self.fields if f.kind == kind), None)
 
     @property
     def coordinates(self) -> tuple[sp.Expr, ...]:

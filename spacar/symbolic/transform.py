@@ -13,7 +13,7 @@ from sympy.physics import vector as sympy_vector
 from spacar.errors import UsageError
 from spacar.symbolic.collect import ZTable
 from spacar.symbolic.reference_frames import ReferenceFrame
-from spacar.symbolic.unit_vectors import Key, UnevaluatedCross, UnevaluatedDot, Unit, UnitDot
+from spacar.symbolic.unit_vectors import UnevaluatedCross, UnevaluatedDot, Unit, UnitDot
 from spacar.symbolic.vectors import ZERO, Vector
 
 
@@ -72,13 +72,10 @@ class DirectionCosines:
         """The three measure numbers of a vector in one frame."""
         total = sp.zeros(3, 1)
         for key, coefficient in vector.terms.items():
-            total += coefficient * self._key_components(key, frame)
+            units = (key.a, key.b) if isinstance(key, UnevaluatedCross) else (key,)
+            first, *second = (self.matrix(frame, u.frame)[:, u.index - 1] for u in units)
+            total += coefficient * (first.cross(second[0]) if second else first)
         return total
-
-    def _key_components(self, key: Key, frame: ReferenceFrame) -> sp.Matrix:
-        if isinstance(key, UnevaluatedCross):
-            return self._key_components(key.a, frame).cross(self._key_components(key.b, frame))
-        return self.matrix(frame, key.frame)[:, key.index - 1]
 
 
 def turn_matrix(axis: int, c: sp.Expr, s: sp.Expr) -> sp.Matrix:

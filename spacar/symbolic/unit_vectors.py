@@ -16,7 +16,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import sympy as sp
@@ -34,10 +35,10 @@ class Unit:
 
     frame: Any  # a `ReferenceFrame`, which stands above; here only its serial, symbol and directions are read
     index: int
-    order: tuple[int, int] = field(init=False, compare=False)
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "order", (self.frame.serial, self.index))
+    @cached_property
+    def order(self) -> tuple[int, int]:
+        return self.frame.serial, self.index
 
     @property
     def sort_key(self) -> tuple[int, ...]:
@@ -219,21 +220,17 @@ def triple(a: Unit, b: Unit, c: Unit) -> sp.Expr:
 
 def dot_keys(p: Key, q: Key) -> sp.Expr:
     """p·q of any two keys."""
-    if isinstance(p, Unit) and isinstance(q, Unit):
-        return dot_units(p, q)
-    if isinstance(p, UnevaluatedCross) and isinstance(q, UnevaluatedCross):
-        return dot_units(p.a, q.a) * dot_units(p.b, q.b) - dot_units(p.a, q.b) * dot_units(p.b, q.a)
-    if isinstance(p, UnevaluatedCross) and isinstance(q, Unit):
-        return triple(p.a, p.b, q)
-    assert isinstance(q, UnevaluatedCross)
-    return dot_keys(q, p)
+    if isinstance(q, Unit):
+        return dot_units(p, q) if isinstance(p, Unit) else triple(p.a, p.b, q)
+    if isinstance(p, Unit):
+        return triple(q.a, q.b, p)
+    return dot_units(p.a, q.a) * dot_units(p.b, q.b) - dot_units(p.a, q.b) * dot_units(p.b, q.a)
 
 
 def cross_keys(p: Key, q: Key) -> list[tuple[sp.Expr, Key]]:
     """p×q of any two keys as coefficients and keys, never nested."""
-    if isinstance(p, Unit) and isinstance(q, Unit):
-        return [(sp.Integer(sign), key) for sign, key in cross_units(p, q)]
     if isinstance(p, UnevaluatedCross):
         return [(dot_keys(p.a, q), p.b), (-dot_keys(p.b, q), p.a)]
-    assert isinstance(q, UnevaluatedCross)
-    return [(dot_keys(p, q.b), q.a), (-dot_keys(p, q.a), q.b)]
+    if isinstance(q, UnevaluatedCross):
+        return [(dot_keys(p, q.b), q.a), (-dot_keys(p, q.a), q.b)]
+    return [(sp.Integer(sign), key) for sign, key in cross_units(p, q)]

@@ -7,7 +7,7 @@ import sympy as sp
 
 from spacar.symbolic import ReferenceFrame, gather_dots, gather_scalars, gather_vectors
 from spacar.symbolic import collect as co
-from spacar.symbolic.splitting import LinearSplit, common_factors
+from spacar.symbolic.collect import LinearSplit, common_factors
 
 a, b, c, L, s, t = sp.symbols("a b c L s t")
 N, B, C = ReferenceFrame("N"), ReferenceFrame("B"), ReferenceFrame("C")

@@ -23,7 +23,7 @@ def test_a_call_of_the_compiled_right_hand_side_takes_what_python_takes(
     model = read_model(tmp_path / "manipulator.toml")
     program = model.system.derive().program(model.outputs)
     direct = CompiledFunction(program, model.values)
-    monkeypatch.setattr("spacar.symbolic.emit.python_call.compiler_options", lambda: None)
+    monkeypatch.setattr("spacar.symbolic.compiled_program.compiler_options", lambda: None)
     by_ctypes = CompiledFunction(program, model.values)
     y = np.random.default_rng(3).uniform(-0.1, 0.1, len(program.state))
     expected = program.function(model.values)(0.2, y.tolist())

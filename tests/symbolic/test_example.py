@@ -8,8 +8,8 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from spacar.symbolic.beam_shapes import X
-from spacar.symbolic.derivatives import dvdt
 from spacar.symbolic.held import HeldDerivation
+from spacar.symbolic.reference_frames import dvdt
 from spacar.symbolic.unit_vectors import TIME, UnevaluatedDot
 
 VARIANTS = [{}, {"reaction": "root", "boundary": False}]

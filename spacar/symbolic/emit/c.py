@@ -94,7 +94,6 @@ int jac(double t, const double *c, const double *p, const double *y, double *u, 
 
 
 def source(program: OrderedProgram, jacobian: bool, head: list[str]) -> str:
-    """The C file as text."""
     once, routines = compiled_routines(program, jacobian)
     sizes = {
         "np": len(program.parameters), "nc": len(once), "nq": len(program.coordinates), "n": program.n,
@@ -108,7 +107,6 @@ def source(program: OrderedProgram, jacobian: bool, head: list[str]) -> str:
 
 
 def _solving(program: OrderedProgram, jacobian: bool) -> list[str]:
-    """What solves for accelerations, with or without constraints."""
     tied = program.m > 0
     filled = ", J_, h" if tied else ""
     arrays = ", J_[NM*N], h[NM]" if tied else ""

@@ -17,20 +17,14 @@ UNROLLED = 12  # beyond this size NumPy solves faster than unrolled code
 
 
 def source(program: OrderedProgram, jacobian: bool, head: list[str]) -> str:
-    """The module as text."""
     w = Writer(PYTHON, [*program.parameters, *program.state, *program.inputs])
     once = jacobian_of(program).once if jacobian else program.once
     lines = ['"""', *head, '"""', ""] if head else []
     lines += ["from math import acos, asin, atan, atan2, cos, cosh, exp, log, sin, sinh, sqrt, tan, tanh", ""]
     if jacobian or program.m or program.n > UNROLLED:
         lines += ["import numpy as np", ""]
-    for name, symbols in (
-        ("PARAMETERS", program.parameters),
-        ("STATE", program.state),
-        ("INPUTS", tuple(program.inputs)),
-    ):
-        lines.append(f"{name} = ({''.join(repr(s.name) + ', ' for s in symbols)})")
-    lines += [f"OUTPUTS = ({''.join(repr(n) + ', ' for n in program.outputs)})", ""]
+    lines += [f"{what.upper()} = ({''.join(f'{n!r}, ' for n in names)})" for what, names in program.names.items()]
+    lines.append("")
     if program.m:
         lines += [*solvers.PYTHON.splitlines(), ""]
     lines.append("")

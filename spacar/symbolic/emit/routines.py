@@ -91,6 +91,17 @@ def compiled_routines(program: OrderedProgram, jacobian: bool = False) -> tuple[
     return once, routines
 
 
+def sizes(program: OrderedProgram, once: Assignments) -> dict[str, int]:
+    """Numbers in the arguments of the routines; J is that of the constraints."""
+    n, nq = program.n, len(program.coordinates)
+    return {
+        "p": len(program.parameters), "c": len(once), "y": len(program.state), "u": len(program.inputs), "M": n * n,
+        "f": n, "ydot": nq, "out": len(program.outputs), "J": program.m * n, "h": program.m,
+        "a": len(program.unknowns), "turn": nq * n,
+        "res": len(program.constraints.residual) if program.constraints else 0,
+    }  # fmt: skip
+
+
 def _into(array: str, entries: Iterable[sp.Expr]) -> Results:
     return tuple((array, i, e) for i, e in enumerate(entries))
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from textwrap import wrap
 from typing import Any
 
 import sympy as sp
@@ -36,22 +37,15 @@ def header(program: OrderedProgram) -> list[str]:
         "units: SI (m, kg, s, rad) when the parameters are in SI units",
         f"operations: {counts['step']} per step, {counts['once']} once",
     ]
-    for name, symbols in (
-        ("parameters p", program.parameters),
-        ("state y", program.state),
-        ("inputs u", tuple(program.inputs)),
-    ):
-        lines += _wrapped(f"{name}:", [s.name for s in symbols])
-    return [escaped(line) for line in lines + _wrapped("outputs:", list(program.outputs))]
+    for (what, names), letter in zip(program.names.items(), (" p", " y", " u", ""), strict=True):
+        lines += _wrapped(f"{what}{letter}:", names or ["none"])
+    return [escaped(line) for line in lines]
 
 
-def _wrapped(start: str, words: list[str]) -> list[str]:
-    lines = [start]
-    for word in words or ["none"]:
-        if len(lines[-1]) + len(word) > 100:
-            lines.append("   ")
-        lines[-1] += f" {word}"
-    return lines
+def _wrapped(start: str, words: Iterable[str]) -> list[str]:
+    return wrap(
+        " ".join([start, *words]), 101, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+    )
 
 
 @dataclass(frozen=True)
