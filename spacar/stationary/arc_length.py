@@ -32,6 +32,7 @@ At = Callable[[float], tuple[StationaryEquations, Tangent, Prescribed]]  # puts 
 DISTANCE = 0.5  # of the two evaluations of the derivative
 MOST_ARCS = 500
 FIRST_ARC, SMALLEST_ARC, LARGEST_ARC = (1e-3, 0.02), 1e-6, 0.2  # model lengths, or rad
+BENT = 0.5  # of an arc: what its end may be off the tangent at its begin; more is a state of another path, or too long
 EASY = 4  # iterations after which the next arc is longer
 PLACED, SECANTS = 1e-10, 20  # of a load step: what a limit point is off; tries
 
@@ -131,6 +132,7 @@ def _along(at: At, start: PathPoint, s: float, limit: int) -> PathPoint:
 def _arc(at: At, x: Array, sigma: Array, place: float, before: Array, s: float | None, limit: int) -> PathPoint:
     """The state in the plane across `before` (nx,) that is near; without s the state itself, which is known."""
     path: Corrections | None = None
+    begin = x
     while True:
         slope, given_slope = _slope(at, x, sigma, place)
         q, tangent, given = at(place)
@@ -150,6 +152,8 @@ def _arc(at: At, x: Array, sigma: Array, place: float, before: Array, s: float |
         r[q.F], u[q.F] = z[: q.nf, 0], z[: q.nf, 1]
         stress = size * z[q.nf :, 1]
         if met:
+            if s is not None and largest((x - begin) / q.scale) > BENT * s:
+                raise Astray("the path is too curved")
             moved = largest(u / q.scale)
             if not (np.isfinite(moved) and moved > 0.0):
                 raise Astray("the loading moves nothing")

@@ -146,4 +146,4 @@ def settings(growth: Growth, additional: bool) -> None:
         growth.add("TIMESTEP", 0.2, 4, block=2)
         growth.add("INTEGRAT", 140, 0.025, block=2)
     if row.stationary:
-        growth.add("ITERSTEP", 60, 2, 1e-12, 1, 2 if additional else 0, block=2)
+        growth.add("ITERSTEP", 400, 2, 1e-12, 1, 2 if additional else 0, block=2)

@@ -107,6 +107,8 @@ def other_units(case: Case) -> Found:
         return NOTHING  # ERROR has a unit there: the tolerance of an iteration
     system = units.System(*(2.0 ** case.rng.randint(-6, 6) for _ in range(3)))
     deck = case.deck()
+    if deck.divided and (case.model.drives or case.model.pushes):
+        return NOTHING  # the converted deck has the parts, whose numbers mean something else to a function
     dimensions = units.Dimensions(deck)
 
     def factor(owner: int, index: int, power: int = 1, more: tuple[int, int, int] = (0, 0, 0)) -> float:
