@@ -54,11 +54,8 @@ def test_integers() -> None:
 
 @pytest.mark.parametrize("newline", ["\n", "\r\n", "\r"])
 def test_line_ends_and_byte_order_mark(newline: str) -> None:
-    assert rows("\ufeff" + TEXT.replace("\n", newline)) == rows(TEXT)
-
-
-def test_other_separators_are_not_line_ends() -> None:
     """Form feed is a blank, U+2028 in a comment ends nothing."""
+    assert rows("\ufeff" + TEXT.replace("\n", newline)) == rows(TEXT)
     assert rows(TEXT.replace("% wall", "% wall\u2028 XM 3 5. \x0b\x1c FIX")) == rows(TEXT)
 
 
@@ -68,22 +65,15 @@ def test_free_format() -> None:
 
 
 def test_places_of_words() -> None:
-    words = scan("A\tb  1.5 % c\n ; \n  D").words
-    assert [(w.text, w.line, w.column, w.first) for w in words] == [
-        ("A", 1, 1, True),
-        ("b", 1, 3, False),
-        ("1.5", 1, 6, False),
-        ("D", 3, 3, True),
-    ]
+    words = [(w.text, w.line, w.column, w.first) for w in scan("A\tb  1.5 % c\n ; \n  D").words]
+    assert words == [("A", 1, 1, True), ("b", 1, 3, False), ("1.5", 1, 6, False), ("D", 3, 3, True)]
 
 
-def test_alias_and_case_of_names() -> None:
+def test_names() -> None:
+    """An alias, another case, and a name that is a keyword."""
     deck = parse_deck(TEXT.replace("FIX 2\n", "FIX 2\nlevellog 1 1\n").replace("XM 3 2.", "usersig myForce xm 3 2."))
     assert deck.first("OUTLEVEL") is not None
     assert deck.of("USERSIG")[0].values == ("myForce",)
-
-
-def test_a_name_may_be_a_keyword() -> None:
     deck = parse_deck(TEXT.replace("XM 3 2.", "USERINP xm XM 3 2."))
     assert [s.values for s in deck.statements if s.block == 2] == [("xm",), (3, 2.0)]
 
@@ -108,19 +98,15 @@ def test_control_characters_are_escaped_in_messages() -> None:
     assert str(error.value).isprintable()
 
 
-def test_missing_file(tmp_path) -> None:
-    with pytest.raises(UsageError, match=r"nothing.dat: No such file"):
-        read_deck(tmp_path / "nothing")
+def test_files(tmp_path) -> None:
+    """What is missing is said; the extension is appended."""
     (tmp_path / "folder.dat").mkdir()
-    with pytest.raises(UsageError, match="Is a directory"):
-        read_deck(tmp_path / "folder.dat")
-
-
-def test_extension_is_appended(tmp_path) -> None:
-    (tmp_path / "a.b.dat").write_text(TEXT)
-    assert read_deck(tmp_path / "a.b").source == "a.b.dat"
-    (tmp_path / "plain").write_text(TEXT)
-    assert read_deck(str(tmp_path / "plain")).source == "plain"
+    for name, said in (("nothing", r"nothing.dat: No such file"), ("folder.dat", "Is a directory")):
+        with pytest.raises(UsageError, match=said):
+            read_deck(tmp_path / name)
+    for name, asked in (("a.b.dat", "a.b"), ("plain", "plain")):
+        (tmp_path / name).write_text(TEXT)
+        assert read_deck(str(tmp_path / asked)).source == name
 
 
 def test_visualization(tmp_path) -> None:
