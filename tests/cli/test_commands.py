@@ -47,14 +47,11 @@ def test_check_in_json(call, tmp_path):
     assert {(m["severity"], m["line"]) for m in found} >= {("error", 4), ("warning", 3)}
 
 
-def test_check_writes_nothing(call, tmp_path):
+def test_check_writes_nothing_and_refuses_a_mode_that_does_not_exist(call, tmp_path):
     before = set(tmp_path.iterdir())
     call("check", "crank", "--mode", "1")
-    assert set(tmp_path.iterdir()) == before
-
-
-def test_check_of_a_mode_that_does_not_exist(call):
     assert "mode 5 does not exist" in call.refused("check", "crank", "--mode", "5")
+    assert set(tmp_path.iterdir()) == before
 
 
 def test_examples_are_listed_and_copied(call, tmp_path):

@@ -114,10 +114,6 @@ def test_completion_is_installed_by_one_command(shell, tmp_path):
     assert (status, printed.strip()) == (0, source(shell).strip())
 
 
-def test_an_unknown_shell():
-    assert "say for which shell: bash, zsh, fish" in call.refused("completion")
-
-
 def test_the_manual_page_has_every_mode_command_and_option():
     """Each by the words of its help, whatever version of click laid it out; `make man` writes it anew."""
     text = (HOUSE / "docs" / "man" / "spacar.1").read_text(encoding="utf-8")
@@ -142,19 +138,15 @@ def test_man_reads_the_page(tmp_path):
     assert not done.stderr
 
 
-def test_check_says_what_moves():
+def test_check_says_what_moves_and_names_overconstraints(tmp_path):
     """As mode 0, which the first steps of the README promise."""
     out = call.done("check", DATA / "crank.dat", "-v").out
     assert "1 degree of freedom: node 2 phi" in out
     assert "the mechanism is neither over- nor under-constrained" in out
     assert len(call("check", DATA / "crank.dat")[1].splitlines()) == 1
-
-
-def test_check_names_overconstraints(tmp_path):
     text = (DATA / "crank.dat").read_text().upper().replace("FIX 6 2", "FIX 6 2\nFIX 4")
     (tmp_path / "over.dat").write_text(text)
-    out = call.done("check", tmp_path / "over", "-v").out
-    assert "over-constrained" in out
+    assert "over-constrained" in call.done("check", tmp_path / "over", "-v").out
 
 
 def test_a_step_is_an_option_everywhere(tmp_path):
@@ -169,9 +161,13 @@ def test_a_step_is_an_option_everywhere(tmp_path):
 
 @pytest.mark.parametrize(
     ("words", "hint"),
-    [(("plott", "crank"), "did you mean 'plot'?"), (("1", "crank", "--outputdir", "x"), "Did you mean --output-dir?")],
+    [
+        (("plott", "crank"), "did you mean 'plot'?"),
+        (("1", "crank", "--outputdir", "x"), "Did you mean --output-dir?"),
+        (("completion",), "say for which shell: bash, zsh, fish"),
+    ],
 )
-def test_did_you_mean(words, hint):
+def test_hints(words, hint):
     said = call.refused(*words)
     assert hint in said.replace("'--output-dir'", "--output-dir")  # click 8.2 has no quotes
 

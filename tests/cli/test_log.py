@@ -50,12 +50,6 @@ def test_sections_in_the_documented_order(log_of):
     )  # fmt: skip
 
 
-def test_the_echo_has_no_comments(log_of):
-    log = log_of(1, "crank")
-    assert "straight guide" not in log
-    assert "\nINPUTX 2 1\n" in log
-
-
 def test_numbering_and_classes(log_of, tmp_path):
     """The tables of the log repeat lnp and le of the result file."""
     log = log_of(1, "crank")
@@ -71,9 +65,11 @@ def test_numbering_and_classes(log_of, tmp_path):
     assert ["2", "orientation", "10", "M"] in rows_of(log, "node  type")
 
 
-def test_counts_and_mass(log_of):
+def test_counts_mass_and_an_echo_without_comments(log_of):
     """Rod of 0.30 m with 0.2225 kg/m and the slider of 0.033375 kg: together 0.100125 kg."""
     log = log_of(1, "crank")
+    assert "straight guide" not in log
+    assert "\nINPUTX 2 1\n" in log
     assert "Total mass: 0.100125 kg" in log
     assert re.search(r"fixed +3 +6\n +calculable +6 +0\n +prescribed .* 1 +0\n", log)
 
@@ -109,23 +105,22 @@ def test_eigenvalues_with_frequencies_and_names(log_of):
     assert "d/dt " in section
 
 
-def test_buckling_and_compliances(log_of):
-    log = log_of(8, "column2")
-    section = log[log.index("Load multipliers") :]
-    assert "9.943846" in section  # reference/README of the examples: 9.94384680
-    assert in_order(section, "Load multipliers", "Buckling modes, Euclidean norm 1", "Directional nodal compliances")
-
-
-def test_state_space_and_definitions(log_of):
-    log = log_of(9, "lever")
-    assert in_order(log, "INX: ", "OUTF: ", "stationary solution (ITERSTEP)", "The state space matrix A", "matrix D")
-    assert "-1.000000000e+03   -5.000000000e+00" in log
-
-
-def test_diagnosis_of_mode_0(log_of):
-    log = log_of(0, "crank")
-    assert in_order(log, "CONFIGURATION", "DIAGNOSIS", "The analysis is complete.")
-    assert "de/dt" not in log
+@pytest.mark.parametrize(
+    ("mode", "name", "sections", "number"),
+    [
+        # 9.94384680: reference/README of the examples
+        (8, "column2", ("Load multipliers", "Buckling modes, Euclidean norm 1", "Directional nodal compliances"),
+         "9.943846"),
+        (9, "lever", ("INX: ", "OUTF: ", "stationary solution (ITERSTEP)", "The state space matrix A", "matrix D"),
+         "-1.000000000e+03   -5.000000000e+00"),
+        (0, "crank", ("CONFIGURATION", "DIAGNOSIS", "The analysis is complete."), ""),
+    ],
+)  # fmt: skip
+def test_results_of_a_mode(log_of, mode, name, sections, number):
+    log = log_of(mode, name)
+    assert in_order(log, *sections)
+    assert number in log[log.index(sections[0]) :]
+    assert mode or "de/dt" not in log
 
 
 def test_wrong_input_ends_the_log(call, tmp_path):

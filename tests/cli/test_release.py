@@ -77,11 +77,8 @@ def test_rigid_over_constraints_are_left_and_said(call, guide):
     assert "over-constraints left that no flexible deformation takes away; by hand: RLSE" in err
 
 
-def test_nothing_to_release(call):
+def test_nothing_to_release_and_no_file(call):
     done = call.done("0", "crank", "--release", "same.dat")
     assert "no flexible deformation to release" in done.out
     assert Path("same.dat").read_text() == Path("crank.dat").read_text()
-
-
-def test_the_file_is_still_needed(call):
     assert "FILE" in call.refused("0")

@@ -8,7 +8,7 @@ import pytest
 
 import spacar
 from spacar.compiled.compiled_elements import CompiledElements, with_compiled_elements
-from spacar.compiled.library import GENERAL, why_off
+from spacar.compiled.library import why_off
 from spacar.dynamics import Dynamics
 from spacar.errors import SpacarError
 from spacar.linear_systems.linear_system import dense
@@ -106,9 +106,3 @@ def test_a_mass_of_rounding_is_no_mass(compiled: bool) -> None:
     """robotsim: one degree of freedom turns a rod without rotary inertia about itself; W^T M W is +-1e-19 there."""
     found, _ = first(7, "robotsim", compiled)
     assert found == "dynamics.singular-mass"
-
-
-def test_the_environment_switches_elements_in_c_off(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv(GENERAL, "1")
-    _, header = first(7, "plbeam5", True)
-    assert header["engine"] == ("general", f"the environment variable {GENERAL} asks for it")

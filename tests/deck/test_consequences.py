@@ -32,23 +32,19 @@ def messages(text: str) -> list[str]:
     return [str(m) for m in caught.value.messages if m.severity != "information"]
 
 
-def test_an_unknown_element_type_is_the_only_error() -> None:
-    found = messages(MODEL)
-    assert len(found) == 1, found
-    assert "unknown keyword 'SPRING'" in found[0]
-
-
-def test_the_only_element_is_unknown() -> None:
-    text = "PLTRUS 1 1 2\nX 2 1. 0.\nFIX 1\nFIX 2 2\nDYNE 1\nEND HALT\nXM 2 1.\nXF 2 1. 0.\nESTIFF 1 4.\nEND END\n"
+@pytest.mark.parametrize(
+    ("text", "sentences"),
+    [
+        (MODEL, ["unknown keyword 'SPRING'"]),
+        ("PLTRUS 1 1 2\nX 2 1. 0.\nFIX 1\nFIX 2 2\nDYNE 1\nEND HALT\nXM 2 1.\nXF 2 1. 0.\nESTIFF 1 4.\nEND END\n",
+         ["nearest: PLTRUSS"]),
+        ("PLTRUSS 1 1 2\nX 2 1. 0.\nFIXX 1 1 2\nRLSE 1 2\nEND END\n",
+         ["unknown keyword 'FIXX'", "mode 2 does not exist"]),
+    ],
+    ids=["unknown type", "the only element", "a misspelled statement takes the place of no element"],
+)  # fmt: skip
+def test_only_the_mistakes_are_reported(text: str, sentences: list[str]) -> None:
     found = messages(text)
-    assert len(found) == 1, found
-    assert "nearest: PLTRUSS" in found[0]
-
-
-def test_an_element_of_the_same_number_is_still_read() -> None:
-    """A misspelled statement with three numbers does not take the place of a real element."""
-    text = "PLTRUSS 1 1 2\nX 2 1. 0.\nFIXX 1 1 2\nRLSE 1 2\nEND END\n"
-    found = messages(text)
-    assert len(found) == 2
-    assert "unknown keyword 'FIXX'" in found[0]
-    assert "mode 2 does not exist" in found[1]
+    assert len(found) == len(sentences), found
+    for sentence, message in zip(sentences, found, strict=True):
+        assert sentence in message

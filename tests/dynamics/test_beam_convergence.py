@@ -57,15 +57,14 @@ def test_bend_converges_with_order_two() -> None:
     np.testing.assert_allclose(orders(errors), 2.0, atol=0.08)
 
 
-def test_bend_with_eight_elements_to_all_published_digits() -> None:
-    np.testing.assert_allclose(bend(8, 600.0), (46.68514, 15.51222, 53.76955), atol=6e-6)
-    np.testing.assert_allclose(bend(8, 300.0), (58.47240, 22.10825, 40.54785), atol=6e-6)
-    np.testing.assert_allclose(bend(8, 450.0), (51.83049, 18.34257, 48.82979), atol=6e-6)
-
-
-def test_bend_without_second_order_terms() -> None:
-    distance = np.linalg.norm(bend(8, 600.0, linear=True) - EXACT_BEND[600.0])
-    assert distance == pytest.approx(0.338, abs=6e-4)
+def test_bend_with_eight_elements() -> None:
+    """To all published digits; without second-order terms far away."""
+    for load, tip in (
+        (600.0, (46.68514, 15.51222, 53.76955)), (300.0, (58.47240, 22.10825, 40.54785)),
+        (450.0, (51.83049, 18.34257, 48.82979)),
+    ):  # fmt: skip
+        np.testing.assert_allclose(bend(8, load), tip, atol=6e-6)
+    assert np.linalg.norm(bend(8, 600.0, linear=True) - EXACT_BEND[600.0]) == pytest.approx(0.338, abs=6e-4)
 
 
 # -- roll-up to a full circle --------------------------------------------------------------------------------------
@@ -131,21 +130,19 @@ def test_both_bending_planes_agree() -> None:
     np.testing.assert_allclose(a, b, rtol=1e-9)
 
 
-def test_torsion_frequencies_converge_with_order_two_from_below() -> None:
-    errors = [
-        frequencies(n, (2,), EM=(1.0, 1.0, 0.5, 0.5), ESTIFF=(0.0, 1.0))[0] / (np.pi / 2) - 1 for n in (1, 2, 4, 8)
-    ]
-    assert errors == pytest.approx([-1.0e-1, -2.6e-2, -6.4e-3, -1.6e-3], rel=0.03)
-    assert orders([-e for e in errors])[-1] == pytest.approx(2.0, abs=0.05)
-
-
-def test_axial_frequencies_converge_with_order_two_from_above() -> None:
-    """The cubic line is quadratic at best along the axis when the tangents keep their length; published 4.5e-2
-    ... 8.7e-4.
-    """
-    errors = [frequencies(n, (1,), EM=(1.0,), ESTIFF=(1.0,))[0] / (np.pi / 2) - 1 for n in (1, 2, 4, 8)]
-    assert errors == pytest.approx([4.5e-2, 1.3e-2, 3.5e-3, 8.7e-4], rel=0.04)
-    assert orders(errors)[-1] == pytest.approx(2.0, abs=0.05)
+@pytest.mark.parametrize(
+    ("mode", "values", "published", "rel"),
+    [
+        (2, {"EM": (1.0, 1.0, 0.5, 0.5), "ESTIFF": (0.0, 1.0)}, [-1.0e-1, -2.6e-2, -6.4e-3, -1.6e-3], 0.03),
+        # The cubic line is quadratic at best along the axis when the tangents keep their length.
+        (1, {"EM": (1.0,), "ESTIFF": (1.0,)}, [4.5e-2, 1.3e-2, 3.5e-3, 8.7e-4], 0.04),
+    ],
+    ids=["torsion from below", "axial from above"],
+)
+def test_frequencies_converge_with_order_two(mode, values, published, rel) -> None:
+    errors = [frequencies(n, (mode,), **values)[0] / (np.pi / 2) - 1 for n in (1, 2, 4, 8)]
+    assert errors == pytest.approx(published, rel=rel)
+    assert orders(np.abs(errors))[-1] == pytest.approx(2.0, abs=0.05)
 
 
 # -- torsion and elongation ----------------------------------------------------------------------------------------

@@ -95,15 +95,6 @@ def test_examples_reach_the_tolerance(code: int) -> None:
         np.testing.assert_allclose(found, at_1e_10(name, duration), rtol=0, atol=1e-6)
 
 
-@pytest.mark.parametrize("code", CODES)
-def test_kinematic_coordinates(code: int) -> None:
-    """A tricycle that rolls without slip: its kinematic coordinates belong to the first-order part of the state."""
-    options = {"n_steps": 10, "duration": 0.2}
-    a = spacar.run(1, DATA / "trike2.dat", atol=1e-9, rtol=1e-9, **options)
-    b = spacar.run(1, DATA / "trike2.dat", integrator=code, atol=1e-7, rtol=1e-7, **options)
-    np.testing.assert_allclose(b["x"], a["x"], atol=1e-6)
-
-
 def test_general_and_compiled_path_take_the_same_steps() -> None:
     pytest.importorskip("spacar.compiled")
     deck = cantilever(2)

@@ -45,8 +45,6 @@ def shot(tmp_path):
     return keep
 
 
-
-
 @pytest.fixture
 def crank(tmp_path) -> Path:
     shutil.copy(DATA / "crank.dat", tmp_path)

@@ -114,9 +114,7 @@ def test_inertia() -> None:
     beams, _, x, v = random_beams(6, em=np.random.default_rng(1).uniform(0.5, 2.0, (N, 1)))
     rng = np.random.default_rng(7)
     check_inertia(beams, x, v, rng.normal(size=x.shape))
-    check_inertia(
-        beams, x + 0.1 * rng.normal(size=x.shape), rng.normal(size=x.shape), rng.normal(size=x.shape)
-    )
+    check_inertia(beams, x + 0.1 * rng.normal(size=x.shape), rng.normal(size=x.shape), rng.normal(size=x.shape))
 
 
 def test_weight() -> None:
@@ -136,9 +134,7 @@ def test_weight() -> None:
                 lam = x[row + 3 : row + 7, k].astype(complex)
                 lam[j] += 1e-30j
                 slope[j] = (G @ rotation(lam) @ (d0 / l0)).imag / 1e-30
-            np.testing.assert_allclose(
-                weight[row + 3 : row + 7, k], sign * m * l0**2 / 12 * slope, rtol=1e-11
-            )
+            np.testing.assert_allclose(weight[row + 3 : row + 7, k], sign * m * l0**2 / 12 * slope, rtol=1e-11)
 
 
 def test_rigid_beam_has_the_inertia_of_a_rod() -> None:

@@ -68,25 +68,19 @@ def test_hinge_counts_several_turns(direction: float) -> None:
             )
         _, e, _ = evaluate(family, x, near)
         np.testing.assert_allclose(e, [[angle] * 2, [0] * 2, [0] * 2], atol=1e-13)
-        _, opposite, _ = evaluate(
-            family, np.concatenate((x[:4], -x[4:])), near
-        )  # -lambda is the same rotation
+        _, opposite, _ = evaluate(family, np.concatenate((x[:4], -x[4:])), near)  # -lambda is the same rotation
         np.testing.assert_allclose(opposite, e, atol=1e-13)
         near = e
 
 
 def test_hinge_stiffness_and_missing_axis() -> None:
     x0 = reference(np.random.default_rng(0), 1, "ll")
-    family = SpatialHinge(
-        group("HINGE", x0, geometry=[(0, 0, 2.0)], estiff=[(1.0, 2, 3)], edamp=[(4.0, 5, 6)])
-    )
+    family = SpatialHinge(group("HINGE", x0, geometry=[(0, 0, 2.0)], estiff=[(1.0, 2, 3)], edamp=[(4.0, 5, 6)]))
     S, S_d = family.stiffness()
     np.testing.assert_array_equal(S[:, :, 0], np.diag([1.0, 2, 3]))
     np.testing.assert_array_equal(S_d[:, :, 0], np.diag([4.0, 5, 6]))
     assert family.frame_p is not None
-    np.testing.assert_array_equal(
-        family.frame_p[0, :6], [0, 0, 1, -1, 0, 0]
-    )  # z x y = -x: of x, y the highest
+    np.testing.assert_array_equal(family.frame_p[0, :6], [0, 0, 1, -1, 0, 0])  # z x y = -x: of x, y the highest
     for axis, words in (((), "axis"), ((0.0, 0, 0), "zero vector")):
         with pytest.raises(GeometryError, match=words):
             SpatialHinge(group("HINGE", x0, geometry=[axis]))
@@ -141,9 +135,7 @@ def test_rigid_beam_inertia_is_that_of_a_rod() -> None:
     for k in range(N):
         n = (x0[7:, k] - x0[:3, k]) / l[k]
         np.testing.assert_allclose(J[k] @ n, 0.5 * l[k] * n, atol=1e-14)  # Jx'x' about the rod
-        np.testing.assert_allclose(
-            np.linalg.eigvalsh(J[k])[:2], l[k] * (0.25 + np.sqrt(0.0125) * np.array([-1, 1]))
-        )
+        np.testing.assert_allclose(np.linalg.eigvalsh(J[k])[:2], l[k] * (0.25 + np.sqrt(0.0125) * np.array([-1, 1])))
 
 
 @pytest.mark.parametrize(
@@ -182,6 +174,4 @@ def test_normalization() -> None:
     np.testing.assert_allclose(evaluate(family, x)[1][0], (x**2).sum(0) - 1)
     check_strain(family, x, rng.normal(size=x.shape), rng.normal(size=(1, N)))
     v = rates(rng, x / np.linalg.norm(x, axis=0), "l")
-    close(
-        evaluate(family, x / np.linalg.norm(x, axis=0))[2][0] * v, v * 2 * x / np.linalg.norm(x, axis=0), "V"
-    )
+    close(evaluate(family, x / np.linalg.norm(x, axis=0))[2][0] * v, v * 2 * x / np.linalg.norm(x, axis=0), "V")

@@ -30,14 +30,10 @@ def test_screw_definition_and_derivatives() -> None:
         Rp, Rq = rotation(x[3:7, k]) @ frame, rotation(x[10:, k]) @ frame
         phi = np.arctan2(Rp[:, 2] @ Rq[:, 1] - Rp[:, 1] @ Rq[:, 2], Rp[:, 1] @ Rq[:, 1] + Rp[:, 2] @ Rq[:, 2])
         s = Rp.T @ (x[7:10, k] - x[:3, k]) - frame.T @ (x0[7:10, k] - x0[:3, k])
-        truth.append(
-            (phi, s[0] - geometry[k, 3] * phi, s[1], s[2], -Rp[:, 2] @ Rq[:, 0], Rp[:, 1] @ Rq[:, 0])
-        )
+        truth.append((phi, s[0] - geometry[k, 3] * phi, s[1], s[2], -Rp[:, 2] @ Rq[:, 0], Rp[:, 1] @ Rq[:, 0]))
     close(evaluate(family, x)[1], np.transpose(truth), "e")
     close(evaluate(family, x0)[1], np.zeros((6, N)), "start")
-    check_strain(
-        family, x + 0.1 * rng.normal(size=x.shape), rng.normal(size=x.shape), rng.normal(size=(6, N))
-    )
+    check_strain(family, x + 0.1 * rng.normal(size=x.shape), rng.normal(size=x.shape), rng.normal(size=(6, N)))
     np.testing.assert_array_equal(family.stiffness()[0][:, :, 0], np.diag(np.arange(1.0, 7)))
 
 
@@ -102,9 +98,7 @@ def test_fluid_derivatives(end: float) -> None:
 
 def centre_line(x: Any, l0: float, frame: Any) -> Any:
     """y (4, 3) of one tube with the same frame at both ends."""
-    return np.stack(
-        [x[:3], l0 * rotation(x[3:7]) @ frame[:, 0], x[7:10], l0 * rotation(x[10:]) @ frame[:, 0]]
-    )
+    return np.stack([x[:3], l0 * rotation(x[3:7]) @ frame[:, 0], x[7:10], l0 * rotation(x[10:]) @ frame[:, 0]])
 
 
 @pytest.mark.parametrize("end", [0, 1, 2, 3])
@@ -123,9 +117,7 @@ def test_fluid_momentum_balance(end: int) -> None:
     _, fluid, flow, shape = FLOW
     nodes, weights = np.polynomial.legendre.leggauss(5)
     xi, weights = 0.5 * (nodes + 1.0), 0.5 * weights
-    shapes = np.stack(
-        [1 - 3 * xi**2 + 2 * xi**3, xi - 2 * xi**2 + xi**3, 3 * xi**2 - 2 * xi**3, xi**3 - xi**2]
-    )
+    shapes = np.stack([1 - 3 * xi**2 + 2 * xi**3, xi - 2 * xi**2 + xi**3, 3 * xi**2 - 2 * xi**3, xi**3 - xi**2])
     slopes = np.stack([6 * xi**2 - 6 * xi, 1 - 4 * xi + 3 * xi**2, 6 * xi - 6 * xi**2, 3 * xi**2 - 2 * xi])
     for k in range(N):
         d0 = x0[7:10, k] - x0[:3, k]

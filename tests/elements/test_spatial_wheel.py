@@ -24,9 +24,7 @@ def start(rng: Any, rho: float) -> tuple[Any, Any, Any]:
     x0 = np.zeros((10, N))
     for k in range(N):
         down = -UP + (UP @ axes[k]) * axes[k]
-        r = (
-            (radius[k] - rho) * down / np.linalg.norm(down)
-        )  # from the centre to the tread circle, lowest point
+        r = (radius[k] - rho) * down / np.linalg.norm(down)  # from the centre to the tread circle, lowest point
         contact = np.array([*rng.normal(size=2), 0.0])
         x0[:, k] = np.concatenate((contact - (r - rho * UP), [1, 0, 0, 0], contact))
     return x0, axes, radius

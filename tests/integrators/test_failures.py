@@ -87,9 +87,7 @@ class Reluctant(Pendulum):
     def rhs(self, t, y):
         if np.abs(y - self.centre).max() > self.radius:
             self.refusals += 1
-            raise AnalysisError(
-                "the position iteration did not converge", "kinematics.position", residual=1.0
-            )
+            raise AnalysisError("the position iteration did not converge", "kinematics.position", residual=1.0)
         return super().rhs(t, y)
 
     def accepted(self, t, y):
@@ -127,9 +125,7 @@ def test_errors_of_the_problem_are_raised_with_time_when_reduction_does_not_help
 
 @pytest.mark.parametrize("code", [*EXPLICIT_FIXED, 320, 430])
 def test_errors_of_the_problem_are_raised_with_time_in_fixed_steps(code):
-    with pytest.raises(
-        AnalysisError, match=r"singular.*stopped at t = 0\.5 s with step size 0\.05 s"
-    ) as failure:
+    with pytest.raises(AnalysisError, match=r"singular.*stopped at t = 0\.5 s with step size 0\.05 s") as failure:
         list(integrate(Wall(), Pendulum.y0, [0.0, 1.0], code, step=0.05))
     assert failure.value.code == "dynamics.singular"
 
@@ -148,11 +144,7 @@ def test_an_error_at_the_start_is_raised_at_once():
 @pytest.mark.parametrize("code", [0, 140, 155])
 def test_step_limit_names_stiffness(code):
     with pytest.raises(AnalysisError, match=r"more than 20 integration steps.*INTEGRAT 553") as failure:
-        list(
-            integrate(
-                Pendulum(), Pendulum.y0, [0.0, 50.0], code, atol=1e-10, rtol=1e-10, step=0.01, max_steps=20
-            )
-        )
+        list(integrate(Pendulum(), Pendulum.y0, [0.0, 50.0], code, atol=1e-10, rtol=1e-10, step=0.01, max_steps=20))
     assert failure.value.code == "integrator.too-many-steps"
 
 

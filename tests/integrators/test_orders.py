@@ -72,9 +72,7 @@ def test_order_of_variable_step_codes(code, order):
     reference = np.array(pendulum_reference(end))
     # Orders 8 and 9 reach rounding soon, so their steps are longer and the measured order less settled.
     counts, margin = ((10, 20), 0.6) if order >= 8 else ((80, 160), 0.25)
-    errors = [
-        np.linalg.norm(equal_steps(code, Pendulum(), Pendulum.y0, end, n)[0] - reference) for n in counts
-    ]
+    errors = [np.linalg.norm(equal_steps(code, Pendulum(), Pendulum.y0, end, n)[0] - reference) for n in counts]
     assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=margin)
     assert METHODS[code].order == order
     assert METHODS[code].variable_step

@@ -35,8 +35,7 @@ def test_tip_deflection() -> None:
     """w = F L^3/(3 EI): dw/dF, dw/dEI, and dw/dL by moving all nodes; F so small that w/L squared is rounding."""
     F = 1e-7
     lengths = [f"X.{2 * k + 1}[2]" for k in range(1, 5)]
-    found = spacar.sensitivity(cantilever(force=(0.0, F)), ["XF.9[3]", "ESTIFF.*[EI]", *lengths], ["x[9,2]",
-        "Mz[1,1]"])
+    found = spacar.sensitivity(cantilever(force=(0.0, F)), ["XF.9[3]", "ESTIFF.*[EI]", *lengths], ["x[9,2]", "Mz[1,1]"])
     w = F * L**3 / (3 * EI)
     assert found.values[0] == pytest.approx(w, rel=1e-9)
     assert found.derivatives[0, 0] == pytest.approx(w / F, rel=1e-9)

@@ -58,9 +58,7 @@ def test_a_unit_in_fmpy(tmp_path, monkeypatch):
     found = fmpy.simulate_fmu(
         "robotsim.fmu", stop_time=0.05, step_size=0.01, output_interval=0.01, input=signals, output=["OUTX_node_8_x"]
     )
-    ours = closed_loop(
-        Spasim("robotsim.dat"), lambda t, y: MOMENTS, times, feedback="1", rtol=1e-9, atol=1e-11
-    )
+    ours = closed_loop(Spasim("robotsim.dat"), lambda t, y: MOMENTS, times, feedback="1", rtol=1e-9, atol=1e-11)
     np.testing.assert_allclose(found["OUTX_node_8_x"], ours["plant:10"][:, 0], rtol=0, atol=1e-9)
 
 
