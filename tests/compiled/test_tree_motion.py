@@ -11,6 +11,11 @@ import spacar
 from spacar.compiled import CompiledDynamics
 from spacar.compiled.library import unavailable, why_off
 from spacar.deck import parse_deck
+from spacar.dynamics import Dynamics
+from spacar.errors import Report
+from spacar.forward.accepted_steps import singularity_monitor
+from spacar.frame import E_FIELDS, X_FIELDS
+from spacar.mechanism import build
 from spacar.studies.assignments import change, setting
 from tests.ensembles import ensemble
 from tests.examples import DATA
@@ -188,3 +193,161 @@ def test_other_mechanisms_have_the_equations_of_all_elements(name):
     compiled._y[:] = compiled.start()
     at = 1e-6  # the start itself is known
     assert compiled.solver.rhs(compiled.state, at, *compiled._addresses, 1e-12) >= 1
+
+
+# Outputs of rigid trees: stresses from the tips inwards, nodal forces and rates, all as on the general path, which
+# solves the equations of all elements. Both know forces to the rounding of sums of some hundred terms, in
+# accelerations of the condition of the mass matrix: 1e-9 of the largest value of each kind.
+def started(text: str) -> tuple[Dynamics, CompiledDynamics, np.ndarray]:
+    mechanism = build(parse_deck(text, 1), 1)
+    general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
+    y = general.start()
+    compiled.start()
+    return general, compiled, y
+
+
+@pytest.mark.parametrize(("grow", "seed", "links"), CASES)
+def test_frames_of_random_trees(grow, seed, links):
+    general, compiled, y = started(grow(seed, links))
+    rng = np.random.default_rng(seed)
+    rigid = slice(0, compiled.numbering.e_class["input"].start)
+    for k in range(3):
+        t, state = 0.01 * k, y + 0.3 * k * rng.standard_normal(len(y))
+        a, b = general.frame(t, state), compiled.frame(t, state)
+        assert not b.e[rigid].any()  # the equations of all elements leave rounding there
+        scale = max(1.0, *(np.abs(getattr(a, of)).max() for of in ("xdd", "fxtot")))
+        for name in (*X_FIELDS, *E_FIELDS):
+            want = getattr(a, name)
+            size = max(scale, np.abs(want).max())
+            np.testing.assert_allclose(getattr(b, name), want, atol=1e-9 * size, rtol=0, err_msg=name)
+        compiled._y[:] = state
+        assert compiled.solver.rhs(compiled.state, t + 1e-9, *compiled._addresses, 1e-14) == 0  # others iterate
+        want = general.rhs(t + 1e-9, state, 1e-14)
+        np.testing.assert_allclose(compiled._out, want, atol=1e-9 * max(1.0, np.abs(want).max()), rtol=0)
+
+
+def test_forces_of_a_hanging_chain():
+    """At rest every hinge carries the weight below it, N = m g (closed form); nothing moves."""
+    n, mass, g = 5, 2.0, 9.81
+    rows = []
+    for k in range(n):
+        rows.append(f"PLTOR {2 * k + 1} {2 * k + 1 if k else 100} {2 * k + 3}")
+        rows.append(f"PLRBEAM {2 * k + 2} {2 * k + 2} {2 * k + 3} {2 * k + 4}")
+    rows += [f"X {2 * k + 2} 0.0 {-float(k)}" for k in range(n + 1)]
+    rows += ["FIX 100", "FIX 2", *(f"DYNE {2 * k + 1} 1" for k in range(n)), "END", "HALT"]
+    rows += [f"XM {2 * k + 4} {mass}" for k in range(n)]
+    rows += [f"GRAVITY 0.0 {-g}", "TIMESTEP 0.1 1", "END", "END", ""]
+    _, compiled, y = started("\n".join(rows))
+    frame = compiled.frame(0.0, y)
+    numbering = compiled.numbering
+    for k in range(n):
+        along = [abs(frame.sig[numbering.e_index(2 * k + 2, mode)]) for mode in (1, 2)]
+        assert max(along) == pytest.approx((n - k) * mass * g, rel=1e-14)
+        assert min(along) <= 1e-14 * n * mass * g
+    assert np.abs(frame.xdd).max() <= 1e-13 * g
+    np.testing.assert_allclose(frame.fxtot[numbering.x_index(2, 2)], n * mass * g, rtol=1e-14)
+
+
+@pytest.mark.parametrize(("grow", "seed", "links"), CASES[3::9])
+def test_a_state_that_is_there_is_not_evaluated_again(grow, seed, links):
+    """The start is handed on: as derivative, frame and fork; other loads at the same state are seen."""
+    _, compiled, y = started(grow(seed, links))
+    shown = compiled.fork()
+    frames = [e.frame(0.0, y) for e in (compiled, shown)]
+    rates = compiled.rhs(0.0, y)
+    fresh = CompiledDynamics(compiled.model.mechanism)
+    fresh.rhs(0.5, y)
+    want, again = fresh.rhs(0.0, y), fresh.frame(0.0, y)
+    size = max(1.0, np.abs(want).max())
+    np.testing.assert_allclose(rates, want, atol=1e-12 * size, rtol=0)
+    for frame in frames:
+        for name in (*X_FIELDS, *E_FIELDS):
+            value = getattr(again, name)
+            np.testing.assert_allclose(
+                getattr(frame, name), value, atol=1e-12 * max(size, np.abs(value).max()), rtol=0, err_msg=name
+            )
+    force = np.zeros(len(frames[0].x))
+    force[compiled.numbering.x_class["calculable"]] = 1.0
+    compiled.push(np.zeros(len(frames[0].e)), force)
+    np.testing.assert_allclose(compiled.frame(0.0, y).fx, frames[0].fx + force, atol=1e-13, rtol=1e-13)
+
+
+@pytest.mark.parametrize(("grow", "seed", "links"), CASES)
+def test_the_bound_of_the_condition_holds_everywhere(grow, seed, links):
+    """Never above the reciprocal condition of the general path, which is an estimate from above within a factor of
+    three; and of use: above the limit of a doubtful position, so that dead points are not looked for."""
+    general, compiled, y = started(grow(seed, links))
+    bound = compiled.solver.rcond_everywhere()
+    rng = np.random.default_rng(seed)
+    for k in range(3):
+        general.frame(0.0, y + k * rng.standard_normal(len(y)))
+        assert bound <= general.position_matrix().rcond()
+    assert bound > 1e-6
+    assert compiled.position_matrix().regular_everywhere()
+    assert singularity_monitor(compiled, Report()) is None
+
+
+@pytest.mark.parametrize("name", ["crank2", "crankfl"])
+def test_other_mechanisms_have_dead_points(name):
+    compiled = CompiledDynamics(spacar.frames(1, DATA / f"{name}.dat").mechanism)
+    compiled.start()
+    assert not compiled.position_matrix().regular_everywhere()
+    assert singularity_monitor(compiled, Report()) is not None
+
+
+# Chains and trees of rigid links, whose accelerations C takes from the reduced form or from the saddle-point form.
+def spatial_links(n: int, branches: int) -> str:
+    """n rods of 0.2 m with hinges of alternating axes, `branches` at the end of every one, numbered from the ground."""
+    parent = [0, *((k - 2) // branches + 1 for k in range(2, n + 1))]
+    place = [np.zeros(2)]
+    for k in range(1, n + 1):
+        angle = 0.4 * ((k - 2) % branches)
+        place.append(place[parent[k - 1]] + 0.2 * np.array([np.cos(angle), np.sin(angle)]))
+    before = [2 * n + 2, *(n + 1 + p for p in parent[1:])]
+    rows = [f"RBEAM {k} {parent[k - 1] + 1} {n + 1 + k} {k + 1}" for k in range(1, n + 1)]
+    rows += [f"HINGE {n + k} {before[k - 1]} {n + 1 + k} {('0 0 1', '0 1 0')[k % 2]}" for k in range(1, n + 1)]
+    rows += [f"X {k + 1} {x!r} {y!r} 0." for k, (x, y) in enumerate(np.array(place).tolist())]
+    rows += ["FIX 1", f"FIX {2 * n + 2}", *(f"DYNE {n + k} 1" for k in range(1, n + 1)), "END", "HALT"]
+    rows += [f"EM {k} 1. 0.01 0.005 0.005" for k in range(1, n + 1)]
+    return "\n".join([*rows, "GRAVITY 1. 2. -9.81", "TIMESTEP 1. 10", "END", "END", ""])
+
+
+@pytest.mark.parametrize(("n", "branches"), [(3, 1), (12, 1), (12, 2), (45, 1)])
+def test_links_in_both_forms(n, branches):
+    """Accelerations, stresses and the reduced mass matrix are those of the general path."""
+    mechanism = spacar.frames(1, parse_deck(spatial_links(n, branches), mode=1)).mechanism
+    general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
+    y = general.start()
+    compiled.start()
+    compiled._in_general = None
+    y += 0.05 * np.random.default_rng(n).standard_normal(len(y))
+    for k in range(1, 3):
+        a, b = general.frame(0.01 * k, k * y), compiled.frame(0.01 * k, k * y)
+        for name in ("x", "xd", "xdd", "sig"):
+            want, got = getattr(a, name), getattr(b, name)
+            np.testing.assert_allclose(got, want, atol=1e-10 * max(1.0, np.abs(want).max()), rtol=0, err_msg=name)
+    M = compiled.solver.reduced_mass()
+    numpy_evaluator, rates = compiled.numpy_evaluator(), 2 * y[n:]
+    numpy_evaluator.sweep.mass()
+    energy = b.xd @ numpy_evaluator.sweep.mass_times(b.xd)  # kinetic energy, twice
+    assert rates @ M[:, :, 0] @ rates == pytest.approx(energy, rel=1e-12)
+
+
+SWING = """
+{joint} X 1 0 0{z} X 4 1 0{z} FIX 1 FIX 2 DYNE 1 1 DRPINBOD 2 0.5 0{z} END HALT
+ESTIFF 1 1. XM 4 1. STARTDE 1 1 0.1 0 TIMESTEP 1 4 ERROR 1e-9 1e-9 END END
+"""
+JOINTS = {
+    "PLPINBOD": SWING.format(joint="PLTOR 1 2 3 PLPINBOD 2 1 3 4", z=""),
+    "PLRBEAM": SWING.format(joint="PLTOR 1 2 3 PLRBEAM 2 1 3 4", z=""),
+    "PINBODY": SWING.format(joint="HINGE 1 2 3 0 0 1 PINBODY 2 1 3 4", z=" 0"),
+    "RBEAM": SWING.format(joint="HINGE 1 2 3 0 0 1 RBEAM 2 1 3 4", z=" 0"),
+}
+
+
+@pytest.mark.parametrize("body", JOINTS)
+@pytest.mark.parametrize("compiled", [True, False])
+def test_arm_of_drpinbod(body, compiled):
+    """1 kg at 0.5 m on a spring of 1 N m/rad: 0.1 cos 2t, though the reference has 1 m."""
+    result = spacar.run(1, parse_deck(JOINTS[body]), compiled=compiled)
+    np.testing.assert_allclose(result.element(1, 1), 0.1 * np.cos(2.0 * result.t), atol=1e-8)

@@ -10,7 +10,10 @@ from spacar.deck import parse_deck
 from spacar.deck.cross_section import MATERIALS, SHAPES, rectangle_torsion
 from spacar.deck.length_unit import metres, shown_in
 from spacar.deck.rewrite.divide import divided
+from spacar.deck.rewrite.refine import refine
 from spacar.errors import InputError, UsageError
+from spacar.mechanism.element_batches import by_angles
+from tests.examples import DATA
 
 
 def constants(shape, *dims, nu=0.3):
@@ -258,3 +261,15 @@ def test_numbers_of_a_section_can_be_set_and_those_that_follow_cannot():
 def test_division_of_an_undivided_model_changes_nothing():
     deck = parse_deck(STRIP.format(kind=KINDS[1], n=1))
     assert divided(deck.statements, {1: 1}) == (list(deck.statements), {})
+
+
+# Beams that are divided keep their measure.
+@pytest.mark.parametrize(("statement", "measured"), [("ADEFORM", range(1, 11)), ("ADEFORM 2", (2, 7))])
+def test_adeform_of_all_and_of_one_beam(statement, measured):
+    """plbeam5 in halves: beam 2 becomes 2 and 7. ADEFORM without a number failed with IndexError."""
+    text = (DATA / "plbeam5.dat").read_text().replace("DYNE 1 2 3", f"{statement}\nDYNE 1 2 3", 1)
+    deck = refine(parse_deck(text, mode=7), 2)
+    assert by_angles(deck) == set(measured)
+    result = spacar.run(7, deck)
+    forms = {b.family.measure for b in result.mechanism.batches if b.family.keyword == "PLBEAM"}
+    assert forms == ({"angle"} if statement == "ADEFORM" else {"", "angle"})

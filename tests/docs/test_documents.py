@@ -128,3 +128,27 @@ def test_every_page_is_in_the_contents_of_the_site():
     pages = [p.relative_to(DOCS).with_suffix("").as_posix() for p in DOCS.rglob("*.md")]
     top = [page for page in listed if page.startswith("/")]
     assert sorted(listed) == sorted([*top, *(page for page in pages if page != "index")])
+
+
+# The chapter on flexures: every command and number in it is run.
+def test_flexures_page(tmp_path):
+    for name in ("leafguide.dat", "crosshingew.dat"):
+        shutil.copy(HOUSE / "data" / name, tmp_path)
+    count = run_document(HOUSE / "docs" / "flexures.md", tmp_path)
+    assert count.commands >= 10
+    assert count.numbers >= 60
+
+
+# The four start pages: each from an empty folder to a picture, as it says.
+START_PAGES = sorted(DOCS.glob("start-*.md"))
+
+
+def test_there_is_a_page_for_each_kind_of_user() -> None:
+    assert [p.stem for p in START_PAGES] == ["start-control", "start-flexure", "start-python", "start-spacar"]
+
+
+@pytest.mark.parametrize("page", START_PAGES, ids=lambda p: p.stem)
+def test_a_start_page_leads_to_a_picture(page, tmp_path) -> None:
+    count = run_document(page, tmp_path)
+    assert count.commands >= 2
+    assert list(tmp_path.glob("*.png"))

@@ -1,5 +1,6 @@
 """What a user and an archive see of the package: one version, types, classifiers, a citation that is well formed."""
 
+import doctest
 import re
 from importlib import metadata
 from importlib.resources import files
@@ -37,3 +38,13 @@ def test_the_citation_has_what_the_format_demands():
     """Citation File Format 1.2.0: these five keys are required."""
     keys = set(re.findall(r"^([a-z-]+):", CITATION, re.MULTILINE))
     assert {"cff-version", "message", "title", "authors", "type"} <= keys
+
+
+# Every public name has a docstring with an example that runs beside the example models.
+@pytest.mark.parametrize("name", spacar.__all__)
+def test_the_example_of_a_public_name(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(HOUSE)
+    text = getattr(spacar, name).__doc__
+    test = doctest.DocTestParser().get_doctest(text, {}, name, None, 0)
+    assert test.examples, f"{name} has no example"
+    assert doctest.DocTestRunner().run(test).failed == 0

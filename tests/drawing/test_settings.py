@@ -1,8 +1,20 @@
 """The VISUALIZATION section: both spellings and generations of input-language.md section 2."""
 
-from spacar_drawing.settings import SectionShape, parse_settings, read_settings
+import numpy as np
+import pytest
+from spacar_drawing import element_pictures, report_page
+from spacar_drawing.drawn_shapes import Line, Mark
+from spacar_drawing.element_pictures import element_shapes
+from spacar_drawing.look import look_of
+from spacar_drawing.mechanism_picture import Extras, draw_steps
+from spacar_drawing.picture_source import open_source
+from spacar_drawing.scene import Pose
+from spacar_drawing.settings import RULES, SPELLINGS, SectionShape, parse_settings, read_settings
 
 from tests.examples import DATA
+
+from .conftest import call
+from .models import result_source
 
 
 def lines(text):
@@ -90,3 +102,88 @@ def test_read_from_the_input_file_or_the_file_beside_it(tmp_path):
     model.write_text("PLTRUSS 1 1 2\nEND END\nVISUALIZATION\nLIGHT 1\n")
     assert read_settings(model).light is True  # the section of the input file comes first
     assert read_settings(tmp_path / "none.dat").light is True
+
+
+# Settings of VISUALIZATION have entries in `spacar keywords`; pictures of modes say frequency or load multiplier.
+@pytest.mark.parametrize("name", RULES)
+def test_every_setting_has_an_entry(name):
+    done = call("keywords", name)
+    assert done.status == 0
+    assert f"{name}: {RULES[name].help}" in done.out
+    assert "VISUALIZATION section" in done.out
+    for heading in RULES[name].groups:
+        assert f"behind a line {heading}" in done.out or f"or {heading}" in done.out
+
+
+def test_other_spellings():
+    for given, meant in SPELLINGS.items():
+        assert call("keywords", given).out == call("keywords", meant).out
+
+
+def test_a_name_of_both_has_both_meanings():
+    """TRAJECT of the third block, and of the pictures."""
+    text = call("keywords", "traject").out
+    assert text.count("TRAJECT: ") == 2
+
+
+def test_a_wrong_name_finds_a_setting():
+    assert "nearest: ENLARGEFACTOR" in call.refused("keywords", "ENLARGFACTOR")
+
+
+@pytest.mark.parametrize(("name", "words"), [("plbeam5free", " Hz, "), ("lateral4", "load multiplier ")])
+def test_modes_of_the_report_say_their_number_in_the_picture(name, words, results, monkeypatch):
+    titles = []
+    monkeypatch.setattr(
+        report_page, "html_figure", lambda figure, *_: titles.append(figure.axes[0].get_title(loc="left")) or ""
+    )
+    report_page.report_page(open_source(results / name), log_lines=0)
+    modes = [t for t in titles if "mode" in t]
+    assert len(modes) == report_page.MOST_MODES
+    assert all(words in t for t in modes)
+
+
+# Elements without a picture of their own: a line between the position nodes, or a mark.
+@pytest.mark.parametrize("name", ["crank", "slider", "massspring", "trike2", "cardan", "screw"])
+def test_no_shape_is_known(name, monkeypatch, tmp_path):
+    """Every element gives one shape, and the picture of all of them, numbers included, is made."""
+    source = result_source(name, 0)
+    scene, x = source.scene, source.x(1)
+    monkeypatch.setattr(element_pictures, "PARTS", {})
+    monkeypatch.setattr(element_pictures, "ALONG_LINES", ())
+    look, pose = look_of(scene, x[None], source.settings), Pose.of(scene, x)
+    drawn = [e for e in scene.elements if e.number not in source.settings.hidden]
+    shapes = element_shapes(scene, pose, look)
+    lines = [s for s in shapes[: len(drawn)] if isinstance(s, Line)]
+    assert len([s for s in shapes[: len(drawn)] if isinstance(s, Mark)]) == len(drawn) - len(lines)
+    wanted = [pose.place[[e.p - 1, e.q - 1]] for e in drawn if e.p and e.q]
+    np.testing.assert_array_equal([s.points for s in lines], wanted)
+    figure = draw_steps(scene, x[None], source.settings, Extras(title="", element_numbers=True, node_numbers=True))
+    figure.savefig(tmp_path / "plain.png")
+
+
+VALUES = {
+    "element": "3", "node": "8", "shape": "LINE", "dimensions": "0.01 0.02", "section": "0.01 0.02",
+    "hinge": "1 0.01 0.02", "colour": "0.1 0.2 0.3", "unit": "0.5", "switch": "0", "positive": "0.1", "real": "2",
+    "number": "2",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [*RULES, *SPELLINGS])
+def test_every_setting_that_is_checked_is_read(name):
+    """A setting, behind a heading where it needs one, changes the picture; a heading with a setting behind it does."""
+    rule = RULES[SPELLINGS.get(name, name)]
+    lines = ["TRAJECTNODE 8", *rule.groups[:1]]
+    behind = [other for other, r in RULES.items() if name in r.groups]
+    more = [f"{name} {VALUES.get(rule.kind, '')}", *(f"{n} {VALUES[RULES[n].kind]}" for n in behind)]
+    assert parse_settings([*lines, *more]) != parse_settings(lines)
+
+
+def test_curves_over_a_stroke_are_smooth_but_for_kinks():
+    """A parabola to 1 % of its range, |x| to rounding, and the computed states themselves."""
+    from spacar_drawing.stroke_figures import smooth
+
+    x = np.linspace(-1.0, 1.0, 9)
+    for y, error in ((1.0 - x**2, 0.01), (np.abs(x), 1e-15)):
+        dense, curve = smooth(x, y)
+        assert np.max(np.abs(curve - (np.abs(dense) if error < 1e-3 else 1.0 - dense**2))) <= error
+        np.testing.assert_allclose(np.interp(x, dense, curve), y, atol=1e-15)

@@ -1,12 +1,19 @@
 """Few modes of a dense pencil are computed alone: they agree with all of them, and with what is known."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+import spacar
 from spacar.errors import Report
 from spacar.linear import eigen
+from spacar.linear.backward_error import of_pencil, of_scaled_pencil
+from spacar.linear.buckling import directional_compliances, order_of
+from spacar.linear.eigen import is_symmetric, modes_of_matrices
 from spacar.linear_systems.linear_system import is_zero_matrix, matrix, zero_matrix
 from spacar.linearization.matrices import selected
+from tests.examples import DATA
 
 
 def random_pencil(n: int, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -66,3 +73,127 @@ def test_rows_in_another_order():
     np.testing.assert_array_equal(selected(A, turned, every), A[turned])
     np.testing.assert_array_equal(selected(A, every, turned), A[:, turned])
     np.testing.assert_array_equal(selected(A, every[1:], every[:2]), A[1:, :2])
+
+
+# What is told from a bound, without the full computation, is the same as with it.
+@pytest.mark.parametrize("power", [0, 4, 8])
+@pytest.mark.parametrize("relative", [0.0, 1e-13, 1e-10, 1e-8, 1e-6])
+def test_symmetry_does_not_depend_on_units(power, relative):
+    rng = np.random.default_rng(2)
+    A = rng.normal(size=(6, 6))
+    A = A @ A.T
+    size = np.sqrt(np.diag(A))
+    A[1, 4] += relative * size[1] * size[4]
+    unit = 10.0 ** np.linspace(-power, power, 6)
+    assert is_symmetric(A * np.outer(unit, unit)) == (relative < 1e-9)
+
+
+@pytest.mark.parametrize("digits", [2, 11, 13])
+def test_compliances_of_a_badly_conditioned_stiffness(digits):
+    """K = Q diag(s) Q^T: the compliance of q_i is sum_k Q_ik^2/s_k, with and without singular values."""
+    Q = np.array([[0.6, 0.8], [-0.8, 0.6]])
+    s = np.array([1.0, 10.0**-digits])
+    L = SimpleNamespace(stiffness=Q @ np.diag(s) @ Q.T, W=np.eye(2))
+    report = Report()
+    found = directional_compliances(L, np.arange(2), report)
+    np.testing.assert_allclose(found, (Q**2 / s).sum(axis=1), rtol=10.0 ** (digits - 15))
+    assert not report.lines
+
+
+def test_compliances_of_a_singular_stiffness_are_infinite_where_it_moves():
+    L = SimpleNamespace(stiffness=np.diag([2.0, 0.0]), W=np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]))
+    report = Report()
+    np.testing.assert_array_equal(directional_compliances(L, np.arange(2), report), [0.5, np.inf, 0.0])
+    assert len(report.lines) == 1
+
+
+def test_a_scaled_pencil_has_the_backward_error_of_the_pencil():
+    rng = np.random.default_rng(4)
+    A, B, z = rng.normal(size=(5, 5)), rng.normal(size=(5, 5)), rng.normal(size=(5, 3))
+    values = np.array([1.0, -2.0, 3.0])
+    d = 10.0 ** rng.normal(size=5)
+    D = np.diag(d)
+    expected = of_pencil(A, B, values, z, d)
+    found = of_scaled_pencil(D @ A @ D, D @ B @ D, values, z / d[:, None])
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+def test_order_with_and_without_pairs():
+    np.testing.assert_array_equal(order_of(np.array([3.0, -1.0, 2.0])), [1, 2, 0])
+    np.testing.assert_array_equal(order_of(np.array([3.0, -1.0, 1.0])), [2, 1, 0])
+
+
+# Low modes of an unsymmetric stiffness, against 40 digits.
+mp = pytest.importorskip("mpmath")
+N = 8
+
+
+def pencil(seed: int, damping: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """M, C, and K with omega^2 over ten decades on its diagonal in any order, coupled and unsymmetric."""
+    rng = np.random.default_rng(seed)
+    omega = rng.permutation(np.logspace(0.0, 5.0, N))
+    K = (np.eye(N) + 0.1 * rng.normal(size=(N, N))) * np.outer(omega, omega)
+    M = np.eye(N) + 0.1 * np.ones((N, N))
+    return M, damping * np.diag(omega), K
+
+
+def exact(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> np.ndarray:
+    with mp.workdps(40):
+        A, inverse = mp.zeros(2 * N), mp.inverse(mp.matrix(M.tolist()))
+        A[:N, N:] = mp.eye(N)
+        A[N:, :N], A[N:, N:] = -inverse * mp.matrix(K.tolist()), -inverse * mp.matrix(C.tolist())
+        values, _ = mp.eig(A)
+        return np.array([complex(v) for v in values])
+
+
+@pytest.mark.parametrize(("seed", "damping"), [
+    pytest.param(seed, damping, marks=[pytest.mark.slow] * ((seed, damping) not in ((0, 0.0), (1, 0.02))))
+    for seed in range(5) for damping in (0.0, 0.02)
+])  # fmt: skip
+def test_every_mode_of_a_stiffness_over_ten_decades(seed: int, damping: float) -> None:
+    """Half of the decades from either end: eps 1e10 / 1e5, and some for the coupling."""
+    M, C, K = pencil(seed, damping)
+    found = modes_of_matrices(M, C, K, np.eye(N), np.zeros((N, N)), Report())
+    truth = exact(M, C, K)
+    for value in truth:
+        nearest = found.values[np.argmin(np.abs(found.values - value))]
+        assert abs(nearest - value) < 1e-9 * abs(value), (value, nearest)
+    for value, z in zip(found.values, found.vectors.T, strict=True):
+        q = z[:N]
+        terms = [value**2 * (M @ q), value * (C @ q), K @ q]
+        np.testing.assert_allclose(z[N:], value * q, atol=1e-9 * np.abs(z).max())
+        assert np.abs(sum(terms)).max() < 1e-8 * sum(np.abs(t).max() for t in terms)
+
+
+def test_a_rigid_motion_is_left_to_the_other_computation() -> None:
+    K = np.array([[1.0, -1.0], [-1.0, 1.0 + 1e-13]])
+    found = modes_of_matrices(np.eye(2), np.zeros((2, 2)), K, np.eye(2), np.zeros((2, 2)), Report())
+    assert np.isfinite(found.values).all()
+    assert np.abs(found.values).max() == pytest.approx(np.sqrt(2.0), rel=1e-12)
+
+
+def eigenvalue_near(K: np.ndarray, M: np.ndarray, w: float) -> float:
+    """omega^2 in 40 digits, from the shape and its left counterpart: two-sided Rayleigh quotient iteration."""
+    with mp.workdps(40):
+        A, B, value = mp.matrix(K.tolist()), mp.matrix(M.tolist()), mp.mpf(w)
+        x, y = mp.ones(len(K), 1), mp.ones(len(K), 1)
+        before = mp.mpf(0)
+        while abs(value - before) > mp.mpf(10) ** -15 * abs(value):  # cubic: the last step leaves far less
+            before = value
+            near = A - value * (1 + mp.mpf(10) ** -30) * B
+            x, y = mp.lu_solve(near, B * x), mp.lu_solve(near.T, B.T * y)
+            x, y = x / mp.norm(x), y / mp.norm(y)
+            value = (y.T * A * x)[0] / (y.T * B * x)[0]
+        return float(value)
+
+
+def test_the_loaded_cross_hinge_has_the_frequencies_of_its_matrices() -> None:
+    """Unsymmetric by what the iteration leaves of the forces; the largest omega^2 is 2e9 times the second one, of which
+    rounding took 1e-7 and more, otherwise on every kernel of OpenBLAS."""
+    result = spacar.run(10, DATA / "crosshingew.dat")
+    m = result.frames[-1].matrices
+    K = m["k0"] + m["n0"] + m["g0"]
+    assert not np.array_equal(K, K.T)
+    for f in result.frequencies[-1][:3]:
+        w = (2.0 * np.pi * f) ** 2
+        assert w == pytest.approx(eigenvalue_near(K, m["m0"], w), rel=2e-8)  # entries of K: 4e-9

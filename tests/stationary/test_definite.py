@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from statics import cantilever
 
+import spacar
 from spacar.deck import parse_deck
 from spacar.errors import Report
-from spacar.linear_systems import matrix_inertia
+from spacar.linear_systems import assemble, matrix_inertia
+from spacar.linear_systems.matrix_inertia import Inertia
 from spacar.mechanism import build
 from spacar.stationary import LoadProgram, StationarySolver
 from spacar.stationary.resting_tangent import RestingTangent
@@ -72,3 +74,116 @@ def test_large_models_are_counted_only_where_nothing_is_proved(monkeypatch):
         solver.solve(level)
     assert solver._continuation is not None
     assert str(solver._continuation.stable) == "0 negative eigenvalues"
+
+
+# The sign of the determinant, which tells of unsymmetric tangents whether the negative eigenvalues are even or odd.
+BAR = """
+BEAM 1  1 2  5 6  0 1 0   BEAM 2  5 6  3 4  0 1 0   X 5 0.25 0. 0.   X 3 0.5 0. 0.
+FIX 1   FIX 2   DYNE 1 1 2 3 4 5 6   DYNE 2 1 2 3 4 5 6   END HALT
+ESTIFF 1 1000. 1. 2. 1.   ESTIFF 2 1000. 1. 2. 1.   EM 1 1. 0.01 0.01 0.01   EM 2 1. 0.01 0.01 0.01
+ITERSTEP 30 4 1e-9 1 2 2
+"""
+
+
+@pytest.mark.parametrize("kind", ["dense", "banded", "sparse"])
+def test_sign_of_every_storage(kind):
+    """Against NumPy; a pattern without symmetry, so that rows and columns are ordered differently."""
+    rng = np.random.default_rng(3)
+    signs = set()
+    for n in range(5, 25):
+        rows, columns = np.nonzero(rng.random((n, n)) < 2.0 / n)
+        rows, columns = np.append(rows, rng.permutation(n)), np.append(columns, np.arange(n))
+        entries = rng.normal(size=len(rows))
+        A = np.zeros((n, n))
+        np.add.at(A, (rows, columns), entries)
+        system = assemble(n, rows, columns, kind)
+        system.factor(entries)
+        assert system.determinant_sign() == np.linalg.slogdet(A)[0]
+        signs.add(system.determinant_sign())
+    assert signs == {-1.0, 1.0}
+
+
+def warnings(loads: str) -> list[str]:
+    return [w for w in spacar.run(8, parse_deck(f"{BAR}{loads}\nEND\nEND\n", mode=8)).report if "critical" in w]
+
+
+@pytest.mark.parametrize("moment", ["1e-4 0. 0.", "0. 2e-4 1e-4", "3e-5 2e-4 -1e-4"])
+def test_a_small_moment_passes_no_critical_state(moment):
+    """A moment on an orientation makes the tangent unsymmetric: from then on only the sign is known.
+
+    The loads are 1e-4 of those that bend or twist the bar by a radian, far below every critical one.
+    """
+    assert warnings(f"DELXF 4 {moment}") == []
+    assert warnings(f"XF 3 0. 1e-3 0.\nDELXF 4 {moment}") == []
+
+
+def test_a_critical_state_of_an_unsymmetric_tangent_is_said():
+    """Compression of a twisted bar with 2.2 and then 2.8 EI/l^2 (EI = 1): one bending motion buckles at 2.47."""
+    twist = "XF 4 1e-3 0. 0."
+    assert warnings(f"{twist}\nDELXF 3 -8.8 0. 0.") == []
+    [said] = warnings(f"{twist}\nDELXF 3 -11.2 0. 0.")
+    assert "sign of its determinant" in said
+
+
+# Count of negative eigenvalues: exact, and with linear cost.
+def chain(k: int, free: bool) -> tuple[int, np.ndarray, np.ndarray, np.ndarray]:
+    """k masses and k or k - 1 springs of compliance 1 in a row, every third one rigid and one mass in four drawn by a
+    negative spring to the ground; unknowns in random order."""
+    n = 2 * k
+    A = np.zeros((n, n))
+    for i in range(free, k):  # spring i between masses i - 1 and i
+        A[k + i, i] = A[i, k + i] = 1.0
+        if i:
+            A[k + i, i - 1] = A[i - 1, k + i] = -1.0
+        A[k + i, k + i] = -1.0 * (i % 3 > 0)
+    A[k, k] = -1.0 if free else A[k, k]
+    A[range(3, k, 4), range(3, k, 4)] = -0.03
+    p = np.random.default_rng(k).permutation(n)
+    A = A[np.ix_(p, p)]
+    rows, columns = np.nonzero(A)
+    return n, rows, columns, A[rows, columns]
+
+
+@pytest.mark.parametrize("free", [False, True])
+@pytest.mark.parametrize("k", [20, 100, 317])
+def test_both_ways_agree_with_the_spectrum(k, free):
+    n, rows, columns, entries = chain(k, free)
+    A = np.zeros((n, n))
+    A[rows, columns] = entries
+    spectrum = np.linalg.eigvalsh(A)
+    assert np.abs(spectrum).min() > 1e-6  # no sign is in doubt
+    expected = int(np.sum(spectrum < 0.0)), 0
+    count = Inertia(n, rows, columns)
+    assert count(entries) == expected
+    if n > matrix_inertia.SINGLE:
+        values = count._equilibrated(entries)
+        assert matrix_inertia._by_spectra(n, count._blocks(values, False, matrix_inertia.SMALLEST_BLOCK)) == expected
+        blocks = count._blocks(values, False, matrix_inertia.FACTORED_BLOCK)
+        assert matrix_inertia._by_factors(n, blocks) in (expected[0], None)
+
+
+def test_few_directions_wait(monkeypatch):
+    """A chain of beams before and after its bending: what is small but not coupled must not wait for the last block.
+
+    The blocks of all orders together would make the cost grow with the cube of the number of beams.
+    """
+    m = build(parse_deck(cantilever(200), mode=7), 7)
+    orders, eigh = [], np.linalg.eigh
+    seen: list[tuple[int, int]] = []
+
+    def counted(self, point):
+        count = self.t.pattern(("geometric", "load", "moment"))
+        solver = Inertia(self.t.nf + self.t.ne, *count)
+        blocks = solver._blocks(solver._equilibrated(self.entries(point)), False, matrix_inertia.SMALLEST_BLOCK)
+        monkeypatch.setattr(np.linalg, "eigh", lambda S: (orders.append(len(S)), eigh(S))[1])
+        seen.append(matrix_inertia._by_spectra(solver.n, blocks))
+        monkeypatch.setattr(np.linalg, "eigh", eigh)
+        assert seen[-1] == self.inertia(point)
+        return False  # not proved: the walk counts
+
+    monkeypatch.setattr(RestingTangent, "is_definite", counted)
+    solver = StationarySolver(m, Report())
+    for level in LoadProgram(m.settings):
+        solver.solve(level)
+    assert seen
+    assert max(orders) <= 2 * matrix_inertia.SMALLEST_BLOCK

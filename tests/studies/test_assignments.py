@@ -1,10 +1,17 @@
 """Targets and values of a study."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+import spacar
+from spacar.deck import parse_deck, read_deck
 from spacar.errors import InputError, UsageError
+from spacar.studies import assignments
 from spacar.studies.assignments import axis, change, combine, setting, values
+from spacar.studies.runs.quantities import quantity
+from tests.examples import DATA
 
 
 def changed(deck, text):
@@ -96,3 +103,102 @@ def test_combinations():
     assert pairs == [(1, 5), (2, 6)]
     with pytest.raises(UsageError, match=r"XM\.8 has 2, EM\.2 has 3"):
         combine([axis("XM.8=1,2"), axis("EM.2=5,6,7")], together=True)
+
+
+# Targets with a name (SECTION, MATERIAL) and natural frequencies in the languages of studies.
+GUIDE = DATA / "leafguide.dat"
+
+
+@pytest.mark.parametrize("target", ["SECTION.leaf[t]", "section.LEAF[t along]", "SECTION.leaf[4]"])
+def test_a_dimension_of_a_section(target: str) -> None:
+    deck = change(read_deck(GUIDE, 10), [setting(target)], [0.6])
+    [use] = [s for s in deck.sections if s.element == 1]
+    assert use.dims == (0.05, 0.0006)
+
+
+def test_a_number_of_a_material() -> None:
+    deck = change(read_deck(GUIDE, 10), [setting("MATERIAL.spring[Young]")], [1e5])
+    assert pytest.approx(1e11) == deck.sections[0].material.E
+
+
+def test_a_name_that_there_is_not() -> None:
+    with pytest.raises(UsageError, match="there is no statement SECTION blade to change"):
+        setting("SECTION.blade[t]").targets[0].places(read_deck(GUIDE, 10))
+    with pytest.raises(UsageError, match="its arguments are 1 name, 2 shape, 3 w along y', 4 t along z'"):
+        setting("SECTION.leaf[d]").targets[0].places(read_deck(GUIDE, 10))
+
+
+def test_frequencies_as_quantities() -> None:
+    """frequency[i] is |eigval|/2 pi, from low to high."""
+    result = spacar.run(7, Path(GUIDE).with_name("plbeam5free.dat"))
+    values = np.sort(np.unique(np.abs(result["eigval"][-1] @ [1, 1j]).round(9))) / (2 * np.pi)
+    assert quantity("frequency[1]@end").number(result) == pytest.approx(values[0], rel=1e-6)
+    assert quantity("frequency[2]@end").number(result) == pytest.approx(result.frequencies[-1, 1], rel=1e-14)
+    with pytest.raises(UsageError, match="frequency has"):
+        quantity("frequency[99]@end").number(result)
+
+
+# A variant whose numbers are put into the statements of the deck is the deck that its text reads to.
+CASES = [
+    ("robotsim.dat", "XM.8", 27.5), ("robotsim.dat", "BEAM.4[4]", 0.0), ("crankfl.dat", "ESTIFF.*[EI]", 12.25),
+    ("crankfl.dat", "X.*[1]", 1e-3), ("crank.dat", "TIMESTEP[1]", 0.125), ("trike2.dat", "XM.*", 1e-7),
+    ("robotsim.dat", "ERROR[1]", 1e-7), ("plbeam5.dat", "XF.*[2]", -3.0), ("fourbar.dat", "STARTDX.*[3]", 0.5),
+    ("crankfl.dat", "EM.*", 1e200), ("crankfl.dat", "EM.*", -1.0), ("crankfl.dat", "TIMESTEP[1]", -1.0),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "target", "value"), CASES)
+@pytest.mark.parametrize("mode", [None, 1, 7])
+def test_same_as_reading(name, target, value, mode, monkeypatch):
+    deck = read_deck(DATA / name, mode)
+    which = [setting(target)]
+    found = []
+    for substitutes in (True, False):
+        if not substitutes:
+            monkeypatch.setattr(assignments, "with_numbers", lambda deck, edits: None)
+        try:
+            found.append(change(deck, which, [value]))
+        except Exception as error:
+            found.append((type(error), str(error)))
+    ours, read = found
+    if isinstance(read, tuple):
+        assert ours == read
+        return
+    assert ours.text == read.text
+    assert ours.statements == read.statements
+    assert set(ours.messages) == set(read.messages)
+    for part in ("data", "sha256", "visualization", "mode", "third", "sections"):
+        assert getattr(ours, part) == getattr(read, part)
+    assert ours.to_text() == read.to_text()
+
+
+def test_two_numbers_of_a_line_and_a_comment():
+    text = "PLBEAM 1 1 2 3 4\nX 3 1. 0.\nFIX 1\nFIX 2\nDYNE 1 2 3\nEND\nHALT\nEM 1 2.5   % mass\nESTIFF 1 0. 3.;rest\n"
+    deck = parse_deck(text + "END\nEND\n", mode=7)
+    changed = change(deck, [setting("X.3[2]"), setting("X.3[3]"), setting("EM.1")], [1.25, 0.125, 1e-5])
+    assert changed.first("X").values == (3, 1.25, 0.125)
+    assert changed.text == parse_deck(changed.text, mode=7).text
+    assert "EM 1 1e-05   % mass" in changed.text
+    assert parse_deck(changed.text, mode=7).statements == changed.statements
+
+
+def test_nothing_is_read(monkeypatch):
+    deck = read_deck(DATA / "robotsim.dat", 1)
+    change(deck, [setting("XM.8")], [20.0])
+    monkeypatch.setattr(assignments, "parse", None)
+    assert change(deck, [setting("XM.8")], [21.0]).first("XM").keyword == "XM"
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize(("before", "value"), [("1.", 0.12345678901234567), ("0.12345678901234567", 1.0)])
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+def test_lines_that_get_too_long_or_fit_again(end, before, value, mark, monkeypatch):
+    comment = "% " + (157 - len("X 3 1. 0.% ")) * "-"
+    rows = ["PLBEAM 1 1 2 3 4", f"X 3 {before} 0.{comment}", "FIX 1", "FIX 2", "DYNE 1 2", "END HALT", "END END", ""]
+    deck = parse_deck(mark + end.join(rows), mode=7)
+    ours = change(deck, [setting("X.3[2]")], [value])
+    monkeypatch.setattr(assignments, "with_numbers", lambda deck, edits: None)
+    read = change(deck, [setting("X.3[2]")], [value])
+    for part in ("text", "data", "statements", "messages"):
+        assert getattr(ours, part) == getattr(read, part)
+    assert any("longer than 160" in m.text for m in ours.messages) == (value != 1.0)
