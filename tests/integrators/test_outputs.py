@@ -72,16 +72,6 @@ def test_two_evaluations_per_adams_step_and_none_for_outputs():
     assert problem.n_rhs == 1 + 2 * steps + rejected
 
 
-def test_first_step_is_taken_from_the_caller():
-    accepted = []
-    problem = forced()
-    problem.accepted = lambda t, y: accepted.append(t)
-    for code in (135, 155, 225, 853):
-        accepted.clear()
-        list(integrate(problem, np.array([1.0, 0.0]), [0.0, 1.0], code, step=1e-3))
-        assert accepted[0] == 1e-3
-
-
 @pytest.mark.parametrize("code", CODES)
 def test_accepted_is_told_every_step_in_order(code):
     accepted = []
@@ -128,22 +118,28 @@ def test_breaks_are_hit_exactly_and_separate_the_sides(code, at_switch):
         assert out.y[0] == pytest.approx(q, abs=2e-5 if code == 0 else 1e-13)
 
 
-def test_breaks_at_the_ends_and_outside_are_harmless():
+def test_breaks_that_are_harmless():
+    """At the ends and outside; repeated ones count once."""
     plain = [o.y for o in integrate(forced(), np.array([1.0, 0.0]), [0.0, 1.0], 155)]
-    marked = [
-        o.y for o in integrate(forced(), np.array([1.0, 0.0]), [0.0, 1.0], 155, breaks=[1.0, -3.0, 0.0, 7.0])
-    ]
+    breaks = [1.0, -3.0, 0.0, 7.0]
+    marked = [o.y for o in integrate(forced(), np.array([1.0, 0.0]), [0.0, 1.0], 155, breaks=breaks)]
     # The sides of a break at an end are 1e-15 s away from it.
     np.testing.assert_allclose(plain, marked, rtol=0, atol=1e-14)
-
-
-def test_repeated_breaks_count_once():
-    accepted = []
-    problem = forced()
-    problem.accepted = lambda t, y: accepted.append(t)
-    list(integrate(problem, np.array([1.0, 0.0]), [0.0, 1.0], 0, breaks=[0.5, 0.5, 0.5 + 1e-16]))
+    accepted = accepted_times(0, breaks=[0.5, 0.5, 0.5 + 1e-16])
     assert accepted.count(0.5) == 1
     assert min(np.diff(accepted)) > 1e-9
+
+
+def test_first_step_is_taken_from_the_caller():
+    for code in (135, 155, 225, 853):
+        assert accepted_times(code, step=1e-3)[0] == 1e-3
+
+
+def accepted_times(code, **options):
+    accepted, problem = [], forced()
+    problem.accepted = lambda t, y: accepted.append(t)
+    list(integrate(problem, np.array([1.0, 0.0]), [0.0, 1.0], code, **options))
+    return accepted
 
 
 ALL_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
@@ -195,30 +191,20 @@ def test_oscillator_against_the_matrix_exponential(code):
 
 
 @pytest.mark.parametrize(
-    ("times", "word"),
+    ("times", "arguments", "code", "word"),
     [
-        ([], "at least one later"), ([0.0], "at least one later"), ([0.0, np.nan], "at least one later"),
-        ([0.0, 0.0], "must increase"), ([1.0, 0.5], "must increase"), ([0.0, 1.0, 0.9], "0.9 s follows 1 s"),
+        *((times, {}, "times", "at least one later") for times in ([], [0.0], [0.0, np.nan])),
+        ([0.0, 0.0], {}, "times", "must increase"), ([1.0, 0.5], {}, "times", "must increase"),
+        ([0.0, 1.0, 0.9], {}, "times", "0.9 s follows 1 s"),
+        *(([0.0, 1.0], {name: value}, code, "")
+          for name, value, code in (("code", 999, "code"), ("atol", 0.0, "tolerance"), ("atol", np.nan, "tolerance"),
+                                    ("rtol", -1.0, "tolerance"), ("step", 0.0, "step"), ("step", -1.0, "step"))),
     ],
-)
-def test_reversed_and_empty_intervals_are_refused_at_the_call(times, word):
-    with pytest.raises(UsageError, match=word) as failure:
-        integrate(forced(), np.zeros(2), times)
-    assert failure.value.code == "integrator.times"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "code"),
-    [
-        ({"code": 999}, "integrator.code"), ({"atol": 0.0}, "integrator.tolerance"),
-        ({"atol": np.nan}, "integrator.tolerance"), ({"rtol": -1.0}, "integrator.tolerance"),
-        ({"step": 0.0}, "integrator.step"), ({"step": -1.0}, "integrator.step"),
-    ],
-)
-def test_wrong_arguments_are_refused_at_the_call(arguments, code):
-    with pytest.raises(UsageError) as failure:
-        integrate(forced(), np.zeros(2), [0.0, 1.0], **arguments)
-    assert failure.value.code == code
+)  # fmt: skip
+def test_wrong_arguments_are_refused_at_the_call(times, arguments, code, word):
+    with pytest.raises(UsageError, match=word or None) as failure:
+        integrate(forced(), np.zeros(2), times, **arguments)
+    assert failure.value.code == f"integrator.{code}"
 
 
 def test_a_million_outputs_need_no_memory_of_their_own():

@@ -121,29 +121,18 @@ def linearize(nominal, driven=arm.PRESCRIBED_JOINTS, **changes):
     return spacar.run(3, arm.deck(driven, arm.MOTORS, mode=3, **changes), nominal=nominal)
 
 
-def test_without_a_nominal_motion():
-    with pytest.raises(UsageError, match="needs the result of mode 2"):
-        linearize(None)
-
-
-def test_result_of_another_mode():
-    result = spacar.run(1, arm.deck(arm.FREE_JOINTS, mode=1))
-    with pytest.raises(UsageError, match="needs a result of mode 2, this one is of mode 1"):
-        linearize(result)
-
-
-def test_other_geometry_is_refused(nominal):
-    with pytest.raises(UsageError, match=r"mechanism differs .*at t = 0 node \d .* here, .* there"):
-        linearize(nominal, q=arm.Q0 + np.array([0.1, 0.0]))
-
-
-def test_other_element_is_refused(nominal):
+def test_nominal_motions_that_are_refused(nominal):
     given = Nominal.of(nominal)
     other = replace(given, keywords=(given.keywords[0], "PLTOR", *given.keywords[2:3], "PLRBEAM"))
-    with pytest.raises(
-        UsageError, match="element 4 is PLBEAM with nodes 4 6 7 8 here, PLRBEAM with nodes 4 6 7 8 there"
+    turned = {"q": arm.Q0 + np.array([0.1, 0.0])}
+    for motion, options, said in (
+        (None, {}, "needs the result of mode 2"),
+        (spacar.run(1, arm.deck(arm.FREE_JOINTS, mode=1)), {}, "needs a result of mode 2, this one is of mode 1"),
+        (nominal, turned, r"mechanism differs .*at t = 0 node \d .* here, .* there"),
+        (other, {}, "element 4 is PLBEAM with nodes 4 6 7 8 here, PLRBEAM with nodes 4 6 7 8 there"),
     ):
-        linearize(other)
+        with pytest.raises(UsageError, match=said):
+            linearize(motion, **options)
 
 
 def test_other_masses_are_mentioned(nominal):

@@ -188,45 +188,34 @@ def test_circle_in_the_plane():
 
 # -- errors ---------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize(
-    ("change", "why"),
+    ("driven", "path", "kind", "why"),
     [
-        (
-            ("TRVMAX", 7, 0.3, 5.0),
-            r"TRVMAX 7: illegal velocity profile: path length .*time 1 s, rise time 0.3 s, speed 5",
-        ),
-        (("TRVMAX", 7, 0.3, 0.2), "the speed must be above"),
-        (("TRVMAX", 7, 1.2), "shorter than the total time"),
+        (arm.PRESCRIBED_JOINTS, ("TRANS", 7, 0.1, 0.2), InputError,
+         "TRANS moves all its coordinates and needs INPUTX 7 1 2"),
+        (arm.END_POINT, ("TRE", 1, 0.2), InputError, "TRE needs INPUTE 1 1"),
+        (arm.END_POINT, ("TRCIRL", 7, *map(float, arm.START), 0.3, 0.3), InputError, "radius is zero"),
+        ([("INPUTE", 1, 1), ("DYNE", 2, 1)], ("TRE", 1, 0.2), UsageError,
+         r"element 2 \(PLTOR\) e1 .* is dynamic; use INPUTX or INPUTE"),
+        (arm.END_POINT, ("TRANS", 7, 2.0, 0.0), AnalysisError, r"t = 0\.\d+"),  # an end that cannot be reached
     ],
-)
-def test_wrong_profile(change, why):
-    third = [change if s[0] == "TRVMAX" else s for s in line(0)]
-    with pytest.raises(InputError, match=why):
-        spacar.run(2, arm.deck(arm.END_POINT, third))
-
-
-@pytest.mark.parametrize(
-    ("driven", "path", "why"),
-    [
-        (arm.PRESCRIBED_JOINTS, ("TRANS", 7, 0.1, 0.2), "TRANS moves all its coordinates and needs INPUTX 7 1 2"),
-        (arm.END_POINT, ("TRE", 1, 0.2), "TRE needs INPUTE 1 1"),
-        (arm.END_POINT, ("TRCIRL", 7, *map(float, arm.START), 0.3, 0.3), "radius is zero"),
-    ],
-)
-def test_path_that_does_not_match_the_degrees_of_freedom(driven, path, why):
-    with pytest.raises(InputError, match=why):
+)  # fmt: skip
+def test_path_that_does_not_match_the_degrees_of_freedom(driven, path, kind, why):
+    with pytest.raises(kind, match=why):
         spacar.run(2, arm.deck(driven, [("TRAJECT", 1), path, ("TRTIME", 1.0, 4)]))
 
 
-def test_dynamic_degrees_of_freedom_are_refused():
-    driven = [("INPUTE", 1, 1), ("DYNE", 2, 1)]
-    third = [("TRAJECT", 1), ("TRE", 1, 0.2), ("TRTIME", 1.0, 4)]
-    with pytest.raises(UsageError, match=r"element 2 \(PLTOR\) e1 .* is dynamic; use INPUTX or INPUTE"):
-        spacar.run(2, arm.deck(driven, third))
-
-
-def test_unreachable_end_says_when():
-    third = [("TRAJECT", 1), ("TRANS", 7, 2.0, 0.0), ("TRTIME", 1.0, 4)]
-    with pytest.raises(AnalysisError, match=r"t = 0\.\d+"):
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        (("TRVMAX", 7, 0.3, 5.0),
+         "TRVMAX 7: illegal velocity profile: path length .*time 1 s, rise time 0.3 s, speed 5"),
+        (("TRVMAX", 7, 0.3, 0.2), "the speed must be above"),
+        (("TRVMAX", 7, 1.2), "shorter than the total time"),
+    ],
+)  # fmt: skip
+def test_wrong_profile(change, why):
+    third = [change if s[0] == "TRVMAX" else s for s in line(0)]
+    with pytest.raises(InputError, match=why):
         spacar.run(2, arm.deck(arm.END_POINT, third))
 
 

@@ -149,16 +149,14 @@ SQUARE = (
 )
 
 
-def test_redundant_rigid_bars_free_nothing_and_are_not_released_without_being_asked() -> None:
+def test_bars_of_a_rigid_square() -> None:
+    """Redundant rigid bars free nothing and are not released without being asked; where one diagonal has a DYNE, it is
+    the only one whose release keeps the physics."""
     solved = release(parse_deck(SQUARE.format(more="")))
     assert solved.left == 1
     assert solved.parts == ()
     assert {p.effect for p in solved.diagnosis.advice} == {REDUNDANT}
     assert "% rigid, but the rest holds it too" in solved.diagnosis.paste[0]
-
-
-def test_a_flexible_bar_in_a_rigid_square_is_taken() -> None:
-    """One diagonal has a DYNE: it is the only one whose release keeps the physics."""
     solved = release(parse_deck(SQUARE.format(more="DYNE 5\nEND HALT\nESTIFF 5 3.\n")))
     assert solved.left == 0
     assert [(p.element, p.mode, p.effect) for p in solved.parts] == [(5, 1, FLEXIBLE)]

@@ -118,14 +118,6 @@ def test_antisymmetric_geometric_stiffness_gives_ordered_pairs(sign):
     assert np.allclose(modes.multipliers, [0.5, -0.5, 1.0, -1.0, 2.0, -2.0], rtol=1e-12)
 
 
-def test_a_singular_stiffness_leaves_the_other_multipliers():
-    """K0 v = 0 with geometric stiffness along v: the multiplier 0, and those of the rest as they are."""
-    report = Report()
-    modes = buckling_modes(np.diag([0.0, 2.0, 3.0]), np.diag([1.0, -1.0, 0.0]), report)
-    assert modes.multipliers == pytest.approx([0.0, 2.0, np.inf], abs=1e-14)
-    assert any("singular" in line for line in report.lines)
-
-
 # Singular and double cases are not refused: dead points, double critical loads, motions without stiffness.
 def run(text: str, mode: int) -> spacar.Result:
     return spacar.run(mode, parse_deck(text, mode=mode))

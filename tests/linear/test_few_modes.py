@@ -61,18 +61,14 @@ def test_unstable_modes_of_lowest_modulus():
     np.testing.assert_allclose((few.values**2).real[::2], [-2.0, 2.0, -1.0], rtol=1e-9)
 
 
-def test_matrices_of_zeros():
+def test_rows_in_another_order_and_matrices_of_zeros():
     for n in (4, 400):
         assert is_zero_matrix(zero_matrix((n, n)))
         assert is_zero_matrix(matrix(np.arange(n), np.arange(n), np.zeros(n), (n, n)))
-
-
-def test_rows_in_another_order():
     A = np.arange(9.0).reshape(3, 3)
     every, turned = np.arange(3), np.array([0, 2, 1])
-    np.testing.assert_array_equal(selected(A, turned, every), A[turned])
-    np.testing.assert_array_equal(selected(A, every, turned), A[:, turned])
-    np.testing.assert_array_equal(selected(A, every[1:], every[:2]), A[1:, :2])
+    for rows, columns in ((turned, every), (every, turned), (every[1:], every[:2])):
+        np.testing.assert_array_equal(selected(A, rows, columns), A[np.ix_(rows, columns)])
 
 
 # What is told from a bound, without the full computation, is the same as with it.

@@ -177,21 +177,20 @@ def saved(monkeypatch, tmp_path):
     return tmp_path / "sparse"
 
 
-def test_without_the_file_of_the_equations(saved):
+@pytest.mark.parametrize(
+    ("another", "compliance", "vibrations"),
+    [(False, r"ltv not found: .* run again", "no eigenvalues and no matrices"),
+     (True, "different runs; run again", "different runs; run again")],
+)  # fmt: skip
+def test_without_the_file_of_the_equations_of_this_run(saved, another, compliance, vibrations):
     saved.with_suffix(".ltv").unlink()
-    with pytest.raises(UsageError, match=r"ltv not found: .* run again"):
+    if another:
+        spacar.run(4, parse_deck(planar(), mode=4), modes=0).save(saved.with_name("dense"))
+        saved.with_name("dense.ltv").replace(saved.with_suffix(".ltv"))
+    with pytest.raises(UsageError, match=compliance):
         node_compliance(saved, 13, 14)
-    with pytest.raises(UsageError, match="no eigenvalues and no matrices"):
+    with pytest.raises(UsageError, match=vibrations):
         read_vibrations(saved)
-
-
-def test_with_the_file_of_another_run(saved):
-    spacar.run(4, parse_deck(planar(), mode=4), modes=0).save(saved.with_name("dense"))
-    saved.with_name("dense.ltv").replace(saved.with_suffix(".ltv"))
-    with pytest.raises(UsageError, match="different runs; run again"):
-        read_vibrations(saved)
-    with pytest.raises(UsageError, match="different runs; run again"):
-        node_compliance(saved, 13, 14)
 
 
 def test_a_table_with_numbers_that_are_not_finite(saved):

@@ -104,16 +104,13 @@ def test_default_coordinates_of_a_class(keyword: str, node: int, expected: set[t
     assert {n.x_owner(i) for i in range(place.start, place.stop)} == expected
 
 
-def test_default_modes_of_a_class() -> None:
+def test_default_modes_of_a_class_and_a_planar_orientation() -> None:
     for keyword, name in (("RLSE", "calculable"), ("DYNE", "dynamic"), ("INPUTE", "input")):
         n = mechanism((("PLBEAM", 1, 1, 2, 3, 4), ("X", 3, 1.0), (keyword, 1))).numbering
         place = n.e_class[name]
         assert [n.e_owner(i) for i in range(place.start, place.stop)] == [(1, 1), (1, 2), (1, 3)]
-
-
-def test_planar_orientation_is_one_coordinate() -> None:
     n = mechanism((("PLBEAM", 1, 1, 2, 3, 4), ("X", 3, 1.0), ("FIX", 2), ("FIX", 1))).numbering
-    assert n.nxp.tolist() == [3, 3, 0, 0, 0]
+    assert n.nxp.tolist() == [3, 3, 0, 0, 0]  # it has one coordinate
 
 
 def test_reference_configuration() -> None:

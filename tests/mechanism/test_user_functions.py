@@ -65,25 +65,28 @@ def test_usersig_stiffness_columns_enter_the_linearization(tmp_path: Path) -> No
     assert r["d0"][0][k, k] == pytest.approx(0.4, rel=1e-12)
 
 
-def test_usersig_may_return_nothing(tmp_path: Path) -> None:
-    for nothing in ("None, None", "[], []", "(), __import__('numpy').zeros((0, 3))"):
-        path = model(tmp_path, "USERSIG myfun\nESTIFF 3 8.0\nSTARTDE 3 1 0.1 0.0",
-                     f"def myfun(t, ne, le, e, ep, nx, lnp, x, xp):\n    return t, {nothing}\n")  # fmt: skip
-        r = spacar.run(1, path)
-        np.testing.assert_allclose(r.element(3, 1), 0.1 * np.cos(2 * r.t), atol=1e-8)
+LIGHT = "ESTIFF 3 8.0\nSTARTDE 3 1 0.1 0.0"
+USUAL = {  # what is returned behind t, what else the model has, its path, tolerances
+    "None": ("None, None", LIGHT, lambda t: 1 + 0.1 * np.cos(2 * t), {"atol": 1e-8}),
+    "empty lists": ("[], []", LIGHT, lambda t: 1 + 0.1 * np.cos(2 * t), {"atol": 1e-8}),
+    "empty arrays": ("(), __import__('numpy').zeros((0, 3))", LIGHT, lambda t: 1 + 0.1 * np.cos(2 * t), {"atol": 1e-8}),
+    "a single row": ("None, [2, 1, 4.0]", "", lambda t: 1 + t**2, {"rtol": 1e-9, "atol": 0}),
+    # Multipliers are what they must be; a stress added there changes nothing (theory-system.md 2.1).
+    "a fixed deformation": ("[[5, 1, 100.0]], []", "", np.ones_like, {"atol": 1e-15}),
+    # Constant force from t = 1/3: the variable step code passes the jump with reduced steps: ten times the tolerance.
+    "a jump": ("None, [[2, 1, 4.0 if t >= 1 / 3 else 0.0]]", "",
+               lambda t: 1 + np.where(t > 1 / 3, (t - 1 / 3) ** 2, 0.0), {"atol": 1e-8}),
+}  # fmt: skip
 
 
-def test_usersig_accepts_a_single_row(tmp_path: Path) -> None:
-    body = "def myfun(t, ne, le, e, ep, nx, lnp, x, xp):\n    return t, None, [2, 1, 4.0]\n"
-    r = spacar.run(1, model(tmp_path, "USERSIG myfun", body))
-    np.testing.assert_allclose(r.node(2, 1), 1 + r.t**2, rtol=1e-9)
-
-
-def test_usersig_on_a_fixed_deformation_has_no_effect(tmp_path: Path) -> None:
-    """Multipliers are what they must be; a stress added there changes nothing (theory-system.md 2.1)."""
-    body = "def myfun(t, ne, le, e, ep, nx, lnp, x, xp):\n    return t, [[5, 1, 100.0]], []\n"
-    r = spacar.run(1, model(tmp_path, "USERSIG myfun", body))
-    np.testing.assert_allclose(r["sig"], 0.0, atol=1e-15)
+@pytest.mark.parametrize("name", USUAL)
+def test_what_usersig_may_return(tmp_path: Path, name: str) -> None:
+    result, more, expected, tolerances = USUAL[name]
+    body = f"def myfun(t, ne, le, e, ep, nx, lnp, x, xp):\n    return t, {result}\n"
+    r = spacar.run(1, model(tmp_path, f"USERSIG myfun\n{more}", body))
+    np.testing.assert_allclose(r.node(2, 1), expected(r.t), **({"rtol": 0} | tolerances))
+    if name == "a fixed deformation":
+        np.testing.assert_allclose(r["sig"], 0.0, atol=1e-15)
 
 
 # -- prescribed motion ---------------------------------------------------------------------------------------------
@@ -147,27 +150,12 @@ def test_usersig_beside_a_divided_beam_is_warned_of(tmp_path: Path) -> None:
     assert list(map(len, said)) == [0, 1]
 
 
-def test_userinp_with_a_jump_in_the_acceleration(tmp_path: Path) -> None:
-    """Constant force from t = 1/3 on a mass that follows a prescribed hinge freely: exact to the tolerance."""
-    body = """
-def myfun(t, ne, le, e, ep, nx, lnp, x, xp):
-    return t, None, [[2, 1, 4.0 if t >= 1 / 3 else 0.0]]
-"""
-    r = spacar.run(1, model(tmp_path, "USERSIG myfun", body))
-    exact = 1 + np.where(r.t > 1 / 3, (r.t - 1 / 3) ** 2, 0.0)
-    # The variable step code passes the jump with reduced steps: ten times the tolerance on the state.
-    np.testing.assert_allclose(r.node(2, 1), exact, atol=1e-8)
-
-
 # -- what can be wrong ---------------------------------------------------------------------------------------------
 def test_missing_file(tmp_path: Path) -> None:
+    """Published models come with NAME.m: the message says that it was seen, and what to write."""
     text = failure(model(tmp_path, "USERSIG nowhere", ""), InputError)
     assert "model.dat:4: USERSIG" in text
     assert "nowhere.py" in text
-
-
-def test_a_function_for_matlab_is_named(tmp_path: Path) -> None:
-    """Published models come with NAME.m: the message says that it was seen, and what to write."""
     (tmp_path / "nowhere.m").write_text("function [t, sig, f] = nowhere(t, ne, le, e, ep, nx, lnp, x, xd)\n")
     text = failure(model(tmp_path, "USERSIG nowhere", ""), InputError)
     assert "nowhere.m is there" in text
