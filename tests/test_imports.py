@@ -1,6 +1,6 @@
 """Imports stand at the top of a module; which may stand in a function, and why, is said here and nowhere else.
 
-Measured by tests/acceptance/test_cost.py: `spacar --help` loads no NumPy, `spacar 1 crank` no linear algebra of SciPy.
+Measured by tests/acceptance/test_runs.py: `spacar --help` loads no NumPy, `spacar 1 crank` no linear algebra of SciPy.
 """
 
 import ast

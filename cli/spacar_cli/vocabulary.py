@@ -2,7 +2,7 @@
 
 A command takes its options from here by name, `@words.option("at", ...)`; its help is the sentence of the table and
 what the command adds to it. Every command has -q and -v, which the environment keeps. FORMER tells who writes an
-option as it was before what it is now. `tests/cli/test_vocabulary.py` holds the table against all helps.
+option as it was before what it is now. `tests/cli/test_finding_the_way.py` holds the table against all helps.
 
 Types of numbers on the command line: finite, in a range, with a sentence for what is not.
 """

@@ -4,13 +4,14 @@ import ast
 import re
 import shlex
 import shutil
+from functools import cache
 from pathlib import Path
 
 import click
 import pytest
 from spacar_cli.main import program
 
-from .documents import blocks, broken_links, run_document, same_line
+from .documents import blocks, broken_links, module_of, run_document, same_line
 
 HOUSE = Path(__file__).resolve().parents[2]
 DOCS = HOUSE / "docs"
@@ -152,3 +153,85 @@ def test_a_start_page_leads_to_a_picture(page, tmp_path) -> None:
     count = run_document(page, tmp_path)
     assert count.commands >= 2
     assert list(tmp_path.glob("*.png"))
+
+
+# The gallery shows every example of `data/`, with a picture that exists and commands that name the example.
+FIGURES = module_of(DOCS / "figures.py")
+ENTRIES = FIGURES.gallery(DOCS / "gallery.md")
+
+
+def test_every_example_is_shown_once():
+    models = {p.stem for p in (HOUSE / "data").rglob("*") if p.suffix in (".dat", ".toml", ".sim", ".py")}
+    assert sorted(e.example for e in ENTRIES) == sorted(models)
+
+
+@pytest.mark.parametrize("entry", ENTRIES, ids=lambda e: e.example)
+def test_entry(entry):
+    picture = DOCS / entry.picture
+    assert picture.is_file()
+    if entry.commands:
+        assert any(entry.example in line for line in entry.commands)
+        made_here = any(line.endswith(f"-o {picture.name}") for line in entry.commands)
+        assert made_here or f'savefig("{picture.name}"' in entry.script
+    else:
+        assert picture.parent == DOCS / "symbolic"
+
+
+def test_commands_run_the_mode_that_the_page_of_figures_uses():
+    """A picture that FIGURES makes for another page shows the same command there, but for size and path."""
+    for entry in ENTRIES:
+        if (name := Path(entry.picture).name) in FIGURES.FIGURES:
+            run, draw = FIGURES.FIGURES[name]
+            shown = [re.sub(r"['\"]", "", line.removeprefix("spacar ")) for line in entry.commands]
+            assert shown == [run, draw.format(name)]
+
+
+def test_pictures_are_small():
+    """A clone carries every picture for ever: below 3.5 MB together, and no single one above 300 kB but animations."""
+    sizes = {p.name: p.stat().st_size for p in DOCS.rglob("*") if p.suffix in (".png", ".gif", ".svg")}
+    assert sum(sizes.values()) < 3.5e6
+    assert max(s for n, s in sizes.items() if not n.endswith(".gif")) < 3e5
+
+
+def test_no_picture_is_left_over():
+    text = "".join(p.read_text(encoding="utf-8") for p in [HOUSE / "README.md", *DOCS.rglob("*.md")])
+    assert not [p.name for p in (DOCS / "pictures").iterdir() if p.name not in text]
+
+
+# The page on failures: its headings are words of the program, its codes exist, its examples fail as it says.
+PAGE = HOUSE / "docs" / "convergence.md"
+TEXT = PAGE.read_text(encoding="utf-8")
+
+
+@cache
+def core_text() -> str:
+    """The text of the core, its pieces of messages joined."""
+    paths = sorted((HOUSE / "spacar").rglob("*.py"))
+    return re.sub(r'"\s*\n\s*f?"', "", "\n".join(p.read_text(encoding="utf-8") for p in paths))
+
+
+def test_the_headings_are_messages():
+    headings = re.findall(r"^### (.+)$", TEXT, re.MULTILINE)
+    missing = [h for h in headings if h not in core_text()]
+    assert len(headings) >= 15
+    assert not missing
+
+
+def test_every_section_has_a_code_that_exists():
+    sections = re.split(r"^### ", TEXT, flags=re.MULTILINE)[1:]
+    for section in sections:
+        code = re.search(r"`\[([\w.-]+)\]`", section)
+        assert code is not None, section.splitlines()[0]
+        assert f'"{code[1]}"' in core_text(), code[1]
+
+
+def test_failures_of_position_and_statics_are_on_the_page():
+    named = set(re.findall(r'"((?:position|statics)\.[a-z-]+)"', core_text()))
+    assert len(named) >= 4
+    assert not {code for code in named if f"`[{code}]`" not in TEXT}
+
+
+def test_the_examples_run(tmp_path):
+    shutil.copytree(HOUSE / "data", tmp_path / "data")
+    count = run_document(PAGE, tmp_path)
+    assert count.commands >= 15

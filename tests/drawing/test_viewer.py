@@ -1,6 +1,5 @@
 """The page of `spacar view`: its mesh against the pictures, what it holds, and what a real browser shows of it."""
 
-
 import json
 import re
 import shutil

@@ -154,3 +154,154 @@ def test_a_twisted_bar_shortens() -> None:
     assert r.node(3, 1)[-1] - 1 == pytest.approx(-0.01 * (1 - np.sqrt(0.99)) / 2, abs=1e-13)
     rows[0] = rows[0][:-1]
     assert spacar.run(8, Deck.build(rows, dynamics)).node(3, 1)[-1] == pytest.approx(1.0, abs=1e-12)
+
+
+# Flow in tubes (divergence, flutter, the four end conditions) and belts over many turns, against closed forms.
+def tube(n: int, ends: str, u: float, ratio: float, spatial: bool = False) -> spacar.Result:
+    """n tube elements on 1 m with EI = 1, mass 1 kg/m in all, fluid part `ratio`; u = U sqrt(m_f/EI) L; mode 7."""
+    flow = ratio * u / np.sqrt(ratio)  # m_f U
+    rows: list[tuple] = [("FIX", 1)]
+    dynamics: list[tuple] = []
+    for k in range(1, n + 1):
+        p = 2 * k - 1
+        end = 2.0 if k == n else 0.0  # the fluid leaves as a jet: no wall tension in a tube with a sliding end
+        em = (1 - ratio, ratio, flow, 1.0, end)
+        rows.append(("X", p + 2, k / n))
+        if spatial:
+            rows += [("TUBE", k, p, p + 1, p + 2, p + 3, 0.0, 1.0, 0.0), ("DYNE", k, 5, 6)]
+            dynamics += [("EM", k, *em), ("ESTIFF", k, 0.0, 0.0, 0.0, 1.0)]
+        else:
+            rows += [("PLTUBE", k, p, p + 1, p + 2, p + 3), ("DYNE", k, 2, 3)]
+            dynamics += [("EM", k, *em), ("ESTIFF", k, 0.0, 1.0)]
+    last = 2 * n + 1
+    if ends == "pinned":
+        # the start angle is free; the transverse position of the end is fixed: one bending mode follows
+        rows += [("DYNX", 2), ("FIX", last, 2)]
+        rows = [r if r != ("DYNE", n, 2, 3) else ("DYNE", n, 3) for r in rows]
+        rows.append(("RLSE", n, 2))
+    elif ends == "clamped":
+        rows += [("FIX", 2), ("FIX", last, 2), ("FIX", last + 1)]
+        rows = [r for r in rows if r != ("DYNE", n, 2, 3)]
+        rows.append(("RLSE", n, 2, 3))
+    else:
+        rows.append(("FIX", 2))
+    return spacar.run(7, Deck.build(rows, dynamics, mode=7))
+
+
+def stiffness(r: spacar.Result) -> float:
+    """Smallest eigenvalue of K0 + N0 + G0."""
+    K = r["k0"][0] + r["n0"][0] + r["g0"][0]
+    return float(np.linalg.eigvalsh(0.5 * (K + K.T))[0])
+
+
+@pytest.mark.parametrize(
+    ("ends", "critical", "published"),
+    [
+        ("pinned", np.pi, {4: 1.00026, 8: 1.000016}),
+        pytest.param("clamped", 2 * np.pi, {4: 1.0038, 8: 1.00026}, marks=pytest.mark.slow),
+    ],
+)
+def test_divergence(ends: str, critical: float, published: dict[int, float]) -> None:
+    """Buckling under the momentum of the flow, u = pi and 2 pi, from above with order four."""
+    for n, factor in published.items():
+        u = brentq(lambda u, n=n: stiffness(tube(n, ends, u, 0.3)), 0.9 * critical, 1.1 * critical, xtol=1e-6)
+        assert u / critical == pytest.approx(factor, abs=0.6 * 10.0 ** -(5 if factor < 1.001 else 4))
+
+
+@pytest.mark.parametrize(
+    ("ratio", "exact", "twelve", "omega"),
+    [(0.1, 4.7502, None, None), (0.2, 5.59149, 5.59156, 13.7156), (0.5, 9.32238, 9.3245, 26.510)],
+)
+def test_flutter_of_a_discharging_cantilever(ratio: float, exact: float, twelve: float, omega: float) -> None:
+    """Galerkin solutions of the beam equation (theory-spatial.md section 14): 5e-4 with 12 elements, whose speed and
+    frequency [rad/s] theory-planar.md section 9 has."""
+
+    def growing(u: float) -> np.ndarray:
+        values = tube(12, "jet", u, ratio)["eigval"][0]
+        return values[np.argmax(values[:, 0])]
+
+    u = brentq(lambda u: float(growing(u)[0]), 0.9 * exact, 1.1 * exact, xtol=1e-6)
+    assert u == pytest.approx(exact, rel=5e-4)
+    if twelve is not None:
+        assert u == pytest.approx(twelve, rel=1e-5)
+        assert abs(growing(u)[1]) == pytest.approx(omega, rel=2e-5)
+
+
+def test_spatial_tube_has_the_eigenvalues_of_the_planar_one() -> None:
+    a = np.sort_complex(_eigenvalues(tube(4, "jet", 4.0, 0.2)))
+    b = np.sort_complex(_eigenvalues(tube(4, "jet", 4.0, 0.2, spatial=True)))
+    np.testing.assert_allclose(b, a, rtol=1e-8, atol=1e-8)
+
+
+def _eigenvalues(r: spacar.Result) -> np.ndarray:
+    return np.round(r["eigval"][0] @ [1, 1j], 9)
+
+
+@pytest.mark.parametrize("spatial", [False, True])
+@pytest.mark.parametrize(("condition", "p", "q"), [(0, 0, 0), (1, 1, 0), (2, 0, 1), (3, 1, 1)])
+def test_momentum_balance_of_the_end_conditions(condition: int, p: int, q: int, spatial: bool) -> None:
+    """External force on a straight held tube = momentum that jets carry out less what they bring in, m_f U per end."""
+    flow, fluid = 6.0, 2.0
+    em = ("EM", 1, 1.0, fluid, flow, 1.0, float(condition))
+    if spatial:
+        rows = [
+            ("TUBE", 1, 1, 2, 3, 4, 0.0, 1.0, 0.0),
+            ("X", 3, 2.0),
+            ("FIX", 1),
+            ("FIX", 2),
+            ("RLSE", 1),
+            ("FIX", 3),
+            ("FIX", 4),
+        ]
+    else:
+        rows = [("PLTUBE", 1, 1, 2, 3, 4), ("X", 3, 2.0), ("FIX", 1), ("FIX", 2), ("RLSE", 1), ("FIX", 3), ("FIX", 4)]
+    r = spacar.run(1, Deck.build(rows, [em]))
+    total = r.node(1, 1, "fxtot")[0] + r.node(3, 1, "fxtot")[0]
+    assert total == pytest.approx((q - p) * flow**2 / fluid, rel=1e-13, abs=1e-12)
+
+
+# -- belts ---------------------------------------------------------------------------------------------------------
+def pulleys(rp: float, rq: float) -> list[tuple]:
+    return [
+        ("PLBELT", 1, 1, 2, 3, 4, rp, rq), ("X", 3, 1.0), ("FIX", 1), ("FIX", 3), ("INPUTX", 2),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("rp", "rq"), [(0.1, 0.1), (-0.1, -0.25), (0.2, 0.05), (0.1, -0.3), (-0.2, 0.1)])
+def test_belt_ratio_over_many_turns(rp: float, rq: float) -> None:
+    """r_p phi_p = r_q phi_q: open belts turn the same way, crossed ones opposite; 50 turns."""
+    dynamics = [("INPUTX", 2, 1, 0.0, 2 * np.pi, 0.0), ("TIMESTEP", 50.0, 200), ("XM", 4, 0.3)]
+    r = spacar.run(1, Deck.build(pulleys(rp, rq), dynamics))
+    np.testing.assert_allclose(r.node(4, 1), rp / rq * r.node(2, 1), atol=1e-10 * abs(rp / rq))
+
+
+def test_belt_around_a_moving_centre() -> None:
+    """A pulley carried around a fixed one of the same size on an arm keeps its orientation; seven turns.
+
+    rho = 0: e1 = r (phi_p - phi_q); unequal radii turn it by (r_q - r_p)/r_q of the arm's angle (epicyclic gearing).
+    """
+    for rp, rq in ((0.1, 0.1), (0.2, 0.1), (0.1, -0.2)):
+        rows = [
+            ("PLBELT", 1, 1, 2, 3, 4, rp, rq), ("PLRBEAM", 2, 1, 5, 3), ("X", 3, 1.0), ("FIX", 1), ("FIX", 2), ("INPUTX", 5),  # noqa: E501
+        ]  # fmt: skip
+        r = spacar.run(1, Deck.build(rows, [("INPUTX", 5, 1, 0.0, 2 * np.pi, 0.0), ("TIMESTEP", 7.0, 140)]))
+        np.testing.assert_allclose(r.node(4, 1), (rq - rp) / rq * r.node(5, 1), atol=1e-10)
+
+
+def test_a_belt_that_loses_its_span_is_named() -> None:
+    rows = [("PLBELT", 1, 1, 2, 3, 4, 0.1, 0.4), ("X", 3, 1.0), ("FIX", 1), ("FIX", 2), ("FIX", 3, 2), ("INPUTX", 3, 1)]
+    with pytest.raises(spacar.errors.AnalysisError) as caught:
+        spacar.run(1, Deck.build(rows, [("INPUTX", 3, 1, 1.0, -1.0, 0.0), ("TIMESTEP", 1.0, 20)]))
+    for words in ("element 1 (PLBELT)", "t = 0.7"):
+        assert words in str(caught.value)
+
+
+def test_hinge_angles_over_many_turns_with_acceleration() -> None:
+    """A spatial hinge driven through 100 turns each way, and a second hinge that turns back."""
+    rows = [("HINGE", 1, 1, 2, 0.3, 0.4, 0.5), ("HINGE", 2, 2, 3, 0.3, 0.4, 0.5), ("HINGE", 3, 1, 3, 0.3, 0.4, 0.5),
+            ("FIX", 1), ("INPUTE", 1, 1), ("RLSE", 2, 1), ("INPUTE", 3, 1), ("RLSE", 3, 2, 3)]  # fmt: skip
+    dynamics = [("INPUTE", 1, 1, 0.0, 0.0, 10.0), ("INPUTE", 3, 1, 0.0, -1.0, -5.0), ("TIMESTEP", 11.0, 1100)]
+    r = spacar.run(1, Deck.build(rows, dynamics))
+    np.testing.assert_allclose(r.element(2, 1), r.element(3, 1) - r.element(1, 1), atol=1e-9)
+    assert r.element(1, 1)[-1] == pytest.approx(5 * 11.0**2)
+    assert r.element(2, 1)[-1] < -900

@@ -8,7 +8,7 @@ from spacar.dynamics.motion_equations import EquationsOfMotion
 from spacar.errors import AnalysisError
 from spacar.kinematics.kinematics import Kinematics
 
-from .test_watch_inside_steps import free_slider
+from .test_singular_positions import free_slider
 
 FALLING = """
 PLBEAM 1 1 2 3 4   PLBEAM 2 3 5 6 7   X 3 0.15 0.1   X 6 0.45 0.   FIX 1   FIX 6 2   DYNX 6 1

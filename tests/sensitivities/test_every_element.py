@@ -4,7 +4,6 @@ The differences (two steps of 4e-4 and less, extrapolated) are known to about 1e
 iteration leaves at 1e-11, by the step: 1e-7 of the derivatives, less for eigenvalues of matrices with wide spectra.
 """
 
-
 import pytest
 
 from spacar import Deck, parse_deck

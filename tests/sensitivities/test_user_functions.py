@@ -1,6 +1,5 @@
 """Models with functions of the user, and stresses of rows without stiffness in steady motion."""
 
-
 from pathlib import Path
 
 import numpy as np

@@ -7,7 +7,10 @@ import pytest
 from scipy.optimize import brentq
 
 import spacar
-from spacar.deck import parse_deck, read_deck
+from spacar import run
+from spacar.deck import Deck, parse_deck, read_deck
+from spacar.errors import AnalysisError
+from spacar.linear_systems.reciprocal_condition import entry_rounding, lost
 from spacar.stationary import continuation
 from spacar.stationary.arc_length import LimitPoint
 
@@ -137,3 +140,78 @@ def test_loads_of_the_user_take_part_in_load_steps(tmp_path):
         (tmp_path / "model.dat").write_text("\n".join([*lines, load, f"ITERSTEP 20 {steps} 1e-10", "END END\n"]))
         found.append(spacar.run(7, read_deck(tmp_path / "model.dat", 7)).node(9)[-1])
     assert np.allclose(found, found[0], rtol=0.0, atol=1e-8)
+
+
+# Wheels: released beams with stiffness bear load in the stationary solution (they had no stress).
+TEXT = """X 1 0.1 0.2 0.5   X 3 0.1 0.2 0.0   DYNX 2 2 3 4   KINX 1 1 2   TWHEEL 1 1 2 3 0.5 0.1 0.0 1.0 0.0
+X 4 1.035 -0.452 -0.38   FIX 4   FIX 5   BEAM 2 4 5 1 2 0.015 1. 0.3   RLSE 2 1 2 3 4 5 6   END HALT
+XM 1 5.014   XM 2 0.39 0. 0. 0.334 0. 0.316   ESTIFF 2 76.189 10.747 10.804 14.127   ESIG 2 0.3
+XF 2 0.1 0.2 -0.1 0.05   GRAVITY 0.02 0.03 -1.0   ITERSTEP 60 2 1e-12 1 0   END END
+"""
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_released_beams_have_the_stress_of_their_law(tmp_path, compiled):
+    """sigma_1 = E A e_1 / l + preload, sigma_2 = G I_t e_2 / l^3: closed forms; the end's force is that of sigma_1."""
+    path = tmp_path / "wheel.dat"
+    path.write_text(TEXT)
+    r = run(7, path, compiled=compiled)
+    places = np.asarray(r["le"])[1] - 1
+    e, sigma = r["e"][0][places], r["sig"][0][places]
+    length = np.linalg.norm([0.935, -0.652, -0.88])
+    assert sigma[0] == pytest.approx(76.189 * e[0] / length + 0.3, rel=1e-9)
+    assert sigma[1] == pytest.approx(10.747 * e[1] / length**3, rel=1e-9)
+    assert abs(sigma[0]) > 0.1
+
+
+def test_a_linear_convergence_is_followed_to_its_end():
+    """Slips let the iteration converge linearly: what is left is that of a geometric series, not of a square."""
+    text = TEXT.replace("KINX 1 1 2", "KINX 1 1\nDYNX 1 2").replace("RLSE 2 1", "RLSE 1 6\nDYNE 1 1\nRLSE 2 1")
+    text = text.replace("ESTIFF 2", "ESTIFF 1 60.4 73.9 62.1 75.7 65.3 86.3\nESTIFF 2")
+    exact, ordinary = (run(7, parse_deck(text), tolerance=tolerance)["x"][-1] for tolerance in (1e-15, 1.0))
+    assert np.abs(ordinary - exact).max() <= 2e-11 * 1.5  # of two runs; size of the model
+
+
+# Displacements under forces of the size of the stiffness are large where a model is soft in one way, stiff in
+# another and finely divided; that is no singularity as long as rounding of the entries leaves digits.
+N = 60
+
+
+def cantilever(EA, *more):
+    beams = [("PLBEAM", i + 1, 2 * i + 1, 2 * i + 2, 2 * i + 3, 2 * i + 4) for i in range(N)]
+    places = [("X", 2 * i + 1, i / N, 0.0) for i in range(1, N + 1)]
+    held = [("FIX", 1), ("FIX", 2), *(("DYNE", i + 1, 1, 2, 3) for i in range(N))]
+    rows = [("ESTIFF", i + 1, EA, 1.0) for i in range(N)] + [("EM", i + 1, 1.0) for i in range(N)]
+    return Deck.build(beams + places + held, [*rows, *more], mode=7)
+
+
+@pytest.mark.parametrize("EA", [1e4, 1e12, 1e15])
+def test_a_soft_cantilever_that_hardly_stretches(EA):
+    """Tip under a transverse load: P L^3/(3 EI), less 4/35 P^2 of it (next term of the elastica's series at small P);
+    frequencies from cos b cosh b = -1; both whatever the axial stiffness is."""
+    P = 1e-3
+    result = spacar.run(7, cantilever(EA, ("XF", 2 * N + 1, 0.0, P), ("ITERSTEP", 10, 1, 1e-9)), beams="angle")
+    assert result.node(2 * N + 1, 2)[-1] == pytest.approx(P / 3.0, rel=P**2 + 1e-8)
+    lowest = 2.0 * np.pi * result.frequencies[-1][:2]
+    np.testing.assert_allclose(lowest, (1.8751040687119611**2, 4.694091132974175**2), rtol=2e-6)
+
+
+def test_a_motion_without_stiffness_is_still_refused():
+    """The same beam with its clamp turned into a pin: nothing resists the load."""
+    beams = cantilever(1e15, ("XF", 2 * N + 1, 0.0, 1.0))
+    rows = [(s.keyword, *s.values) for s in beams.statements if s.block == 1 and (s.keyword, *s.values) != ("FIX", 2)]
+    loads = [(s.keyword, *s.values) for s in beams.statements if s.block == 2]
+    with pytest.raises(AnalysisError, match=r"without stiffness|singular"):
+        spacar.run(7, Deck.build([*rows, ("DYNX", 2)], loads, mode=7))
+
+
+def test_lost_digits_tell_a_singular_matrix_from_a_soft_one():
+    """diag(1, 1e-20) keeps all digits of every solution, [[1, 1], [1, 1 + eps]] none."""
+
+    def of(A):
+        rows, columns = map(np.ravel, np.indices(A.shape))
+        z = np.linalg.solve(A, np.array([1.0, 1.5]))
+        return lost(lambda b: np.linalg.solve(A, b), entry_rounding(2, rows, columns, A.ravel(), z), z, 2)
+
+    assert of(np.diag([1.0, 1e-20])) < 1e-15
+    assert of(np.array([[1.0, 1.0], [1.0, 1.0 + 2**-52]])) > 0.1

@@ -13,7 +13,7 @@ from spacar.stroke.drive_equations import MixedDrive
 from tests.examples import DATA
 
 from . import stroke_models as models
-from .test_extra_load import column
+from .test_hinge import column
 
 GUIDE = models.two_leaves(models.GUIDE, 5)
 PAYLOAD = {"loads": ["9y=-20"], "extra": ["9y=-4"]}

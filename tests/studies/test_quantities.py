@@ -1,6 +1,5 @@
 """Quantities: values against the arrays of the result, and everything that is refused."""
 
-
 import contextlib
 from pathlib import Path
 
