@@ -115,18 +115,11 @@ def test_every_setting_has_an_entry(name):
         assert f"behind a line {heading}" in done.out or f"or {heading}" in done.out
 
 
-def test_other_spellings():
+def test_names_of_settings():
+    """Other spellings; TRAJECT is one of the third block and of the pictures; a wrong name finds a setting."""
     for given, meant in SPELLINGS.items():
         assert call("keywords", given).out == call("keywords", meant).out
-
-
-def test_a_name_of_both_has_both_meanings():
-    """TRAJECT of the third block, and of the pictures."""
-    text = call("keywords", "traject").out
-    assert text.count("TRAJECT: ") == 2
-
-
-def test_a_wrong_name_finds_a_setting():
+    assert call("keywords", "traject").out.count("TRAJECT: ") == 2
     assert "nearest: ENLARGEFACTOR" in call.refused("keywords", "ENLARGFACTOR")
 
 

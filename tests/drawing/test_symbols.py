@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from spacar_drawing import draw
+from spacar_drawing import symbols as marks
 from spacar_drawing.bodies import beam_lines, rows_of
 from spacar_drawing.drawn_shapes import Line, Mark
 from spacar_drawing.element_pictures import element_shapes, span
@@ -14,19 +15,6 @@ from spacar_drawing.mechanism_picture import Extras, draw_steps
 from spacar_drawing.picture_source import source_of_result
 from spacar_drawing.scene import Pose, positions, rotations
 from spacar_drawing.supports import number_labels
-from spacar_drawing.symbols import (
-    ARROW,
-    AXES,
-    KINDS,
-    LOAD,
-    MASS,
-    REACTION,
-    Symbols,
-    forces,
-    magnified,
-    moments,
-    start_of,
-)
 from spacar_drawing.viewer_mesh import mesh_of
 
 import spacar
@@ -38,7 +26,7 @@ from .models import result_source
 
 def total(source, kind, k):
     """Sum of forces and of moments about the origin."""
-    f = forces(source, kind, k)
+    f = marks.forces(source, kind, k)
     place = positions(source.scene, source.x(k))
     at = np.array([place[n - 1] for n in f.nodes])
     return f.force.sum(0), f.moment.sum(0) + np.cross(at, f.force).sum(0)
@@ -65,7 +53,7 @@ def test_moments_from_forces_on_euler_parameters():
     f = rng.normal(size=4)
     f -= (f @ lam) * lam
     turn = (Rotation.from_quat((lam + d)[[1, 2, 3, 0]]) * Rotation.from_quat(lam[[1, 2, 3, 0]]).inv()).as_rotvec()
-    assert moments(lam[None], f[None])[0] @ turn == pytest.approx(f @ d, rel=1e-5)
+    assert marks.moments(lam[None], f[None])[0] @ turn == pytest.approx(f @ d, rel=1e-5)
 
 
 def shapes_of(name, mode, kinds, **changes):
@@ -73,7 +61,7 @@ def shapes_of(name, mode, kinds, **changes):
     source = replace(source, **changes) if changes else source
     x = source.x(source.steps)
     look = look_of(source.scene, x[None], source.settings)
-    symbols = Symbols.of(source, kinds, [source.steps])
+    symbols = marks.Symbols.of(source, kinds, [source.steps])
     return source, look, symbols.shapes(source.steps, x, look), symbols
 
 
@@ -81,17 +69,17 @@ def test_the_load_of_the_cantilever():
     """14 N down at the end: an arrow of the full length, from the end downwards."""
     source, look, shapes, symbols = shapes_of("plbeam5", 7, ["loads"])
     (shaft,) = [s for s in shapes if isinstance(s, Line)]
-    assert shaft.colour == LOAD
+    assert shaft.colour == marks.LOAD
     tip = source.x(source.steps)[source.scene.lnp[10, :2] - 1]
     np.testing.assert_allclose(shaft.points[0, :2], tip, atol=1e-12)
     head = shapes[1].corners.reshape(-1, 3)
-    assert tip[1] - head[:, 1].min() == pytest.approx(ARROW * look.size)
+    assert tip[1] - head[:, 1].min() == pytest.approx(marks.ARROW * look.size)
     assert symbols.legend == "loads: largest 14 N"
 
 
 def test_reactions_point_at_the_support():
     _, _, shapes, symbols = shapes_of("plbeam5", 7, ["reactions"])
-    assert {s.colour for s in shapes} == {REACTION}
+    assert {s.colour for s in shapes} == {marks.REACTION}
     assert symbols.legend == "reactions: largest 14 N, 51.53 N m"  # 14 N times 3.680791 m
 
 
@@ -102,9 +90,9 @@ def test_masses_are_balls_of_their_volume():
     )
     source = source_of_result(spacar.run(7, deck))
     look = look_of(source.scene, source.x(), source.settings)
-    symbols = Symbols.of(source, ["masses", "gravity"], [1])
+    symbols = marks.Symbols.of(source, ["masses", "gravity"], [1])
     shapes = symbols.shapes(1, source.x(1), look)
-    sizes = [s.size for s in shapes if isinstance(s, Mark) and s.face == MASS]
+    sizes = [s.size for s in shapes if isinstance(s, Mark) and s.face == marks.MASS]
     np.testing.assert_allclose(sizes, [4 + 10 / 2, 4 + 10])
     (down,) = [s for s in shapes if isinstance(s, Line)]
     assert down.points[1, 1] < down.points[0, 1]
@@ -117,7 +105,7 @@ def test_local_axes_are_those_of_the_elements():
     shown = [e for e in source.scene.elements if source.scene.frame_p[e.number - 1].any() and e.p]
     frames = pose.frames(source.scene, rows_of(shown))
     for k, s in enumerate(shapes):
-        assert s.colour == AXES[k]
+        assert s.colour == marks.AXES[k]
         axes = (s.points[:, 1] - s.points[:, 0]) / (2.2 * look.size)
         np.testing.assert_allclose(np.linalg.norm(axes, axis=1), 1.0, atol=1e-12)
         for e, axis, frame, at in zip(shown, axes, frames[:, k], s.points[:, 0], strict=True):
@@ -139,15 +127,15 @@ def test_results_of_an_earlier_version(results):
     for kinds, table in ((["masses"], "XM"), (["gravity"], "GRAV")):
         header = {k: v for k, v in source.header.items() if k != table}
         with pytest.raises(UsageError, match=f"does not hold .* \\({table.lower()}\\).*run the analysis again"):
-            Symbols.of(replace(source, header=header), kinds, [1])
+            marks.Symbols.of(replace(source, header=header), kinds, [1])
     header = {k: v for k, v in source.header.items() if k != "X0"}
     with pytest.raises(UsageError, match="coordinates at the start"):
-        start_of(replace(source, header=header))
+        marks.start_of(replace(source, header=header))
 
 
 def test_unknown_kinds(results):
     wrong = call.refused("draw", results / "crank", "--symbols", "loads,forces")
-    assert wrong.strip().endswith(f"--symbols forces: expected {', '.join(KINDS)}, with commas between, or all")
+    assert wrong.strip().endswith(f"--symbols forces: expected {', '.join(marks.KINDS)}, with commas between, or all")
 
 
 def test_files_hold_what_symbols_need(results):
@@ -159,21 +147,21 @@ def test_files_hold_what_symbols_need(results):
 
 def test_deflections_are_enlarged_from_the_start():
     source = result_source("plbeam5", 7)
-    x0, x = start_of(source), source.x(source.steps)
-    np.testing.assert_allclose(magnified(source.scene, x0, x, 1.0), x, atol=1e-14)
-    np.testing.assert_allclose(magnified(source.scene, x0, x, 0.0), x0, atol=1e-14)
-    np.testing.assert_allclose(magnified(source.scene, x0, x, 3.0) - x0, 3 * (x - x0), atol=1e-13)
+    x0, x = marks.start_of(source), source.x(source.steps)
+    np.testing.assert_allclose(marks.magnified(source.scene, x0, x, 1.0), x, atol=1e-14)
+    np.testing.assert_allclose(marks.magnified(source.scene, x0, x, 0.0), x0, atol=1e-14)
+    np.testing.assert_allclose(marks.magnified(source.scene, x0, x, 3.0) - x0, 3 * (x - x0), atol=1e-13)
 
 
 def test_rotations_are_enlarged_as_rotation_vectors():
     """Against SciPy's rotations, with the sign of the Euler parameters turned round as well."""
     source = result_source("leafguide", 7)
-    scene, x0, x = source.scene, start_of(source), source.x(source.steps)
-    y = magnified(scene, x0, x, 2.5)
+    scene, x0, x = source.scene, marks.start_of(source), source.x(source.steps)
+    y = marks.magnified(scene, x0, x, 2.5)
     z = x.copy()
     rows = scene.lnp[scene.orientation_nodes - 1] - 1
     z[rows] *= -1
-    np.testing.assert_allclose(rotations(scene, magnified(scene, x0, z, 2.5)), rotations(scene, y), atol=1e-12)
+    np.testing.assert_allclose(rotations(scene, marks.magnified(scene, x0, z, 2.5)), rotations(scene, y), atol=1e-12)
     start, end, drawn = (rotations(scene, v)[scene.orientation_nodes - 1] for v in (x0, x, y))
     turn = (Rotation.from_matrix(end) * Rotation.from_matrix(start).inv()).as_rotvec()
     wanted = Rotation.from_rotvec(2.5 * turn) * Rotation.from_matrix(start)

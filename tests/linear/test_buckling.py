@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from cantilever_eigen import cantilever
 from models import pendulum
-from tests.stationary.test_stability import PENDULUM
 
 import spacar
 from spacar import Deck
@@ -17,6 +16,7 @@ from spacar.linear.lowest import lost_pairs
 from spacar.mechanism import build
 from spacar.stationary import LoadProgram, StationarySolver
 from tests.examples import DATA
+from tests.stationary.test_stability import PENDULUM
 
 
 def test_a_doubtful_pair_is_kept_with_a_warning(monkeypatch):

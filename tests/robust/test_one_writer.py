@@ -163,12 +163,9 @@ def test_missing_streams(tmp_path, closed):
     assert "internal" not in (tmp_path / "crank.log").read_text()
 
 
-def test_wrong_input_without_a_stream_to_tell_it(tmp_path):
+def test_failures_of_streams(tmp_path):
+    """Wrong input without a stream to tell it; a full standard output."""
     assert shell(tmp_path, "spacar 1 nothing 2>&-")[0] == 2
-
-
-def test_a_full_standard_output_is_a_failure(tmp_path):
     spacar.run(1, model(tmp_path) / "crank.dat").save(tmp_path / "crank")
     status, _, err = shell(tmp_path, "spacar getfrsbf crank x > /dev/full")
-    assert status == 1
-    assert err == "error: cannot write to standard output: No space left on device\n"
+    assert (status, err) == (1, "error: cannot write to standard output: No space left on device\n")

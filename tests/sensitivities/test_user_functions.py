@@ -59,10 +59,13 @@ def test_forces_and_stresses_of_the_user(with_law, stated: str) -> None:
     agree(with_law(stated), names, quantities, rel=1e-7)
 
 
-def test_linearized_equations_with_forces_of_the_user_are_refused(with_law) -> None:
-    """They hold what the function states, whose derivatives are not known."""
-    with pytest.raises(UsageError, match="USERSIG"):
-        spacar.sensitivity(with_law(), ["ESTIFF.1[EI]"], ["frequency[1]"])
+def test_linearized_equations_that_are_refused(with_law) -> None:
+    """They hold what a function states, whose derivatives are not known; and those of wheels."""
+    for deck, name, said in (
+        (with_law(), "ESTIFF.1[EI]", "USERSIG"), (read_deck(DATA / "trike2.dat", 7), "XM.1", "wheels for eigenvalues")
+    ):
+        with pytest.raises(UsageError, match=said):
+            spacar.sensitivity(deck, [name], ["frequency[1]"])
 
 
 def test_forces_of_the_user_in_steady_motion(tmp_path: Path) -> None:
@@ -164,8 +167,3 @@ def test_where_it_rolls_is_kept() -> None:
     np.testing.assert_allclose(found.derivatives[0], [1.0, 0.0, 0.0], atol=1e-12)
     assert found.of("x[1,1]", "X.1[2]") == pytest.approx(1.0, abs=1e-12)
     assert found.of("e[6,1]", "STARTDX.4.1[start value]") == pytest.approx(0.0, abs=1e-12)
-
-
-def test_their_linearized_equations_are_refused() -> None:
-    with pytest.raises(UsageError, match="wheels for eigenvalues"):
-        spacar.sensitivity(read_deck(DATA / "trike2.dat", 7), ["XM.1"], ["frequency[1]"])

@@ -3,17 +3,7 @@
 import numpy as np
 import pytest
 
-from spacar.simulation import (
-    PID,
-    Diagram,
-    Gain,
-    Integrator,
-    RateLimiter,
-    Sampled,
-    Saturation,
-    simulate,
-    transfer_function,
-)
+from spacar import simulation as sim
 from spacar.simulation.affine_blocks import by_differences, diagram_jacobian
 from spacar.simulation.diagram import schedule
 from spacar.simulation.diagram_evaluator import DiagramEvaluator
@@ -21,11 +11,12 @@ from spacar.simulation.switching_blocks import DeadZone
 
 RANDOM = np.random.default_rng(7)
 BLOCKS = [
-    PID("pid", [4.0, 3.0], 2.0, 0.5, filter=80.0, lower=-1.0, upper=1.0, size=2),
-    PID("clamps", 4.0, 2.0, lower=-1.0, upper=1.0, anti_windup="clamping", size=2),
-    Integrator("integral", gain=[2.0, 3.0], lower=-1.0, upper=1.0, size=2),
-    RateLimiter("rate", 2.0, bandwidth=30.0, size=2), Saturation("limit", -0.5, 0.5, 2), DeadZone("dead", -0.2, 0.3, 2),
-    Gain("gain", [[1.0, 2.0], [0.5, -1.0]]), transfer_function("notch", [1.0, 2.0, 90.0], [1.0, 30.0, 100.0]),
+    sim.PID("pid", [4.0, 3.0], 2.0, 0.5, filter=80.0, lower=-1.0, upper=1.0, size=2),
+    sim.PID("clamps", 4.0, 2.0, lower=-1.0, upper=1.0, anti_windup="clamping", size=2),
+    sim.Integrator("integral", gain=[2.0, 3.0], lower=-1.0, upper=1.0, size=2),
+    sim.RateLimiter("rate", 2.0, bandwidth=30.0, size=2), sim.Saturation("limit", -0.5, 0.5, 2),
+    DeadZone("dead", -0.2, 0.3, 2),
+    sim.Gain("gain", [[1.0, 2.0], [0.5, -1.0]]), sim.transfer_function("notch", [1.0, 2.0, 90.0], [1.0, 30.0, 100.0]),
 ]  # fmt: skip
 
 
@@ -46,11 +37,11 @@ def test_a_block_is_what_its_matrices_say_in_every_mode(block):
 
 def test_a_loop_of_all_of_them():
     """Outputs and rates together are those one by one; the Jacobian is that of differences of the whole loop."""
-    d = Diagram().add(
-        PID("pid", 4.0, 2.0, 0.5, filter=80.0, lower=-1.0, upper=1.0),
-        transfer_function("notch", [1, 2, 90], [1, 30, 100]), Saturation("limit", -0.5, 0.5),
-        RateLimiter("rate", 2.0, bandwidth=30.0), Integrator("body", 0.3),
-        Gain("back", -1.0),
+    d = sim.Diagram().add(
+        sim.PID("pid", 4.0, 2.0, 0.5, filter=80.0, lower=-1.0, upper=1.0),
+        sim.transfer_function("notch", [1, 2, 90], [1, 30, 100]), sim.Saturation("limit", -0.5, 0.5),
+        sim.RateLimiter("rate", 2.0, bandwidth=30.0), sim.Integrator("body", 0.3),
+        sim.Gain("back", -1.0),
     )  # fmt: skip
     names = list(d.blocks)
     for a, b in zip(names, [*names[1:], names[0]], strict=True):
@@ -78,11 +69,11 @@ def test_a_loop_of_all_of_them():
 def test_a_sample_that_changes_a_mode_behind_it(delay):
     """u(k) = 3 k at t = k/10 through a saturation of 4 into an integrator: 0.1 (0 + 3 + 4 + 4 ...), one later with
     delay."""
-    d = Diagram().add(
-        Sampled("count", lambda t, x, u: (x + 1, [3.0 * x]), 0.1, 0, 1, x0=0, delay=delay),
-        Saturation("limit", -4.0, 4.0), Integrator("sum"),
+    d = sim.Diagram().add(
+        sim.Sampled("count", lambda t, x, u: (x + 1, [3.0 * x]), 0.1, 0, 1, x0=0, delay=delay),
+        sim.Saturation("limit", -4.0, 4.0), sim.Integrator("sum"),
     ).connect("count", "limit").connect("limit", "sum")  # fmt: skip
-    found = simulate(d, [0.0, 1.0])["sum"][-1, 0]
+    found = sim.simulate(d, [0.0, 1.0])["sum"][-1, 0]
     assert found == pytest.approx(0.1 * (3.0 + (7 if delay else 8) * 4.0), rel=1e-12)
 
 
@@ -91,10 +82,10 @@ def test_many_limits_are_each_met():
     n = 20
     limit, gain = RANDOM.uniform(0.5, 2.0, n), RANDOM.uniform(3.0, 9.0, n)
     far = limit / gain + RANDOM.uniform(0.1, 1.0, n)  # from the target: driven at the limit first
-    d = Diagram().add(
-        Gain("gain", -np.diag(gain)), Saturation("limit", -limit, limit, n), Integrator("x", far, size=n)
+    d = sim.Diagram().add(
+        sim.Gain("gain", -np.diag(gain)), sim.Saturation("limit", -limit, limit, n), sim.Integrator("x", far, size=n)
     ).connect("x", "gain").connect("gain", "limit").connect("limit", "x")  # fmt: skip
-    r = simulate(d, [0.0, 3.0], rtol=1e-10, atol=1e-12)
+    r = sim.simulate(d, [0.0, 3.0], rtol=1e-10, atol=1e-12)
     met = (far - limit / gain) / limit
     np.testing.assert_allclose(r["x"][-1], limit / gain * np.exp(-gain * (3.0 - met)), rtol=1e-7, atol=1e-11)
     assert len(r.events) == n

@@ -1,18 +1,18 @@
 """python-control systems (optional extra): the same closed loop through `control.interconnect`."""
 
+import sys
+
 import numpy as np
 import pytest
 
 import spacar
 from spacar.errors import UsageError
-from spacar.simulation import Sampled, Saturation, Spasim, closed_loop
+from spacar.simulation import Sampled, Saturation, Spasim, TransportDelay, as_control, closed_loop
 from tests.examples import DATA
 
 
 def test_interconnect_gives_the_same_response():
     control = pytest.importorskip("control")
-    from spacar.simulation import as_control
-
     moments = np.array([0.0, 196.98, 82.276])
 
     def law(t, y):
@@ -39,8 +39,6 @@ def test_interconnect_gives_the_same_response():
 
 def test_names_follow():
     control = pytest.importorskip("control")
-    from spacar.simulation import as_control
-
     robot = as_control(Spasim(DATA / "robotsim.dat", "robot"))
     assert robot.input_labels[0] == "INPUTS element 1 (HINGE) e1 relative rotation"
     assert robot.output_labels[9] == "OUTX node 8 x"
@@ -83,27 +81,19 @@ def test_mode_3_names_every_column(robot):
     assert len(data.outputs) == data.C.shape[1]
 
 
-def test_a_sampled_block_is_refused():
-    pytest.importorskip("control")
-    from spacar.simulation import as_control
-
-    with pytest.raises(UsageError, match="c is sampled"):
-        as_control(Sampled("c", lambda t, x, u: (x, u), 0.1, 1, 1))
-
-
-def test_without_python_control(monkeypatch):
-    import sys
-
-    from spacar.simulation import as_control
-
-    monkeypatch.setitem(sys.modules, "control", None)
-    with pytest.raises(UsageError, match=r"pip install 'spacar\[control\]'"):
-        as_control(Sampled("c", lambda t, x, u: (x, u), 0.1, 1, 1))
-
-
-def test_a_delay_is_no_system_of_states():
-    pytest.importorskip("control")
-    from spacar.simulation import TransportDelay, as_control
-
-    with pytest.raises(UsageError, match="late remembers its input"):
-        as_control(TransportDelay("late", 1.0))
+@pytest.mark.parametrize(
+    ("block", "there", "said"),
+    [
+        (Sampled("c", lambda t, x, u: (x, u), 0.1, 1, 1), True, "c is sampled"),
+        (TransportDelay("late", 1.0), True, "late remembers its input"),
+        (Sampled("c", lambda t, x, u: (x, u), 0.1, 1, 1), False, r"pip install 'spacar\[control\]'"),
+    ],
+    ids=["sampled", "delay", "without python-control"],
+)
+def test_what_is_no_system_of_states(monkeypatch, block, there, said):
+    if there:
+        pytest.importorskip("control")
+    else:
+        monkeypatch.setitem(sys.modules, "control", None)
+    with pytest.raises(UsageError, match=said):
+        as_control(block)

@@ -3,34 +3,22 @@
 import numpy as np
 import pytest
 
+from spacar import simulation as sim
 from spacar.errors import AnalysisError, UsageError
-from spacar.simulation import (
-    Continuous,
-    Diagram,
-    Event,
-    Function,
-    Gain,
-    Linear,
-    Sampled,
-    Saturation,
-    Table,
-    closed_loop,
-    simulate,
-)
 from tests.examples import DATA
 
 TIMES = np.linspace(0.0, 2.0, 21)
 
 
 def integrator(x0=0.0, name="i"):
-    return Linear(name, [[0.0]], [[1.0]], [[1.0]], x0=[x0])
+    return sim.Linear(name, [[0.0]], [[1.0]], [[1.0]], x0=[x0])
 
 
 def test_linear_loop_equals_the_closed_form():
     """x' = -3 x + 1 by feedback around an integrator."""
-    d = Diagram().add(integrator(2.0), Gain("k", -3.0), Function("one", lambda t: 1.0, 0, 1))
+    d = sim.Diagram().add(integrator(2.0), sim.Gain("k", -3.0), sim.Function("one", lambda t: 1.0, 0, 1))
     d.connect("i", "k").connect("k", "i").connect("one", "i")
-    r = simulate(d, TIMES, rtol=1e-10, atol=1e-12)
+    r = sim.simulate(d, TIMES, rtol=1e-10, atol=1e-12)
     assert r["i"][:, 0] == pytest.approx(1 / 3 + (2 - 1 / 3) * np.exp(-3 * TIMES), abs=1e-9)
     assert r["k"][:, 0] == pytest.approx(-3 * r["i"][:, 0])
 
@@ -39,9 +27,9 @@ def test_sampled_feedback_equals_the_difference_equation():
     """x_(k+1) = x_k - T g x_k exactly, for a held u = -g x; with delay, u lags one period."""
     T, g = 0.1, 4.0
     for delay in (False, True):
-        sampled = Sampled("c", lambda t, m, u: (m + 1, -g * u), T, 1, 1, x0=0, delay=delay)
-        d = Diagram().add(integrator(1.0), sampled).connect("i", "c").connect("c", "i")
-        r = simulate(d, TIMES, rtol=1e-10, atol=1e-12)
+        sampled = sim.Sampled("c", lambda t, m, u: (m + 1, -g * u), T, 1, 1, x0=0, delay=delay)
+        d = sim.Diagram().add(integrator(1.0), sampled).connect("i", "c").connect("c", "i")
+        r = sim.simulate(d, TIMES, rtol=1e-10, atol=1e-12)
         x, u, truth = 1.0, 0.0, []
         for _ in TIMES:
             truth.append(x)
@@ -53,16 +41,21 @@ def test_sampled_feedback_equals_the_difference_equation():
 
 
 def test_a_second_simulation_starts_afresh():
-    sampled = Sampled("c", lambda t, m, u: (m + 1, [m]), 0.5, 1, 1, x0=0)
-    d = Diagram().add(integrator(), sampled).connect("i", "c").connect("c", "i")
-    first, second = simulate(d, TIMES), simulate(d, TIMES)
+    sampled = sim.Sampled("c", lambda t, m, u: (m + 1, [m]), 0.5, 1, 1, x0=0)
+    d = sim.Diagram().add(integrator(), sampled).connect("i", "c").connect("c", "i")
+    first, second = sim.simulate(d, TIMES), sim.simulate(d, TIMES)
     assert np.array_equal(first.y, second.y)
 
 
 def test_saturation_is_met_exactly():
     """x' = clip(-5 x, -1, 1), x(0) = 1: constant speed until x = 0.2, then exponential."""
-    d = Diagram().add(integrator(1.0), Saturation("limit", -1.0, 1.0)).connect("i", "limit", -5.0).connect("limit", "i")
-    r = simulate(d, TIMES, rtol=1e-9, atol=1e-12)
+    d = (
+        sim.Diagram()
+        .add(integrator(1.0), sim.Saturation("limit", -1.0, 1.0))
+        .connect("i", "limit", -5.0)
+        .connect("limit", "i")
+    )
+    r = sim.simulate(d, TIMES, rtol=1e-9, atol=1e-12)
     truth = np.where(TIMES < 0.8, 1 - TIMES, 0.2 * np.exp(-5 * (TIMES - 0.8)))
     assert r["i"][:, 0] == pytest.approx(truth, abs=1e-8)
     # located on the interpolation of a step across the kink, whose local error is a few times rtol
@@ -72,10 +65,10 @@ def test_saturation_is_met_exactly():
 
 def test_events_are_located_and_can_end_the_simulation():
     """A fall from 1 m with g = 9.81: the ground is met at sqrt(2/g)."""
-    fall = Continuous("fall", lambda t, x, u: [x[1], -9.81], lambda t, x, u: x[:1], [1.0, 0.0], 0, 1)
-    ground = Event("ground", lambda t, s: s["fall:1"][0], terminal=True, direction=-1)
-    half = Event("half", lambda t, s: s["fall"][0] - 0.5)
-    r = simulate(Diagram().add(fall), TIMES, events=[ground, half], rtol=1e-10, atol=1e-12)
+    fall = sim.Continuous("fall", lambda t, x, u: [x[1], -9.81], lambda t, x, u: x[:1], [1.0, 0.0], 0, 1)
+    ground = sim.Event("ground", lambda t, s: s["fall:1"][0], terminal=True, direction=-1)
+    half = sim.Event("half", lambda t, s: s["fall"][0] - 0.5)
+    r = sim.simulate(sim.Diagram().add(fall), TIMES, events=[ground, half], rtol=1e-10, atol=1e-12)
     assert [name for _, name in r.events] == ["half", "ground"]
     # a parabola is exact for the method and its interpolation
     assert r.events[0][0] == pytest.approx(np.sqrt(1 / 9.81), abs=1e-12)
@@ -84,8 +77,8 @@ def test_events_are_located_and_can_end_the_simulation():
 
 
 def test_jump_of_an_input_is_not_smeared():
-    source = Function("step", lambda t: float(t >= 0.73), 0, 1, breaks=[0.73])
-    r = simulate(Diagram().add(source, integrator()).connect("step", "i"), TIMES)
+    source = sim.Function("step", lambda t: float(t >= 0.73), 0, 1, breaks=[0.73])
+    r = sim.simulate(sim.Diagram().add(source, integrator()).connect("step", "i"), TIMES)
     # exact but for the four rounding units next to the jump
     assert r["i"][:, 0] == pytest.approx(np.maximum(0.0, TIMES - 0.73), abs=1e-13)
 
@@ -97,15 +90,15 @@ def test_jump_of_an_input_is_not_smeared():
 def test_tables(kind, expected):
     """Values of t^2 stored at 0, 1, 2, 3: a not-a-knot spline reproduces it."""
     t = np.arange(4.0)
-    table = Table(t, t**2, kind)
+    table = sim.Table(t, t**2, kind)
     assert [float(table(v)) for v in (0.0, 0.4, 1.6, 2.0)] == pytest.approx(expected, abs=1e-12)
 
 
 def test_beyond_the_table():
-    table = Table([0.0, 1.0], [2.0, 3.0], name="u0 of x.ltv")
+    table = sim.Table([0.0, 1.0], [2.0, 3.0], name="u0 of x.ltv")
     with pytest.raises(AnalysisError, match=r"u0 of x.ltv is stored from t = 0 to 1 s, but needed at t = 1.5"):
         table(1.5)
-    assert Table([0.0, 1.0], [2.0, 3.0], hold=True)(1.5) == 3.0
+    assert sim.Table([0.0, 1.0], [2.0, 3.0], hold=True)(1.5) == 3.0
 
 
 # -- refusals -------------------------------------------------------------------------------------------------------
@@ -119,25 +112,35 @@ def test_beyond_the_table():
     ],
 )
 def test_controller_with_a_wrong_result(returned, why):
-    d = Diagram().add(integrator(), Function("c", lambda t, u: returned, 1, 1)).connect("i", "c").connect("c", "i")
+    d = (
+        sim.Diagram()
+        .add(integrator(), sim.Function("c", lambda t, u: returned, 1, 1))
+        .connect("i", "c")
+        .connect("c", "i")
+    )
     with pytest.raises(AnalysisError, match=why):
-        simulate(d, TIMES)
-    d = Diagram().add(integrator(), Sampled("c", lambda t, x, u: (x, returned), 0.1, 1, 1))
+        sim.simulate(d, TIMES)
+    d = sim.Diagram().add(integrator(), sim.Sampled("c", lambda t, x, u: (x, returned), 0.1, 1, 1))
     with pytest.raises(AnalysisError, match=why):
-        simulate(d.connect("i", "c").connect("c", "i"), TIMES)
+        sim.simulate(d.connect("i", "c").connect("c", "i"), TIMES)
 
 
 def test_controller_that_raises_or_returns_no_pair():
-    d = Diagram().add(integrator(), Function("c", lambda t, u: 1 / 0, 1, 1)).connect("i", "c").connect("c", "i")
+    d = sim.Diagram().add(integrator(), sim.Function("c", lambda t, u: 1 / 0, 1, 1)).connect("i", "c").connect("c", "i")
     with pytest.raises(AnalysisError, match="c failed at t = 0: ZeroDivisionError"):
-        simulate(d, TIMES)
-    s = Diagram().add(integrator(), Sampled("c", lambda t, x, u: 1.0, 0.1, 1, 1)).connect("i", "c").connect("c", "i")
+        sim.simulate(d, TIMES)
+    s = (
+        sim.Diagram()
+        .add(integrator(), sim.Sampled("c", lambda t, x, u: 1.0, 0.1, 1, 1))
+        .connect("i", "c")
+        .connect("c", "i")
+    )
     with pytest.raises(AnalysisError, match=r"c must return its new state and its output, \(x, y\)"):
-        simulate(s, TIMES)
+        sim.simulate(s, TIMES)
 
 
 def test_wrong_wires_and_names():
-    d = Diagram().add(integrator(), Gain("k", np.eye(2)))
+    d = sim.Diagram().add(integrator(), sim.Gain("k", np.eye(2)))
     for source, target, why in (
         ("i", "k", "1 outputs cannot be connected to 2 inputs"),
         ("x", "k", "there is no block x; the blocks are i, k"),
@@ -153,13 +156,13 @@ def test_wrong_wires_and_names():
 
 
 def test_unstable_loop_is_a_failure_with_advice():
-    d = Diagram().add(Continuous("x", lambda t, x, u: x**2, lambda t, x, u: x, [1.0], 0, 1))
+    d = sim.Diagram().add(sim.Continuous("x", lambda t, x, u: x**2, lambda t, x, u: x, [1.0], 0, 1))
     with pytest.raises(AnalysisError, match=r"step size became too small|is inf|overflow"):
-        simulate(d, TIMES)
+        sim.simulate(d, TIMES)
 
 
 def test_unconnected_inputs_are_mentioned():
-    r = simulate(Diagram().add(integrator(1.0)), TIMES)
+    r = sim.simulate(sim.Diagram().add(integrator(1.0)), TIMES)
     assert r.notes == ("input 1 (u1) of i is not connected: it is zero",)
 
 
@@ -175,7 +178,7 @@ def test_wrong_size_of_a_direct_call():
     with pytest.raises(UsageError, match="needs dynamic degrees of freedom"):
         Spasim(arm.deck(arm.PRESCRIBED_JOINTS, mode="simulation"))
     with pytest.raises(AnalysisError, match=r"output of control at t = 0 has the shape \(3,\)"):
-        closed_loop(plant, lambda t, y: np.zeros(3), TIMES)
+        sim.closed_loop(plant, lambda t, y: np.zeros(3), TIMES)
 
 
 def test_force_inputs_equal_applied_forces():
@@ -204,7 +207,7 @@ def test_nonholonomic_plant_equals_mode_1():
     text = path.read_text().replace("END\nEND", "END\nHALT\nINPUTS 1 6 1\nOUTX 1 1 1\nOUTXDP 2 1 1\nEND\nEND")
     plant = Spasim(parse_deck(text, "trike2.dat", "simulation"))
     times = np.linspace(0.0, 1.0, 11)
-    r = simulate(Diagram().add(plant), times, rtol=1e-9, atol=1e-10)
+    r = sim.simulate(sim.Diagram().add(plant), times, rtol=1e-9, atol=1e-10)
     truth = spacar.run(1, path, atol=1e-10, rtol=1e-9)
     assert r["plant:1"][:, 0] == pytest.approx(truth.node(1, 1)[::10], abs=1e-8)
     assert r["plant:2"][:, 0] == pytest.approx(truth.node(1, 1, "xdd")[::10], abs=1e-7)

@@ -5,18 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from spacar import simulation as sim
 from spacar.errors import AnalysisError, UsageError
-from spacar.simulation import (
-    Diagram,
-    Function,
-    Ltv,
-    TimeVarying,
-    reduce_modes,
-    simulate,
-    simulate_ltv,
-    tracking_gains,
-    with_gain,
-)
 from tests.examples import DATA
 
 
@@ -27,7 +17,7 @@ def oscillator(times, stiffness, force=1.0):
     A = np.zeros((steps, 2, 2))
     A[:, 0, 1], A[:, 1, 0], A[:, 1, 1] = 1.0, -k, -0.2
     eye = np.ones((steps, 1, 1))
-    return TimeVarying(
+    return sim.TimeVarying(
         "oscillator", times, A=A, B=np.tile([[0.0], [1.0]], (steps, 1, 1)), C=np.tile([[1.0, 0.0]], (steps, 1, 1)),
         m0=eye, c0b=0.2 * eye, k0b=k[:, None, None], sigma0=np.full((steps, 1), force), x0=np.array([1.0, 0.0]),
     )  # fmt: skip
@@ -44,7 +34,7 @@ def closed_form(t, k, force):
 def test_constant_system_is_exact_for_any_step(interpolation):
     times = np.array([0.0, 0.7, 2.0, 5.0])
     data = oscillator(times, lambda t: 9.0, 2.0)
-    assert simulate_ltv(data, interpolation=interpolation).y[:, 0] == pytest.approx(
+    assert sim.simulate_ltv(data, interpolation=interpolation).y[:, 0] == pytest.approx(
         closed_form(times, 9.0, 2.0), abs=1e-13
     )
 
@@ -53,14 +43,14 @@ def test_linear_input_is_exact():
     """q'' + 0.2 q' + 9 q = 9 t + 0.2 has the solution t (start rate 1)."""
     times = np.array([0.0, 1.3, 4.0])
     data = replace(oscillator(times, lambda t: 9.0), x0=np.array([0.0, 1.0]))
-    assert simulate_ltv(data, (9.0 * times + 0.2)[:, None]).y[:, 0] == pytest.approx(times, abs=1e-13)
+    assert sim.simulate_ltv(data, (9.0 * times + 0.2)[:, None]).y[:, 0] == pytest.approx(times, abs=1e-13)
 
 
 def test_order_of_the_linear_interpolation_is_four():
     times = np.linspace(0.0, 4.0, 3)
     data = oscillator(times, lambda t: 5.0 + 4.0 * t)
-    exact = simulate_ltv(data, substeps=512).y[-1, 0]
-    errors = [abs(simulate_ltv(data, substeps=n).y[-1, 0] - exact) for n in (16, 32, 64)]
+    exact = sim.simulate_ltv(data, substeps=512).y[-1, 0]
+    errors = [abs(sim.simulate_ltv(data, substeps=n).y[-1, 0] - exact) for n in (16, 32, 64)]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert orders == pytest.approx([4.0, 4.0], abs=0.2)
 
@@ -68,31 +58,31 @@ def test_order_of_the_linear_interpolation_is_four():
 def test_stepwise_changes_half_way():
     times = np.array([0.0, 1.0])
     data = oscillator(times, lambda t: 4.0 if t < 0.5 else 16.0, 0.0)
-    half = simulate_ltv(oscillator(np.array([0.0, 0.5]), lambda t: 4.0, 0.0)).z[-1]
-    end = simulate_ltv(replace(oscillator(np.array([0.0, 0.5]), lambda t: 16.0, 0.0), x0=half)).z[-1]
-    assert simulate_ltv(data, interpolation="step").z[-1] == pytest.approx(end, abs=1e-14)
+    half = sim.simulate_ltv(oscillator(np.array([0.0, 0.5]), lambda t: 4.0, 0.0)).z[-1]
+    end = sim.simulate_ltv(replace(oscillator(np.array([0.0, 0.5]), lambda t: 16.0, 0.0), x0=half)).z[-1]
+    assert sim.simulate_ltv(data, interpolation="step").z[-1] == pytest.approx(end, abs=1e-14)
 
 
 def test_block_and_propagation_agree():
     """The block Ltv in the engine and `simulate_ltv` solve the same problem (tolerance of the integration)."""
     data = oscillator(np.linspace(0.0, 3.0, 7), lambda t: 5.0 + np.sin(t))
-    diagram = Diagram().add(Ltv(data), Function("f", lambda t: 1.0, 0, 1)).connect("f", "ltv")
-    r = simulate(diagram, data.t, rtol=1e-10, atol=1e-12)
-    assert r["ltv"] == pytest.approx(simulate_ltv(data, substeps=40).y, abs=1e-7)
+    diagram = sim.Diagram().add(sim.Ltv(data), sim.Function("f", lambda t: 1.0, 0, 1)).connect("f", "ltv")
+    r = sim.simulate(diagram, data.t, rtol=1e-10, atol=1e-12)
+    assert r["ltv"] == pytest.approx(sim.simulate_ltv(data, substeps=40).y, abs=1e-7)
 
 
 def test_system_that_overflows_is_a_failure():
     data = oscillator(np.linspace(0.0, 100.0, 11), lambda t: -1e4)
     with pytest.raises(AnalysisError, match="unstable: its states overflow at t ="):
-        simulate_ltv(data)
+        sim.simulate_ltv(data)
 
 
 def test_wrong_inputs_are_refused():
     data = oscillator(np.linspace(0.0, 1.0, 3), lambda t: 1.0)
     with pytest.raises(UsageError, match=r"shape \(2, 1\), expected \(3, 1\)"):
-        simulate_ltv(data, np.zeros((2, 1)))
+        sim.simulate_ltv(data, np.zeros((2, 1)))
     with pytest.raises(UsageError, match=r"empty.ltv has no u0; it comes from"):
-        TimeVarying("empty.ltv", np.arange(2.0)).need("u0")
+        sim.TimeVarying("empty.ltv", np.arange(2.0)).need("u0")
 
 
 # -- reduction ------------------------------------------------------------------------------------------------------
@@ -111,7 +101,7 @@ def chain(n=5, steps=30):
     force[2] = 1.0
     B = np.concatenate((np.zeros(n), np.linalg.solve(M, force)))[:, None]
     out = np.hstack((np.eye(n), np.zeros((n, n))))
-    return TimeVarying(
+    return sim.TimeVarying(
         "chain", times, A=A, B=np.tile(B, (steps, 1, 1)), C=np.tile(out, (steps, 1, 1)), m0=mass, c0b=C, k0b=K,
         sigma0=(1 - np.cos(times))[:, None] ** 2,
     )  # fmt: skip
@@ -120,39 +110,39 @@ def chain(n=5, steps=30):
 def test_all_modes_kept_is_the_same_system():
     """With a constant mass matrix the followed basis is constant, so nothing is lost."""
     data = chain()
-    full, reduced = simulate_ltv(data), simulate_ltv(reduce_modes(data, 5).system)
+    full, reduced = sim.simulate_ltv(data), sim.simulate_ltv(sim.reduce_modes(data, 5).system)
     assert reduced.y == pytest.approx(full.y, abs=1e-12 * np.abs(full.y).max())
 
 
 def test_error_falls_with_the_number_of_modes_and_with_the_quasi_static_answer():
     data = chain()
-    full = simulate_ltv(data).y
+    full = sim.simulate_ltv(data).y
     size = np.abs(full).max()
 
     def error(*groups):
-        return np.abs(simulate_ltv(reduce_modes(data, *groups).system).y - full).max() / size
+        return np.abs(sim.simulate_ltv(sim.reduce_modes(data, *groups).system).y - full).max() / size
 
     assert error(3) < error(2) < error(1) < 0.05
     assert error(2) < 0.1 * error(2, 0)
 
 
 def test_groups_are_reported():
-    r = reduce_modes(chain(), 2, 1)
+    r = sim.reduce_modes(chain(), 2, 1)
     assert (r.kept, r.static, r.dropped) == ((0, 1), (2,), (3, 4))
     assert r.report[0].startswith("kept: modes 1 (")
     assert r.report[2].startswith("dropped: modes 4 (")
     assert np.all(np.diff(r.rates[0]) > 0)
     with pytest.raises(UsageError, match="cannot be chosen from 5"):
-        reduce_modes(chain(), 3, 3)
+        sim.reduce_modes(chain(), 3, 3)
     with pytest.raises(UsageError, match="reduced system"):
-        reduce_modes(r.system, 1)
+        sim.reduce_modes(r.system, 1)
 
 
 def test_mode_without_stiffness_cannot_answer_statically():
     data = chain()
     flat = replace(data, k0b=data.k0b - 5000.0 * np.eye(5))
     with pytest.raises(AnalysisError, match="keep more modes, or fold a proportional gain"):
-        reduce_modes(flat, 1)
+        sim.reduce_modes(flat, 1)
 
 
 def test_crossing_modes_are_followed():
@@ -173,7 +163,7 @@ def test_folded_gain_equals_feedback_around_the_system(robot):
     """with_gain against the closed loop du = -K_P de - K_D ded written with the rows of the state."""
     _, linear = robot
     kp, kd = np.diag([300.0, 200.0, 100.0]), np.diag([30.0, 20.0, 10.0])
-    closed = with_gain(linear, kp, kd)
+    closed = sim.with_gain(linear, kp, kd)
     feedback = np.hstack((kp, kd))  # the joints are the degrees of freedom
     assert pytest.approx(linear.A - linear.B @ feedback, abs=1e-9) == closed.A
     assert closed.k0b - linear.k0b == pytest.approx(np.tile(kp, (len(linear.t), 1, 1)), abs=1e-9)
@@ -183,9 +173,9 @@ def test_folded_gain_equals_feedback_around_the_system(robot):
 def test_tracking_gains_give_the_wanted_poles(robot):
     """Without gravity and motion terms all eigenvalues would be those of s^2 + 2 beta w s + w^2."""
     _, linear = robot
-    kp, kd = tracking_gains(linear, 28.0, 0.85)
+    kp, kd = sim.tracking_gains(linear, 28.0, 0.85)
     assert kp == pytest.approx(28.0**2 * linear.m0, abs=1e-9)
-    closed = with_gain(linear, kp, kd)
+    closed = sim.with_gain(linear, kp, kd)
     rest = closed.A[0].copy()
     rest[3:, :3] += np.linalg.solve(linear.m0[0], linear.k0b[0])
     expected = np.roots([1.0, 2 * 0.85 * 28.0, 28.0**2])
@@ -195,12 +185,12 @@ def test_tracking_gains_give_the_wanted_poles(robot):
 
 def test_wrong_gains_are_refused(robot):
     nominal, linear = robot
-    with pytest.raises(UsageError, match=r"K_P has the shape \(2, 2\); expected \(3, 3\)"):
-        with_gain(linear, np.eye(2))
-    with pytest.raises(UsageError, match="not finite"):
-        with_gain(linear, np.full((3, 3), np.nan))
-    with pytest.raises(UsageError, match="has no A"):
-        with_gain(nominal, np.eye(3))
+    for system, gain, said in (
+        (linear, np.eye(2), r"K_P has the shape \(2, 2\); expected \(3, 3\)"),
+        (linear, np.full((3, 3), np.nan), "not finite"), (nominal, np.eye(3), "has no A"),
+    ):  # fmt: skip
+        with pytest.raises(UsageError, match=said):
+            sim.with_gain(system, gain)
 
 
 # -- the perturbation method ----------------------------------------------------------------------------------------
@@ -215,7 +205,7 @@ def test_perturbation_method_against_the_nonlinear_simulation(flexible):
     times = flexible.t[:13]
     start = {"plant": plant.start() + flexible.x0}
     full = closed_loop(plant, law, times, feedback="1-6", x0=start, atol=1e-7)["plant"]
-    linear = simulate_ltv(flexible).y[:13]
+    linear = sim.simulate_ltv(flexible).y[:13]
     amplitude = np.abs(full[:, 6:9] - flexible.y0[:13, 6:9]).max()
     assert np.abs(full - linear)[:, 6:9].max() < 1e-2 * amplitude
 
@@ -235,7 +225,7 @@ def test_reduction_of_the_manipulator(flexible):
     """4 of 11 modes: the mean deviation of the tip from the full linear system is below 2 % of its largest
     deflection.
     """
-    full = simulate_ltv(flexible)
-    reduced = simulate_ltv(reduce_modes(flexible, 4).system)
+    full = sim.simulate_ltv(flexible)
+    reduced = sim.simulate_ltv(sim.reduce_modes(flexible, 4).system)
     off, size = np.abs(reduced.dy - full.dy)[:, 6:9], np.abs(full.dy)[:, 6:9].max()
     assert off.mean() < 0.02 * size

@@ -5,21 +5,8 @@ from math import factorial
 import numpy as np
 import pytest
 
+from spacar import simulation as sim
 from spacar.errors import UsageError
-from spacar.simulation import (
-    Diagram,
-    Function,
-    Gain,
-    Integrator,
-    Pulses,
-    Relay,
-    Sine,
-    StepSignal,
-    TransportDelay,
-    sampled_transfer_function,
-    simulate,
-    unit_delay,
-)
 
 TIMES = np.linspace(0.0, 4.0, 101)
 TIGHT = {"rtol": 1e-10, "atol": 1e-12}
@@ -32,17 +19,17 @@ def by_steps(t):
 
 @pytest.mark.parametrize("code", [155, 853, pytest.param(553, marks=pytest.mark.slow)])
 def test_a_loop_with_a_delay_follows_the_method_of_steps(code):
-    d = Diagram().add(Integrator("x", 1.0), Gain("minus", -1.0), TransportDelay("late", 1.0, 1.0))
+    d = sim.Diagram().add(sim.Integrator("x", 1.0), sim.Gain("minus", -1.0), sim.TransportDelay("late", 1.0, 1.0))
     d.connect("x", "late").connect("late", "minus").connect("minus", "x")
-    found = simulate(d, TIMES, method=code, **TIGHT)["x"][:, 0]
+    found = sim.simulate(d, TIMES, method=code, **TIGHT)["x"][:, 0]
     # steps of 1e-10 of the size; a kink that the step size control has to find costs some of them
     assert np.allclose(found, [by_steps(t) for t in TIMES], rtol=0.0, atol=1e-8)
 
 
 @pytest.mark.parametrize("lag", [0.003, 1.0 / 3.0, *(pytest.param(s, marks=pytest.mark.slow) for s in (0.25, 7.0))])
 def test_a_fast_signal_comes_out_later(lag):
-    d = Diagram().add(Sine("s", 2.0, 5.0), TransportDelay("late", lag, -1.0)).connect("s", "late")
-    found = simulate(d, TIMES, **TIGHT)["late"][:, 0]
+    d = sim.Diagram().add(sim.Sine("s", 2.0, 5.0), sim.TransportDelay("late", lag, -1.0)).connect("s", "late")
+    found = sim.simulate(d, TIMES, **TIGHT)["late"][:, 0]
     want = np.where(lag > TIMES, -1.0, 2.0 * np.sin(10.0 * np.pi * (TIMES - lag)))
     inside = abs(TIMES - lag) > 1e-12
     assert np.allclose(found[inside], want[inside], rtol=0.0, atol=1e-9)
@@ -51,43 +38,45 @@ def test_a_fast_signal_comes_out_later(lag):
 def test_jumps_come_out_at_their_time():
     """The integral of delayed pulses is exact only if a step ends at every edge that comes out."""
     lag = 0.37
-    d = Diagram().add(Pulses("p", 0.7, 0.25), TransportDelay("late", lag), Integrator("area"))
+    d = sim.Diagram().add(sim.Pulses("p", 0.7, 0.25), sim.TransportDelay("late", lag), sim.Integrator("area"))
     d.connect("p", "late").connect("late", "area")
-    found = simulate(d, TIMES, rtol=1e-3, atol=1e-3)
+    found = sim.simulate(d, TIMES, rtol=1e-3, atol=1e-3)
     full, rest = np.divmod(np.maximum(TIMES - lag, 0.0), 0.7)
     exact = 0.175 * full + np.minimum(rest, 0.175)
     assert np.allclose(found["area"][:, 0], exact, rtol=0.0, atol=1e-12)
 
 
 def test_a_delay_of_whole_samples_is_a_chain_of_unit_delays():
-    d = Diagram().add(Sine("s", 1.0, 0.6), sampled_transfer_function("filter", 0.1, [0.3], [1.0, -0.7]))
-    d.add(TransportDelay("late", 0.3), *(unit_delay(f"d{k}", 0.1) for k in range(3)))
+    d = sim.Diagram().add(sim.Sine("s", 1.0, 0.6), sim.sampled_transfer_function("filter", 0.1, [0.3], [1.0, -0.7]))
+    d.add(sim.TransportDelay("late", 0.3), *(sim.unit_delay(f"d{k}", 0.1) for k in range(3)))
     d.connect("s", "filter").connect("filter", "late").connect("filter", "d0").connect("d0", "d1").connect("d1", "d2")
-    found = simulate(d, np.linspace(0.05, 3.95, 40))
+    found = sim.simulate(d, np.linspace(0.05, 3.95, 40))
     assert np.allclose(found["late"], found["d2"], rtol=0.0, atol=1e-12)
 
 
 def test_a_step_through_two_delays():
-    d = Diagram().add(StepSignal("h", 0.5, 2.0), TransportDelay("a", 0.2), TransportDelay("b", 0.3), Integrator("i"))
+    d = sim.Diagram().add(
+        sim.StepSignal("h", 0.5, 2.0), sim.TransportDelay("a", 0.2), sim.TransportDelay("b", 0.3), sim.Integrator("i")
+    )
     d.connect("h", "a").connect("a", "b").connect("b", "i")
-    found = simulate(d, TIMES)
+    found = sim.simulate(d, TIMES)
     assert np.allclose(found["i"][:, 0], 2.0 * np.maximum(TIMES - 1.0, 0.0), rtol=0.0, atol=1e-12)
 
 
 def test_a_relay_behind_a_delay_oscillates_with_its_dead_time():
     """x' = 1 or -1 by a relay at +-0.1 that sees x 0.05 late: amplitude 0.1 + 0.05, period 4 times that."""
-    d = Diagram().add(Integrator("x"), TransportDelay("late", 0.05), Relay("r", -0.1, 0.1, 1.0, -1.0))
+    d = sim.Diagram().add(sim.Integrator("x"), sim.TransportDelay("late", 0.05), sim.Relay("r", -0.1, 0.1, 1.0, -1.0))
     d.connect("x", "late").connect("late", "r").connect("r", "x")
-    response = simulate(d, np.linspace(0.0, 3.0, 301), **TIGHT)
+    response = sim.simulate(d, np.linspace(0.0, 3.0, 301), **TIGHT)
     switched = [t for t, _ in response.events]
     assert np.allclose(switched, 0.15 + 0.3 * np.arange(len(switched)), rtol=0.0, atol=1e-9)
     assert len(switched) == 10
 
 
 def test_a_delay_breaks_an_algebraic_loop():
-    d = Diagram().add(StepSignal("h", 0.0), Function("sum", lambda t, u: u[0] - 0.5 * u[1], 2, 1))
-    d.add(TransportDelay("late", 0.5)).connect("h", "sum:1").connect("late", "sum:2").connect("sum", "late")
-    found = simulate(d, TIMES)
+    d = sim.Diagram().add(sim.StepSignal("h", 0.0), sim.Function("sum", lambda t, u: u[0] - 0.5 * u[1], 2, 1))
+    d.add(sim.TransportDelay("late", 0.5)).connect("h", "sum:1").connect("late", "sum:2").connect("sum", "late")
+    found = sim.simulate(d, TIMES)
     assert not any("algebraic" in note for note in found.notes)
     # u_k = 1 - u_(k-1)/2 in the k-th half second
     want, value = [], 0.0
@@ -100,4 +89,4 @@ def test_a_delay_breaks_an_algebraic_loop():
 def test_wrong_delays():
     for lag in (0.0, -1.0, np.inf, np.nan):
         with pytest.raises(UsageError, match="late: the delay must be positive"):
-            TransportDelay("late", lag)
+            sim.TransportDelay("late", lag)

@@ -115,6 +115,11 @@ ERRORS = {
     "toml": ([("[system]", "[system")], "cannot read the file"),
     "output": ([('"link1.tip.u"', '"link1.tip.v"')], "is not allowed in an expression"),
     "tolerance": ([("rtol = 1e-8", "rtol = 0.1")], "at most 0.01"),
+    # scripts
+    "frames": ("from spacar.symbolic import *\nomega(ReferenceFrame('N'), ReferenceFrame('Q'))\n", "no angular velocity is known between frames N and Q"),
+    "sum": ("from spacar.symbolic import *\nReferenceFrame('N')[1] + 1\n", "TypeError: cannot add a vector and 1"),
+    "product": ("from spacar.symbolic import *\nN = ReferenceFrame('N')\nN[1]*N[2]\n", "TypeError: product of vectors: use dot (&), cross (^) or outer (|), not *"),
+    "no system": ("x = 1\n", "the script must define `system`"),
 }  # fmt: skip
 
 
@@ -124,26 +129,12 @@ DERIVED_FIRST = ("no value", "length", "mass")  # as "not finite", but each deri
 @pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n in DERIVED_FIRST)) for n in ERRORS])
 def test_wrong_models_are_refused_in_one_line(model, name):
     changes, message = ERRORS[name]
-    err = run.refused("symbolic", "simulate", model(*changes))
-    assert err.startswith("error: manip.toml: ")
+    if script := isinstance(changes, str):
+        err = run.refused("symbolic", "check", model(text=changes, name="manip.py"))
+    else:
+        err = run.refused("symbolic", "simulate", model(*changes))
+    assert err.startswith("error: manip.py" if script else "error: manip.toml: ")
     assert message in err
-    assert err.count("\n") == 1
-
-
-SCRIPTS = {
-    "frames": ("from spacar.symbolic import *\nomega(ReferenceFrame('N'), ReferenceFrame('Q'))\n", "no angular velocity is known between frames N and Q"),
-    "sum": ("from spacar.symbolic import *\nReferenceFrame('N')[1] + 1\n", "TypeError: cannot add a vector and 1"),
-    "product": ("from spacar.symbolic import *\nN = ReferenceFrame('N')\nN[1]*N[2]\n", "TypeError: product of vectors: use dot (&), cross (^) or outer (|), not *"),
-    "none": ("x = 1\n", "the script must define `system`"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", SCRIPTS)
-def test_wrong_scripts_are_refused_in_one_line(model, name):
-    text, message = SCRIPTS[name]
-    err = run.refused("symbolic", "check", model(text=text, name="manip.py"))
-    assert message in err
-    assert err.startswith("error: manip.py")
     assert err.count("\n") == 1
 
 
@@ -186,9 +177,13 @@ def test_derive_in_three_notations_and_formats(model):
     assert len(record["results"]) == 36 + 8 + 8 + 2
 
 
-def test_held_equations_of_the_recursive_strategy_are_refused(model):
-    err = run.refused("symbolic", "derive", model(), "--strategy", "recursive", "--notation", "held")
-    assert "only the held strategy" in err
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [(("derive", "--strategy", "recursive", "--notation", "held"), "only the held strategy"),
+     (("simulate", "--set", "zeta=1"), "zeta")],
+)  # fmt: skip
+def test_options_that_are_refused(model, words, said):
+    assert said in run.refused("symbolic", words[0], model(), *words[1:])
 
 
 @pytest.mark.parametrize("language", ["c", "latex", *(pytest.param(x, marks=pytest.mark.slow) for x in ("python", "fortran"))])
@@ -212,10 +207,6 @@ def test_simulate_writes_log_result_and_figures(model, tmp_path):
     assert float(out.split()[0]) == pytest.approx(0.12042788611, abs=1e-8)  # R0 at 0.5 s
     assert run.done("getfrsbf", tmp_path / "manip.sbd", "qname").out.split()[:2] == ["q1", "q4"]
     run.done("loadsbd", tmp_path / "manip.sbd")
-
-
-def test_unknown_setting_is_named(model):
-    assert "zeta" in run.refused("symbolic", "simulate", model(), "--set", "zeta=1")
 
 
 # -- SymPy stays inside -----------------------------------------------------------------------------------------
