@@ -10,12 +10,6 @@ from spacar.deck.keyword_table import KEYWORDS
 from tests.examples import DATA
 
 
-def test_keywords_lists_every_keyword(call):
-    done = call.done("keywords")
-    listed = {line.split()[0] for line in done.out.splitlines() if line.startswith("  ")}
-    assert listed == {name for name, _ in KEYWORDS} | set(RULES) | {block.name for block in BLOCKS}
-
-
 @pytest.mark.parametrize("name", sorted({name for name, _ in KEYWORDS}))
 def test_every_keyword_is_explained(call, name):
     done = call.done("keywords", name.lower())
@@ -27,7 +21,11 @@ def test_every_keyword_is_explained(call, name):
                 assert all(p.text in done.out for p in variant.parameters)
 
 
-def test_an_alias_is_explained_under_its_name_and_a_block_with_its_keys(call):
+def test_keywords_lists_every_keyword(call):
+    """An alias is explained under its name, and a block with its keys."""
+    done = call.done("keywords")
+    listed = {line.split()[0] for line in done.out.splitlines() if line.startswith("  ")}
+    assert listed == {name for name, _ in KEYWORDS} | set(RULES) | {block.name for block in BLOCKS}
     assert call("keywords", "LEVELLOG").out.startswith("OUTLEVEL: ")
     assert "anti_windup" in call("keywords", "pid").out
 

@@ -146,13 +146,6 @@ def test_whirl_of_an_overhung_rotor_with_a_heavy_shaft():
         assert np.all(np.abs(orders(errors) - 4.0) < 0.3), (errors, orders(errors))
 
 
-def test_free_beam():
-    """Three rigid motions, then the free-free frequencies."""
-    w = frequencies(cantilever(16, "DYNX 1\nDYNX 2"))
-    assert np.all(w[:3] < 1e-5)
-    assert np.allclose(w[3:5], np.array([4.730040744862704, 7.853204624095838]) ** 2, rtol=1e-4)
-
-
 def test_repeated_frequencies_keep_independent_vectors():
     """A round shaft: every bending frequency twice, with a full set of state vectors."""
     frame = spacar.run(7, parse_deck(overhung(3, 0.0, 1.0), mode=7)).frames[0]
@@ -162,7 +155,11 @@ def test_repeated_frequencies_keep_independent_vectors():
     assert np.linalg.matrix_rank(vectors, tol=1e-6) == len(w)
 
 
-def test_unstable_equilibrium_has_real_pairs():
+def test_free_beam_and_unstable_equilibrium():
+    """Three rigid motions, then the free-free frequencies; a negative stiffness has a real pair."""
+    w = frequencies(cantilever(16, "DYNX 1\nDYNX 2"))
+    assert np.all(w[:3] < 1e-5)
+    assert np.allclose(w[3:5], np.array([4.730040744862704, 7.853204624095838]) ** 2, rtol=1e-4)
     modes = undamped_modes(np.diag([4.0, -9.0]), np.eye(2), Report())
     assert np.allclose(np.sort_complex(modes.values), np.sort_complex([2j, -2j, 3, -3]))
 

@@ -110,15 +110,11 @@ GUIDE = DATA / "leafguide.dat"
 
 
 @pytest.mark.parametrize("target", ["SECTION.leaf[t]", "section.LEAF[t along]", "SECTION.leaf[4]"])
-def test_a_dimension_of_a_section(target: str) -> None:
-    deck = change(read_deck(GUIDE, 10), [setting(target)], [0.6])
+def test_a_dimension_of_a_section_and_a_number_of_a_material(target: str) -> None:
+    deck = change(read_deck(GUIDE, 10), [setting(target), setting("MATERIAL.spring[Young]")], [0.6, 1e5])
     [use] = [s for s in deck.sections if s.element == 1]
     assert use.dims == (0.05, 0.0006)
-
-
-def test_a_number_of_a_material() -> None:
-    deck = change(read_deck(GUIDE, 10), [setting("MATERIAL.spring[Young]")], [1e5])
-    assert pytest.approx(1e11) == deck.sections[0].material.E
+    assert pytest.approx(1e11) == use.material.E
 
 
 def test_a_name_that_there_is_not() -> None:

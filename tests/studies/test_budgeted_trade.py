@@ -257,13 +257,10 @@ def test_the_stiff_beam_is_named_and_the_soft_one_is_needed():
     assert found["the flexibility of beam 2"].line(0.1).startswith("needed: the flexibility of beam 2")
 
 
-def test_rigid_beams_have_no_flexibility_to_leave_out():
+def test_where_there_is_nothing_to_price():
+    """Rigid beams have no flexibility to leave out; nothing is looked at when the time is used."""
     study = asked(PRICED_ARM, "x[5,2]")
     assert list(variations(study.trade, Setup(beams="rigid"))) == []
-
-
-def test_nothing_is_looked_at_when_the_time_is_used():
-    study = asked(PRICED_ARM, "x[5,2]")
     study.budget = 0.0
     assert simplify(study) == []
 

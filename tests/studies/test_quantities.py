@@ -46,6 +46,8 @@ def test_eigenvalues_are_complex(cantilever):
     assert isinstance(value, complex)
     assert quantity("abs(eigval[1])/(2*pi)").number(cantilever) == pytest.approx(abs(value) / (2 * np.pi))
     assert quantity("k0[1,2]@end").number(cantilever) == cantilever["k0"][-1, 0, 1]
+    with pytest.raises(UsageError, match="20 values"):  # beyond the matrix
+        quantity("eigval[21]").number(cantilever)
 
 
 @pytest.mark.parametrize(
@@ -99,11 +101,6 @@ def test_what_is_refused_at_once(text, why):
 def test_what_a_result_does_not_have(crank, text, why):
     with pytest.raises(UsageError, match=why):
         quantity(text).number(crank)
-
-
-def test_an_index_beyond_the_matrix(cantilever):
-    with pytest.raises(UsageError, match="20 values"):
-        quantity("eigval[21]").number(cantilever)
 
 
 @settings(max_examples=200, deadline=None)

@@ -53,22 +53,6 @@ def test_together_and_failed_cases(oscillator):
     assert "mass" in rows[1]["reason"]
 
 
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [
-        (({}, "x[2,1]@end"), "nothing to vary"),
-        (({"XM.2": [1.0]}, ()), "nothing to keep"),
-        (({"XM.3": [1.0]}, "x[2,1]@end"), "there is no statement XM 3 to change"),
-        (({"XM.2": ["heavy"]}, "x[2,1]@end"), r"the values of XM.2 are \['heavy'\]"),
-        (({"XM.2": []}, "x[2,1]@end"), "XM.2 has no values"),
-        (({"XM.2": [1.0]}, ["x[2,1]@end", "x[2,1]@end"]), "two columns would be called"),
-    ],
-)
-def test_a_wrong_sweep_is_one_sentence(oscillator, words, sentence):
-    with pytest.raises(UsageError, match=sentence):
-        spacar.sweep(oscillator, *words)
-
-
 def test_a_trade(oscillator, tmp_path, monkeypatch):
     """The options keep the target; the command says the same settings."""
     answer = spacar.trade(oscillator, 1e-4, budget=20.0, variables="x[2,1]", repeats=1)
@@ -99,7 +83,19 @@ def test_a_wrong_trade_is_one_sentence(oscillator, options, sentence):
         spacar.trade(oscillator, **options)
 
 
-def test_batches_that_are_asked_for_but_cannot_be_are_refused(oscillator: spacar.Model) -> None:
-    """Not left out without a word: only motions run in batches."""
-    with pytest.raises(UsageError, match="batch: only mode 1 runs in batches"):
-        spacar.sweep(oscillator, {"XM.2": [0.4, 0.5]}, "frequency[1]@end", mode=7, batch=True)
+@pytest.mark.parametrize(
+    ("change", "results", "options", "sentence"),
+    [
+        ({}, "x[2,1]@end", {}, "nothing to vary"),
+        ({"XM.2": [1.0]}, (), {}, "nothing to keep"),
+        ({"XM.3": [1.0]}, "x[2,1]@end", {}, "there is no statement XM 3 to change"),
+        ({"XM.2": ["heavy"]}, "x[2,1]@end", {}, r"the values of XM.2 are \['heavy'\]"),
+        ({"XM.2": []}, "x[2,1]@end", {}, "XM.2 has no values"),
+        ({"XM.2": [1.0]}, ["x[2,1]@end", "x[2,1]@end"], {}, "two columns would be called"),
+        # not left out without a word: only motions run in batches
+        ({"XM.2": [0.4, 0.5]}, "frequency[1]@end", {"mode": 7, "batch": True}, "batch: only mode 1 runs in batches"),
+    ],
+)
+def test_a_wrong_sweep_is_one_sentence(oscillator, change, results, options, sentence):
+    with pytest.raises(UsageError, match=sentence):
+        spacar.sweep(oscillator, change, results, **options)

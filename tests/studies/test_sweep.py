@@ -39,7 +39,7 @@ def test_rows_are_those_of_single_runs(call, deck):
         assert row["status"] == "done"
 
 
-def test_finished_cases_are_skipped(call):
+def test_finished_cases_are_skipped_and_another_model_is_another_case(call):
     call(*CRANK)
     before = Path("crank.sweep.csv").read_bytes()
     assert "3 cases: 0 run" in call(*CRANK).out
@@ -47,10 +47,6 @@ def test_finished_cases_are_skipped(call):
     more = [w.replace("150:3", "150:5") for w in CRANK]
     assert "5 cases: 2 run" in call(*more).out
     assert Path("crank.sweep.csv").read_bytes().startswith(before)
-
-
-def test_another_model_is_another_case(call):
-    call(*CRANK)
     text = Path("crank.dat").read_text().replace("0.033375", "0.04")
     Path("crank.dat").write_text(text)
     assert "3 cases: 3 run" in call(*CRANK).out

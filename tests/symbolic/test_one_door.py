@@ -70,12 +70,9 @@ def test_states_and_outputs_are_plotted_by_name_and_in_expressions(result):
     assert q[-1] < 0
 
 
-def test_a_picture_is_written_without_options(result):
+def test_a_picture_is_written_without_options_and_one_step_is_enough(result):
     assert spacar("plot", "pendulum", "q", "s")[0] == 0
     assert (result / "pendulum_plot.png").stat().st_size > 1000
-
-
-def test_one_step_is_enough(result):
     spacar("symbolic", "simulate", "pendulum.toml", "--time", "0.5", "--steps", "1")
     assert table("q").shape == (2, 2)
 
