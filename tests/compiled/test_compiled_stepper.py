@@ -6,7 +6,6 @@ import pytest
 import spacar
 from spacar.compiled.compiled_evaluator import CompiledDynamics
 from spacar.compiled.library import unavailable
-from spacar.deck import parse_deck
 from spacar.errors import AnalysisError
 from spacar.forward import accepted_steps, driver
 from spacar.integrators import drive
@@ -34,7 +33,7 @@ def one_by_one(monkeypatch):
 
 
 def run(source, **options):
-    deck = parse_deck(source, mode=1) if isinstance(source, str) else source
+    deck = spacar.parse_deck(source, mode=1) if isinstance(source, str) else source
     return spacar.run(1, deck, **options)
 
 
@@ -92,7 +91,7 @@ def test_breaks(code):
 
 def problem_of(text, trailed):
     """What the integrators see of a model, and its start state; `trailed`: steps are made in C."""
-    evaluator = CompiledDynamics(spacar.frames(1, parse_deck(text, mode=1)).mechanism)
+    evaluator = CompiledDynamics(spacar.frames(1, spacar.parse_deck(text, mode=1)).mechanism)
     y = evaluator.start()
     trail = accepted_steps.StepHistory(evaluator, None, lambda t: None)
     return driver.Integrand(evaluator, trail, 1e-11, evaluator.stepper(trail) if trailed else None, trail=trail), y

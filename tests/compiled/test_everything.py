@@ -12,11 +12,9 @@ import pytest
 from models import cantilever
 
 import spacar
-from spacar import Deck
 from spacar.compiled import CompiledDynamics
 from spacar.compiled.library import unavailable
 from spacar.compiled.numbers import without_form
-from spacar.deck import parse_deck
 from spacar.dynamics import Dynamics
 from spacar.elements.spatial.angle_measure import rotation_factor
 from spacar.errors import AnalysisError, SpacarError
@@ -70,7 +68,7 @@ def test_every_example(name: str) -> None:
 
 
 def mechanism(rows: list[tuple], dynamics: list[tuple]) -> spacar.Result:
-    return spacar.frames(1, Deck.build(rows, [*dynamics, ("TIMESTEP", 0.1, 2)])).mechanism
+    return spacar.frames(1, spacar.Deck.build(rows, [*dynamics, ("TIMESTEP", 0.1, 2)])).mechanism
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -189,7 +187,7 @@ def test_the_start_is_that_of_the_general_path(angle):
     Deformations of the general path are those before its last correction, which is below CONVERGED."""
     text = (DATA / "robotsim.dat").read_text().split("HALT")
     rows = f"STARTDE 1 1 {angle} 1.\nSTARTDE 2 1 {angle} 0.\nEND\nEND"
-    mechanism = build(parse_deck(f"{text[0]}HALT{text[1].replace('END', rows)}", mode=1), 1)
+    mechanism = build(spacar.parse_deck(f"{text[0]}HALT{text[1].replace('END', rows)}", mode=1), 1)
     general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
     np.testing.assert_array_equal(compiled.start(), general.start())
     for x in (compiled.state.x[:, 0], compiled.numpy_evaluator().kinematics.x):
@@ -203,7 +201,7 @@ def test_a_motion_without_mass_is_named_as_in_the_general_path():
     """The factorization in C fails there, and the general path explains."""
     text = (DATA / "robotsim.dat").read_text().replace("XM ", "% XM ").replace("EM ", "% EM ")
     with pytest.raises(AnalysisError, match="no inertia on the motion of") as found:
-        list(spacar.frames(1, parse_deck(text, mode=1), compiled=True))
+        list(spacar.frames(1, spacar.parse_deck(text, mode=1), compiled=True))
     assert found.value.code == "dynamics.singular-mass"
 
 

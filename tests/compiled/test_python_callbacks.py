@@ -18,7 +18,6 @@ import spacar
 from spacar.compiled import python_callbacks
 from spacar.compiled.compiled_evaluator import CompiledDynamics
 from spacar.compiled.library import engine, why_off
-from spacar.deck import read_deck
 from spacar.errors import AnalysisError
 from spacar.forward.motion import chosen
 from spacar.mechanism import build
@@ -40,7 +39,7 @@ def model(folder: Path, body: str, text: str = ARM) -> Path:
 
 
 def evaluator(path: Path) -> CompiledDynamics:
-    made = CompiledDynamics(build(read_deck(path, 1), 1))
+    made = CompiledDynamics(build(spacar.read_deck(path, 1), 1))
     made.start()
     return made
 

@@ -10,7 +10,6 @@ import spacar
 from spacar.compiled import CompiledDynamics
 from spacar.compiled.compiled_model import DOUBTFUL_MASS
 from spacar.compiled.library import why_off
-from spacar.deck import Deck, parse_deck, read_deck
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.mass_check import dynamic_mass, is_doubtful, largest_mass
 from spacar.errors import AnalysisError
@@ -31,7 +30,7 @@ pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 def slider(duration, steps, *more):
     """It goes to its dead centre, 0.184 m away, with 0.1 m/s."""
     rows = [("XM", 5, 1.0), ("XM", 2, 0.1), ("STARTDX", 5, 1, UPRIGHT, 0.1), ("TIMESTEP", duration, steps)]
-    return Deck.build(SLIDER, [*rows, *more], mode=1)
+    return spacar.Deck.build(SLIDER, [*rows, *more], mode=1)
 
 
 PENDULUM = """PLBEAM 1 1 2 3 4   X 1 0. 0.   X 3 1. 0.   FIX 1   DYNX 2 1   END HALT
@@ -88,7 +87,7 @@ def test_the_frame_of_the_start_stays_when_nothing_behind_it_can_be_evaluated(bo
 def test_steps_are_watched_where_there_are_any(given, monkeypatch):
     """Outputs of a prescribed motion are placed one after the other: no step is looked at, no determinant sampled."""
     rows = [("INPUTX", 5, 1, UPRIGHT, -0.1, 0.0), ("TIMESTEP", 1.0, 10)]
-    deck = Deck.build([*SLIDER[:-1], ("INPUTX", 5, 1)], rows, mode=1) if given else slider(1.0, 10)
+    deck = spacar.Deck.build([*SLIDER[:-1], ("INPUTX", 5, 1)], rows, mode=1) if given else slider(1.0, 10)
     asked = []
     monkeypatch.setattr(forward, "singularity_monitor", lambda *of: asked.append(of))
     assert len(spacar.run(1, deck).frames) == 11
@@ -119,7 +118,7 @@ def looked_at(mechanism: Mechanism) -> tuple[bool, bool]:
 @pytest.mark.parametrize("mass", [10.0**-k for k in range(18)])
 def test_light_masses_are_doubted_as_in_numpy(mass: float) -> None:
     """Up to the last pivot of a Cholesky factorization, which NumPy asks by eigenvalues: the same answer."""
-    mechanism = build(parse_deck(HEAVY.format(mass=mass), mode=1), 1)
+    mechanism = build(spacar.parse_deck(HEAVY.format(mass=mass), mode=1), 1)
     in_c, in_numpy = looked_at(mechanism)
     assert in_c == in_numpy
     assert in_c == (mass < 1.5e-8)  # sqrt(eps) of the largest mass
@@ -128,7 +127,7 @@ def test_light_masses_are_doubted_as_in_numpy(mass: float) -> None:
 @pytest.mark.parametrize("name", ["slider", "crank", "crankfl", "fourbar", "cardan", "robotsim", "plbeam5", "trike3v"])
 def test_the_bound_of_the_condition_is_one(name: str) -> None:
     """From below for the reciprocal condition, and not far from it: by a factor of 100 in these models."""
-    compiled = CompiledDynamics(build(read_deck(DATA / f"{name}.dat", 1), 1))
+    compiled = CompiledDynamics(build(spacar.read_deck(DATA / f"{name}.dat", 1), 1))
     compiled.start()
     exact, bound = compiled.solver.rcond(), compiled.solver.rcond(0.0)
     assert 0.01 * exact < bound <= exact * (1.0 + 1e-12)
@@ -138,7 +137,7 @@ def test_the_bound_of_the_condition_is_one(name: str) -> None:
 
 
 def test_the_condition_is_that_of_numpy() -> None:
-    mechanism = build(read_deck(DATA / "robotsim.dat", 1), 1)
+    mechanism = build(spacar.read_deck(DATA / "robotsim.dat", 1), 1)
     compiled, general = CompiledDynamics(mechanism), Dynamics(mechanism)
     compiled.start()
     general.start()

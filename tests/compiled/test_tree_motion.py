@@ -10,7 +10,6 @@ import pytest
 import spacar
 from spacar.compiled import CompiledDynamics
 from spacar.compiled.library import unavailable, why_off
-from spacar.deck import parse_deck
 from spacar.dynamics import Dynamics
 from spacar.errors import Report
 from spacar.forward.accepted_steps import singularity_monitor
@@ -70,6 +69,25 @@ class Grower:
             self.dynamics.append(row("INPUTE", k, 1, *self.vector(3)))
         return new
 
+    def rod(self, place: dict, at: int, orientation: int, size: int, inertia: list[float]) -> tuple[int, int]:
+        """A rod, rigid or a beam, from node `at` on: its tip and the orientation node behind it."""
+        tip, k, pl = self.node(), self.element(), "PL" if size == 2 else ""
+        place[tip] = [a + b for a, b in zip(place[at], self.vector(size), strict=True)]
+        if self.chance(0.5):
+            far = self.node()
+            nodes = (at, orientation, tip, far) if self.chance(0.5) else (tip, far, at, orientation)
+            self.rows.append(row(f"{pl}BEAM", k, *nodes, *self.vector(0 if pl else 3)))
+            orientation = far if self.chance(0.5) else orientation
+        else:
+            self.rows.append(row(f"{pl}RBEAM", k, at, orientation, tip))
+        self.dynamics.append(row("EM", k, self.number(), *(inertia if self.chance(0.5) else [])))
+        return tip, orientation
+
+    def some_of(self, statements: tuple) -> None:
+        for chance, words in statements:
+            if self.chance(chance) and not any(line.startswith(row(*words[:2]) + " ") for line in self.dynamics):
+                self.dynamics.append(row(*words))
+
     def text(self) -> str:
         if self.chance(0.5):
             self.rows.append("ADEFORM")
@@ -85,23 +103,12 @@ def spatial(seed: int, links: int) -> str:
     for link in range(links):
         at, carrier = ends[g.rng.integers(len(ends))]
         orientation = g.hinge("HINGE", carrier, g.vector(3), link == 0)
-        tip, k = g.node(), g.element()
-        place[tip] = [a + b for a, b in zip(place[at], g.vector(3), strict=True)]
-        if g.chance(0.5):
-            far = g.node()
-            nodes = (at, orientation, tip, far) if g.chance(0.5) else (tip, far, at, orientation)
-            g.rows.append(row("BEAM", k, *nodes, *g.vector(3)))
-            orientation = far if g.chance(0.5) else orientation
-        else:
-            g.rows.append(row("RBEAM", k, at, orientation, tip))
-        g.dynamics.append(row("EM", k, g.number(), *([0.02, 0.01, 0.015, 0.001] if g.chance(0.5) else [])))
+        tip, orientation = g.rod(place, at, orientation, 3, [0.02, 0.01, 0.015, 0.001])
         ends.append((tip, orientation))
-        for chance, words in (
+        g.some_of((
             (0.4, ["XM", tip, g.number()]), (0.3, ["XF", tip, *g.vector(3)]), (0.2, ["XF", orientation, *g.vector(4)]),
             (0.3, ["XM", orientation, 0.1, 0.01, 0.0, 0.2, 0.02, 0.15]), (0.2, ["XF", orientation, *g.vector(3)]),
-        ):  # fmt: skip
-            if g.chance(chance) and not any(line.startswith(row(*words[:2]) + " ") for line in g.dynamics):
-                g.dynamics.append(row(*words))
+        ))  # fmt: skip
     g.rows += [row("X", n, *where) for n, where in place.items()]
     if g.chance(0.3):
         g.rows += [row("INPUTX", base, 2), row("FIX", base, 1, 3)]
@@ -128,23 +135,12 @@ def planar(seed: int, links: int) -> str:
             g.rows.append(row("INPUTX" if prescribed else "DYNX", orientation, 1))
             motion = "INPUTX" if prescribed else "STARTDX"
             g.dynamics.append(row(motion, orientation, 1, *g.vector(3 if prescribed else 2)))
-        tip, k = g.node(), g.element()
-        place[tip] = [a + b for a, b in zip(place[at], g.vector(2), strict=True)]
-        if g.chance(0.5):
-            far = g.node()
-            nodes = (at, orientation, tip, far) if g.chance(0.5) else (tip, far, at, orientation)
-            g.rows.append(row("PLBEAM", k, *nodes))
-            orientation = far if g.chance(0.5) else orientation
-        else:
-            g.rows.append(row("PLRBEAM", k, at, orientation, tip))
-        g.dynamics.append(row("EM", k, g.number(), *([0.02] if g.chance(0.5) else [])))
+        tip, orientation = g.rod(place, at, orientation, 2, [0.02])
         ends.append((tip, orientation))
-        for chance, words in (
+        g.some_of((
             (0.4, ["XM", tip, g.number()]), (0.3, ["XM", orientation, g.number()]), (0.3, ["XF", tip, *g.vector(2)]),
             (0.3, ["XF", orientation, *g.vector(1)]),
-        ):  # fmt: skip
-            if g.chance(chance) and not any(line.startswith(row(*words[:2]) + " ") for line in g.dynamics):
-                g.dynamics.append(row(*words))
+        ))  # fmt: skip
     g.rows.sort(key=lambda line: not line.startswith("PL"))  # elements first
     g.rows += [row("X", n, *where) for n, where in place.items()]
     if moving:
@@ -164,7 +160,7 @@ def test_a_start_some_turns_away(angle):
     """Euler parameters turn through with the angle, as on the path that the general evaluator follows to it."""
     text = spatial(3, 4).replace("TIMESTEP 0.5 5", "TIMESTEP 0.05 2")
     lines = [row(*line.split()[:3], angle, 1.0) if line.startswith("STARTDE") else line for line in text.split("\n")]
-    deck = parse_deck("\n".join(lines), 1)
+    deck = spacar.parse_deck("\n".join(lines), 1)
     general, compiled = (spacar.run(1, deck, compiled=flag, atol=1e-10, rtol=1e-10) for flag in (False, True))
     for name in ("x", "xd", "e", "sig"):
         want = general[name]
@@ -174,7 +170,7 @@ def test_a_start_some_turns_away(angle):
 @pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 def test_cases_side_by_side():
     """As each alone: rods, bodies, hinges of all kinds with other masses."""
-    base = parse_deck(spatial(5, 4).replace("TIMESTEP 0.5 5", "TIMESTEP 0.1 2"), 1)
+    base = spacar.parse_deck(spatial(5, 4).replace("TIMESTEP 0.5 5", "TIMESTEP 0.1 2"), 1)
     settings = [setting("EM.*[mass per length]"), setting("ESTIFF.*[S1]")]
     decks = [change(base, settings, [1.0 + 0.1 * k, 2.0 - 0.5 * k]) for k in range(3)]
     options = {"rtol": 1e-9, "atol": 1e-9}
@@ -199,7 +195,7 @@ def test_other_mechanisms_have_the_equations_of_all_elements(name):
 # solves the equations of all elements. Both know forces to the rounding of sums of some hundred terms, in
 # accelerations of the condition of the mass matrix: 1e-9 of the largest value of each kind.
 def started(text: str) -> tuple[Dynamics, CompiledDynamics, np.ndarray]:
-    mechanism = build(parse_deck(text, 1), 1)
+    mechanism = build(spacar.parse_deck(text, 1), 1)
     general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
     y = general.start()
     compiled.start()
@@ -315,7 +311,7 @@ def spatial_links(n: int, branches: int) -> str:
 @pytest.mark.parametrize(("n", "branches"), [(3, 1), (12, 1), (12, 2), (45, 1)])
 def test_links_in_both_forms(n, branches):
     """Accelerations, stresses and the reduced mass matrix are those of the general path."""
-    mechanism = spacar.frames(1, parse_deck(spatial_links(n, branches), mode=1)).mechanism
+    mechanism = spacar.frames(1, spacar.parse_deck(spatial_links(n, branches), mode=1)).mechanism
     general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
     y = general.start()
     compiled.start()
@@ -349,5 +345,5 @@ JOINTS = {
 @pytest.mark.parametrize("compiled", [True, False])
 def test_arm_of_drpinbod(body, compiled):
     """1 kg at 0.5 m on a spring of 1 N m/rad: 0.1 cos 2t, though the reference has 1 m."""
-    result = spacar.run(1, parse_deck(JOINTS[body]), compiled=compiled)
+    result = spacar.run(1, spacar.parse_deck(JOINTS[body]), compiled=compiled)
     np.testing.assert_allclose(result.element(1, 1), 0.1 * np.cos(2.0 * result.t), atol=1e-8)

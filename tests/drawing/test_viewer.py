@@ -26,7 +26,6 @@ from spacar_drawing.viewer_mesh import ELEMENT, FRAME, PLACE, TriangleMesh, mesh
 from spacar_drawing.viewer_page import LAST, NONE, field_colours, view_page
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.errors import UsageError
 
 from .conftest import call
@@ -254,7 +253,7 @@ ESTIFF 1 1000\nESTIFF 2 1000\nESTIFF 3 1000\nXM 2 1\nXM 3 1\nXF 3 5 -10\nEND\nEN
 
 def test_springs_have_the_colour_of_their_force():
     """They have no elastic line; without any line a quantity that no element has is refused too."""
-    source = source_of_result(spacar.run(7, parse_deck(SPRINGS)))
+    source = source_of_result(spacar.run(7, spacar.parse_deck(SPRINGS)))
     xs = source.x(1)[None]
     mesh = mesh_of(source.scene, xs, look_of(source.scene, xs, source.settings))
     assert not mesh.lines

@@ -7,8 +7,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import spacar
-from spacar import Deck
-from spacar.deck import read_deck
 from spacar.dynamics import Dynamics
 from spacar.kinematics.transfer import velocity_transfer
 from spacar.mechanism import Mechanism, build
@@ -52,7 +50,7 @@ def potential(d: Dynamics, x: np.ndarray) -> float:
 
 
 def conservative(rows: list[tuple], dynamics: list[tuple], tolerance: float) -> tuple[np.ndarray, spacar.Result]:
-    deck = Deck.build(rows, [*dynamics, ("ERROR", tolerance, tolerance)])
+    deck = spacar.Deck.build(rows, [*dynamics, ("ERROR", tolerance, tolerance)])
     r = spacar.run(1, deck)
     return energy(build(deck), r), r
 
@@ -117,7 +115,7 @@ def test_work_of_a_drive_equals_the_change_of_energy() -> None:
         ("EM", 2, 1.0), ("XM", 4, 0.5), ("ESTIFF", 2, 0.0, 20.0), ("GRAVITY", 0.0, -G), ("INPUTE", 1, 1, 0.0, 1.0, 2.0),
         ("INPUTE", 2, 1, 0.0, 0.05, -0.02), ("TIMESTEP", 0.25, 500), ("ERROR", 1e-9, 1e-9),
     ]  # fmt: skip
-    deck = Deck.build(rows, dynamics)
+    deck = spacar.Deck.build(rows, dynamics)
     r = spacar.run(1, deck)
     E = energy(build(deck), r)
     power = -(r.element(1, 1, "sig") * r.element(1, 1, "ed") + r.element(2, 1, "sig") * r.element(2, 1, "ed"))
@@ -141,7 +139,7 @@ def test_damping_takes_exactly_what_the_energy_loses() -> None:
 )
 def test_virtual_power_of_the_reactions_vanishes(name: str) -> None:
     """For every virtual velocity W dq that the constraints allow: dx.(f - M xdd - h) - de.sigma = 0 on dynamic q."""
-    d = Dynamics(build(read_deck(DATA / f"{name}.dat", 1)))
+    d = Dynamics(build(spacar.read_deck(DATA / f"{name}.dat", 1)))
     y = random_state(d, 1e-3, 0.1)
     d.place(0.0, y)
     f = d.frame(0.0, y)
@@ -228,7 +226,7 @@ def gimbal(
         *dynamics, *[("STARTDE", k + 1, 1, 0.0, float(rates[k])) for k in range(3)],
         ("TIMESTEP", T, STEPS), ("ERROR", tolerance, tolerance),
     ]  # fmt: skip
-    return spacar.run(1, Deck.build(rows, dynamics))
+    return spacar.run(1, spacar.Deck.build(rows, dynamics))
 
 
 def far_from_singular(R: np.ndarray) -> np.ndarray:

@@ -6,7 +6,6 @@ import pytest
 import sizes
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.forward import displaced
 from spacar.mechanism import build
@@ -60,7 +59,7 @@ def _with_masses(elements: list[str], nodes: dict, classes: list[str], count: in
 
 def both(text: str, monkeypatch: pytest.MonkeyPatch) -> tuple[np.ndarray, np.ndarray, int]:
     """g by few rows, by all columns, and how many solutions the first took."""
-    evaluator = Dynamics(build(parse_deck(text, mode=1), 1))
+    evaluator = Dynamics(build(spacar.parse_deck(text, mode=1), 1))
     evaluator.place(0.0, evaluator.start())
     monkeypatch.setattr(displaced, "BLOCK", 10**9)
     exact = displaced.displaced(evaluator)
@@ -101,7 +100,7 @@ def cantilever(n, unit=1.0, more="TIMESTEP 0.2 4"):
 @pytest.mark.parametrize("n", [1, 4, 16])
 def test_the_displacement_that_a_deformation_causes(n, unit):
     """e_p of element i turns the rest of the straight beam by e_p/l: the tip moves by (L - x_p)/l; e_q likewise."""
-    evaluator = Dynamics(build(parse_deck(cantilever(n, unit), mode=1)))
+    evaluator = Dynamics(build(spacar.parse_deck(cantilever(n, unit), mode=1)))
     evaluator.rhs(0.0, evaluator.start())
     g = displaced.displaced(evaluator)
     behind = np.array([[n - i, n - i - 1] for i in range(n)], float)
@@ -113,7 +112,7 @@ def test_the_displacement_that_a_deformation_causes(n, unit):
 
 def test_rotations_and_rigid_models_keep_their_unit():
     text = "PLRBEAM 1 1 2 3\nX 3 5. 0.\nFIX 1\nDYNX 2 1\nEND HALT\nEM 1 1.\nTIMESTEP 1. 1\nEND END\n"
-    evaluator = Dynamics(build(parse_deck(text, mode=1)))
+    evaluator = Dynamics(build(spacar.parse_deck(text, mode=1)))
     evaluator.rhs(0.0, evaluator.start())
     assert displaced.displaced(evaluator) is None
 
@@ -124,7 +123,7 @@ def test_error_keeps_its_meaning_on_fine_meshes(code):
     times."""
     ratios = []
     for n in (2, 8):
-        deck = parse_deck(cantilever(n), mode=1)
+        deck = spacar.parse_deck(cantilever(n), mode=1)
         exact = spacar.run(1, deck, integrator=853, rtol=1e-6, atol=1e-7)["x"]
         x = spacar.run(1, deck, integrator=code, rtol=1e-14, atol=1e-2)["x"]
         ratios.append(np.abs(x - exact).max() / 1e-2)

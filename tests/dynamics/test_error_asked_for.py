@@ -12,7 +12,6 @@ import pytest
 
 import spacar
 from spacar.arrays import Array
-from spacar.deck import parse_deck
 from spacar.forward import driver
 from spacar.frame import Frame
 from spacar.integrators import METHODS, Problem, integrate
@@ -59,7 +58,7 @@ CASES = {
 
 
 def frames(text: str, code: int, error: float, compiled: bool = True) -> list[Frame]:
-    deck = parse_deck(text, mode=1)
+    deck = spacar.parse_deck(text, mode=1)
     return list(spacar.frames(1, deck, integrator=code, atol=error, rtol=error, compiled=compiled))
 
 

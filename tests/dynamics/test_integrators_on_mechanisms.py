@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar import Deck
 from spacar.arrays import Array
-from spacar.deck import parse_deck, read_deck
 from spacar.dynamics import Dynamics
 from spacar.errors import AnalysisError
 from spacar.integrators import METHODS
@@ -81,7 +79,7 @@ def test_fixed_steps_have_the_order_of_the_table(
 )
 def test_jacobian_against_differences(name: str) -> None:
     """Fourth order differences of F with h = 1e-4: h^4 F^(5)/30 and 1e-11/h, below 2e-6 of the largest in each row."""
-    d = Dynamics(build(read_deck(DATA / f"{name}.dat", 1)))
+    d = Dynamics(build(spacar.read_deck(DATA / f"{name}.dat", 1)))
     y = random_state(d, 1e-3, 0.1)
     J, _ = state_jacobian(d, 0.01, y)
     h = 1e-4
@@ -108,7 +106,7 @@ def test_explicit_time_derivative_of_the_motion() -> None:
         ("DYNE", 2, 2, 3),
     ]
     dynamics = [("EM", 2, 1.0), ("ESTIFF", 2, 0.0, 20.0), ("INPUTE", 1, 1, 0.0, 1.0, 2.0), ("TIMESTEP", 1.0, 10)]
-    d = Dynamics(build(Deck.build(rows, dynamics)))
+    d = Dynamics(build(spacar.Deck.build(rows, dynamics)))
     y = random_state(d, 1e-2, 0.5)
     _, F_t = state_jacobian(d, 0.5, y)
     h = 1e-4
@@ -173,13 +171,13 @@ def test_kinematic_coordinates_with_all_kinds_of_codes(code: int, asked: float, 
 CODES = (553, 595)
 
 
-def cantilever(n: int, damping: float = 0.0) -> Deck:
+def cantilever(n: int, damping: float = 0.0) -> spacar.Deck:
     """Unit cantilever (L = EI = m = 1) of n beams, released under gravity 1; highest frequency about 60 n^2 rad/s."""
     dynamics = (*(f"EDAMP {i} 0. {damping!r}" for i in range(1, n + 1)), "GRAVITY 0. -1.", "TIMESTEP 0.9 6")
-    return parse_deck(models.cantilever(n, EI=1.0, length=1.0, dynamics=dynamics), mode=1)
+    return spacar.parse_deck(models.cantilever(n, EI=1.0, length=1.0, dynamics=dynamics), mode=1)
 
 
-def run(deck: Deck, code: int, error: float, compiled: bool | None = False) -> tuple[np.ndarray, dict[str, int]]:
+def run(deck: spacar.Deck, code: int, error: float, compiled: bool | None = False) -> tuple[np.ndarray, dict[str, int]]:
     """Positions at all outputs, and the work."""
     r = spacar.run(1, deck, integrator=code, atol=error, rtol=error, compiled=compiled)
     names = ("steps", "rhs", "jacobians", "rejected")
@@ -270,10 +268,10 @@ def test_general_and_compiled_path_take_the_same_steps() -> None:
 LOAD = 1e-3  # deflection 2.5e-4 of the length
 
 
-def released(n: int, load: float = LOAD) -> Deck:
+def released(n: int, load: float = LOAD) -> spacar.Deck:
     """Unit cantilever (L = EI = m = 1) of n beams, released under its weight."""
     dynamics = (f"GRAVITY 0. {-load!r}", "TIMESTEP 0.9 6")
-    return parse_deck(models.cantilever(n, EI=1.0, length=1.0, dynamics=dynamics), mode=1)
+    return spacar.parse_deck(models.cantilever(n, EI=1.0, length=1.0, dynamics=dynamics), mode=1)
 
 
 @cache

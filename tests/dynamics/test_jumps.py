@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar import Deck
 from spacar.compiled.library import why_off
 
 ENGINES = [pytest.param(True, marks=pytest.mark.skipif(why_off() is not None, reason="no engine")), False]
 
 
-def resonator(start: float, *, turning: bool = False) -> Deck:
+def resonator(start: float, *, turning: bool = False) -> spacar.Deck:
     """2 pi rad/s; turning: an inertia on a hinge instead of a mass on a truss."""
     if turning:
         rows = [("HINGE", 1, 1, 2, 0.0, 0.0, 1.0), ("FIX", 1), ("DYNE", 1, 1)]
@@ -22,7 +21,7 @@ def resonator(start: float, *, turning: bool = False) -> Deck:
         length = 1e-4 if start < 1e-5 else 1.0
         rows = [("PLTRUSS", 1, 1, 2), ("X", 2, length), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1, 1)]
         more = [("XM", 2, 1.0), ("ESTIFF", 1, 4.0 * np.pi**2 * length)]
-    return Deck.build(rows, [*more, ("STARTDE", 1, 1, start, 0.0), ("TIMESTEP", 3.0, 20)])
+    return spacar.Deck.build(rows, [*more, ("STARTDE", 1, 1, start, 0.0), ("TIMESTEP", 3.0, 20)])
 
 
 @pytest.mark.parametrize("compiled", ENGINES)

@@ -10,7 +10,6 @@ import pytest
 import spacar
 import spacar.errors
 from spacar import stream
-from spacar.deck import Deck
 from spacar.frame import E_FIELDS, X_FIELDS
 from spacar.mechanism import build
 from spacar.mechanism.rigid_search import rigid_parts
@@ -106,7 +105,7 @@ class Growing:
 def whole_and_left_out(monkeypatch, mode, rows, **options):
     """Results with everything evaluated, and as it is run."""
     kinematics, dynamics, *third = rows
-    deck = Deck.build(kinematics, dynamics, *third, mode=mode)
+    deck = spacar.Deck.build(kinematics, dynamics, *third, mode=mode)
     assert rigid_parts(build(deck, mode), find_mode(mode)) is not None
     found = spacar.run(mode, deck, **options)
     with monkeypatch.context() as m:
@@ -201,7 +200,7 @@ def test_only_what_rests_is_left_out_of_moving_equations(monkeypatch):
 
 def test_a_rod_of_many_beams_is_evaluated_as_one():
     kinematics, dynamics = Growing(7, False).model()
-    deck = Deck.build(kinematics, dynamics, mode=7)
+    deck = spacar.Deck.build(kinematics, dynamics, mode=7)
     mechanism = build(deck, 7)
     parts = rigid_parts(mechanism, find_mode(7))
     assert len(parts.body_of) == 9 + 8 + 7 + 1
@@ -212,10 +211,10 @@ def test_a_rod_of_many_beams_is_evaluated_as_one():
 def test_what_stays():
     """Nothing is left out of a small model, and where second derivatives of all coordinates are asked for."""
     kinematics, dynamics = Growing(8, True).model()
-    mechanism = build(Deck.build(kinematics, dynamics, mode=7), 7, sbd_level=3)
+    mechanism = build(spacar.Deck.build(kinematics, dynamics, mode=7), 7, sbd_level=3)
     assert rigid_parts(mechanism, find_mode(7)) is None
     small = [("PLBEAM", 1, 1, 2, 3, 4), ("X", 3, 1.0, 0.0), ("FIX", 1), ("DYNX", 2, 1)]
-    assert rigid_parts(build(Deck.build(small, [("EM", 1, 1.0)], mode=7), 7), find_mode(7)) is None
+    assert rigid_parts(build(spacar.Deck.build(small, [("EM", 1, 1.0)], mode=7), 7), find_mode(7)) is None
 
 
 def test_a_rigid_torsion_spring_has_nothing_that_stands_in_for_it(monkeypatch):
@@ -226,7 +225,7 @@ def test_a_rigid_torsion_spring_has_nothing_that_stands_in_for_it(monkeypatch):
     rows += [("PLTRUSS", 13, 13, 14), ("X", 14, 1.3, 0.5), ("FIX", 14, 1), ("DYNE", 13, 1)]
     rows += [("PLTOR", 14, 33, 41), ("DYNE", 14, 1), ("PLTOR", 15, 41, 42)]
     dynamics = [("XM", 14, 1.0), ("ESTIFF", 13, 50.0), ("ESTIFF", 14, 2.0), ("XM", 42, 0.1), ("XF", 14, 0.0, 3.0)]
-    deck = Deck.build(rows, [*dynamics, ("STARTDE", 14, 1, 0.2, 0.0), ("TIMESTEP", 1.0, 4)], mode=1)
+    deck = spacar.Deck.build(rows, [*dynamics, ("STARTDE", 14, 1, 0.2, 0.0), ("TIMESTEP", 1.0, 4)], mode=1)
     assert rigid_parts(build(deck), find_mode(1)) is not None
     found = spacar.run(1, deck, rtol=1e-10, atol=1e-10)
     assert np.allclose(found.element(14, 1), 0.2 * np.cos(np.sqrt(2.0 / 0.1) * found.t), rtol=0.0, atol=1e-8)
@@ -239,7 +238,7 @@ def test_a_failure_is_told_of_the_whole(monkeypatch):
     for k in range(12):
         rows.append(("BEAM", 2 + k, points[k], turns[k], points[k + 1], turns[k + 1], 0.0, 1.0, 0.0))
         rows.append(("X", points[k + 1], 0.1 * (k + 1), 0.0, 0.0))
-    deck = Deck.build(rows, [*[("EM", 2 + k, 1.0) for k in range(12)], ("TIMESTEP", 0.1, 2)], mode=1)
+    deck = spacar.Deck.build(rows, [*[("EM", 2 + k, 1.0) for k in range(12)], ("TIMESTEP", 0.1, 2)], mode=1)
     assert rigid_parts(build(deck), find_mode(1)) is not None
     texts = []
     for everything in (False, True):

@@ -9,7 +9,6 @@ from scipy.sparse import csr_array
 
 import spacar
 from spacar.compiled import CompiledDynamics
-from spacar.deck import parse_deck, read_deck
 from spacar.dynamics import Dynamics
 from spacar.errors import AnalysisError
 from spacar.integrators.resolvent import eliminated, resolvent
@@ -26,7 +25,7 @@ MODELS = ("trike2", "crankfl", "robotflexsim", "lateral4", "fingersim", "plbeam5
 @pytest.mark.parametrize("name", MODELS)
 def test_both_forms_solve_the_same(name, monkeypatch):
     """(s I - J)^-1 b at a displaced moving state, s real and complex, to the condition of the mass matrix."""
-    evaluator = Dynamics(build(read_deck(ROOT / "data" / f"{name}.dat"), 1))
+    evaluator = Dynamics(build(spacar.read_deck(ROOT / "data" / f"{name}.dat"), 1))
     rng = np.random.default_rng(1)
     y = evaluator.start()
     y = y + 1e-3 * rng.normal(size=y.size)
@@ -45,7 +44,7 @@ def test_both_forms_solve_the_same(name, monkeypatch):
 @pytest.mark.parametrize("code", [310, 330, 420, 553, 595])
 def test_runs_agree(code, monkeypatch):
     """A frame of 44 beams that is released: its first outputs, to what is left by iterations within ERROR."""
-    deck = parse_deck(frames.deck((3, 2, 1), 1), mode=1)
+    deck = spacar.parse_deck(frames.deck((3, 2, 1), 1), mode=1)
     options = {"integrator": code, "duration": 0.01, "n_steps": 3, "atol": 1e-9, "rtol": 1e-9}
     dense = spacar.run(1, deck, **options)["x"]
     monkeypatch.setattr(jacobian, "LARGE", 0)
@@ -77,7 +76,7 @@ def test_what_is_remembered_of_a_step_is_its_end(monkeypatch):
     seen = []
     check = Continuity.check
     monkeypatch.setattr(Continuity, "check", lambda self, t, y: (check(self, t, y), seen.append(self.steps[-1]))[0])
-    deck = parse_deck(frames.deck((3, 2, 1), 1), mode=1)
+    deck = spacar.parse_deck(frames.deck((3, 2, 1), 1), mode=1)
     result = spacar.run(1, deck, integrator=320, duration=0.01, n_steps=2)
     n = result.mechanism.numbering
     for step in seen:
@@ -93,7 +92,7 @@ CELLS = [((4, 2, 2), False), ((12, 12), False), ((8, 4, 4), False), ((10, 5, 5),
 @pytest.mark.parametrize(("cells", "large"), CELLS)
 def test_the_engine_leaves_large_lattices_to_numpy_and_both_agree(cells, large):
     """Accelerations at a displaced, moving state; 2e-13 of the largest was found (condition of the mass matrix)."""
-    mechanism = build(parse_deck(frames.deck(cells, 1)), 1)
+    mechanism = build(spacar.parse_deck(frames.deck(cells, 1)), 1)
     compiled = CompiledDynamics(mechanism)
     assert compiled.solver.too_large() == large
     numpy_evaluator = Dynamics(mechanism)

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar import Deck
-from spacar.deck import read_deck
 from spacar.dynamics import Dynamics
 from spacar.errors import AnalysisError
 from spacar.mechanism import build
@@ -78,7 +76,7 @@ def test_a_rolling_wheel_against_newton_euler(rho: float) -> None:
     for _ in range(10):
         angles, rates = rng.uniform(-0.7, 0.7, 3) * [3.0, 1.0, 3.0], rng.normal(size=3) * [1.0, 1.0, 5.0]
         starts = [("STARTDE", k + 1, 1, float(angles[k]), float(rates[k])) for k in range(3)]
-        r = spacar.run(1, Deck.build(rows, dynamics + starts))
+        r = spacar.run(1, spacar.Deck.build(rows, dynamics + starts))
         yaw, lean = rotation(UP, angles[0]), rotation(np.array([1.0, 0.0, 0.0]), angles[1])
         R = yaw @ lean @ rotation(np.array([0.0, 1.0, 0.0]), angles[2])
         omega = rates[0] * UP + yaw @ (rates[1] * np.array([1.0, 0, 0]) + lean @ (rates[2] * np.array([0, 1.0, 0])))
@@ -103,7 +101,7 @@ def test_a_rolling_disk_keeps_its_energy_and_rolls_without_slip() -> None:
     rows, dynamics, m, J = free_wheel(radius, 0.0)
     dynamics += [("STARTDE", 1, 1, 0.0, 0.3), ("STARTDE", 2, 1, 0.2, 0.1), ("STARTDE", 3, 1, 0.0, 12.0),
                  ("TIMESTEP", 2.0, 40), ("ERROR", 1e-10, 1e-10)]  # fmt: skip
-    r = spacar.run(1, Deck.build(rows, dynamics))
+    r = spacar.run(1, spacar.Deck.build(rows, dynamics))
     for slip in (5, 6):
         np.testing.assert_allclose(r.element(4, slip, "ed"), 0.0, atol=1e-11)
     v = np.array([r.node(5, k, "xd") for k in (1, 2, 3)]).T
@@ -119,13 +117,13 @@ def test_the_spin_of_a_wheel_counts_its_turns() -> None:
     radius = 0.35
     rows, dynamics, _, _ = free_wheel(radius, 0.0)
     dynamics += [("STARTDE", 3, 1, 0.0, 20.0), ("TIMESTEP", 10.0, 40)]
-    r = spacar.run(1, Deck.build(rows, dynamics))
+    r = spacar.run(1, spacar.Deck.build(rows, dynamics))
     np.testing.assert_allclose(r.element(3, 1), 20.0 * r.t, atol=1e-8)
     np.testing.assert_allclose(r.node(5, 1), 20.0 * radius * r.t, atol=1e-8)
 
 
 # -- outside of the theory -----------------------------------------------------------------------------------------
-def failure(deck: Deck, **options: float) -> tuple[AnalysisError, int]:
+def failure(deck: spacar.Deck, **options: float) -> tuple[AnalysisError, int]:
     frames: list[float] = []
     run = spacar.frames(1, deck, **options)
     with pytest.raises(AnalysisError) as caught:
@@ -152,7 +150,7 @@ def test_a_disk_that_falls_over() -> None:
     """It stops where the disk lies flat, or the position cannot be found any more; never NaN."""
     rows, dynamics, _, _ = free_wheel(0.35, 0.0)
     dynamics += [("STARTDE", 2, 1, 0.1, 0.0), ("TIMESTEP", 3.0, 300)]
-    error, frames = failure(Deck.build(rows, dynamics))
+    error, frames = failure(spacar.Deck.build(rows, dynamics))
     assert frames > 10
     assert "t = " in str(error)
     assert "element 4 (WHEEL)" in str(error)
@@ -170,7 +168,7 @@ def test_tricycles_straight_ahead() -> None:
 @pytest.mark.parametrize("name", ["trike3v", "trike3i"])
 def test_vertical_balance_of_a_vehicle(name: str) -> None:
     """Sum of the normal forces and the weight = rate of vertical momentum (the inclined fork lifts the frame)."""
-    m = build(read_deck(DATA / f"{name}.dat", 1))
+    m = build(spacar.read_deck(DATA / f"{name}.dat", 1))
     d = Dynamics(m)
     f = d.frame(0.0, d.start())
     n = m.numbering

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar import Deck
 from spacar.kinematics.kinematics import Kinematics
 
 ENGINES = pytest.mark.parametrize("compiled", [True, False])
@@ -27,7 +26,7 @@ def arm(rp: float, rq: float, of_arm: str) -> list[tuple]:
 @pytest.mark.parametrize(("rp", "rq"), RADII)
 def test_belt_around_an_arm_that_is_driven(rp: float, rq: float, compiled: bool) -> None:
     dynamics = [("ESTIFF", 1, 1000.0), ("INPUTX", 5, 1, 0.0, 2 * np.pi, 0.0), ("TIMESTEP", 7.0, 140)]
-    r = spacar.run(1, Deck.build(arm(rp, rq, "INPUTX"), dynamics), compiled=compiled)
+    r = spacar.run(1, spacar.Deck.build(arm(rp, rq, "INPUTX"), dynamics), compiled=compiled)
     np.testing.assert_allclose(r.element(1, 1), -(rp - rq) * r.node(5, 1), rtol=0, atol=1e-14)
 
 
@@ -35,7 +34,7 @@ def test_belt_around_an_arm_that_is_driven(rp: float, rq: float, compiled: bool)
 @pytest.mark.parametrize("mode", [1, 4])
 def test_belt_around_an_arm_that_is_free(mode: int, compiled: bool) -> None:
     dynamics = [("ESTIFF", 1, 1000.0), ("XM", 5, 0.1), ("STARTDX", 5, 1, 0.0, 30.0), ("TIMESTEP", 1.0, 10)]
-    r = spacar.run(mode, Deck.build(arm(0.05, 0.0499, "DYNX"), dynamics), compiled=compiled)
+    r = spacar.run(mode, spacar.Deck.build(arm(0.05, 0.0499, "DYNX"), dynamics), compiled=compiled)
     assert r.node(5, 1)[-1] > 29.0
     np.testing.assert_allclose(r.element(1, 1), -1e-4 * r.node(5, 1), rtol=0, atol=1e-15)
 
@@ -44,7 +43,7 @@ def test_belt_around_an_arm_that_is_free(mode: int, compiled: bool) -> None:
 @pytest.mark.parametrize("rq", [0.0499, 0.2])
 def test_belt_around_an_arm_in_load_steps(rq: float, compiled: bool) -> None:
     dynamics = [("ESTIFF", 1, 1000.0), ("INPUTX", 5, 1), ("DELINPX", 5, 1, 20.0), ("ITERSTEP", 20, 41, 1e-7, 1, 2)]
-    r = spacar.run(7, Deck.build(arm(0.05, rq, "INPUTX"), dynamics), compiled=compiled)
+    r = spacar.run(7, spacar.Deck.build(arm(0.05, rq, "INPUTX"), dynamics), compiled=compiled)
     assert r.node(5, 1)[-1] == 20.0
     np.testing.assert_allclose(r.element(1, 1), (rq - 0.05) * r.node(5, 1), rtol=0, atol=1e-13)
 
@@ -55,7 +54,7 @@ def test_belt_that_starts_with_a_turned_pulley(rq: float, compiled: bool) -> Non
     """phi = phi0 cos w t, w^2 = r_q^2 EA/(l J); e1 = -r_q phi."""
     rows = [("PLBELT", 1, 1, 2, 3, 4, 0.05, rq), ("X", 3, 0.5), ("FIX", 1), ("FIX", 2), ("FIX", 3), ("DYNX", 4), ("RLSE", 1)]  # noqa: E501
     dynamics = [("ESTIFF", 1, 1000.0), ("XM", 4, 0.01), ("STARTDX", 4, 1, 0.2, 0.0), ("TIMESTEP", 0.3, 6)]
-    r = spacar.run(1, Deck.build(rows, dynamics), compiled=compiled, rtol=1e-10, atol=1e-12)
+    r = spacar.run(1, spacar.Deck.build(rows, dynamics), compiled=compiled, rtol=1e-10, atol=1e-12)
     stiffness = 1000.0 / np.sqrt(0.25 - (0.05 - rq) ** 2)
     w = rq * np.sqrt(stiffness / 0.01)
     assert r.element(1, 1, "sig")[0] == pytest.approx(-stiffness * rq * 0.2, rel=1e-13)
@@ -65,7 +64,7 @@ def test_belt_that_starts_with_a_turned_pulley(rq: float, compiled: bool) -> Non
 
 def test_belts_in_lanes() -> None:
     dynamics = [("ESTIFF", 1, 1000.0), ("XM", 5, 0.1), ("STARTDX", 5, 1, 0.0, 30.0), ("TIMESTEP", 1.0, 4)]
-    deck = Deck.build(arm(0.05, 0.0499, "DYNX"), dynamics)
+    deck = spacar.Deck.build(arm(0.05, 0.0499, "DYNX"), dynamics)
     results = ["phi: x[5,1]@end", "e: e[1,1]@end"]
     rows = spacar.sweep(deck, {"XM.5": list(np.linspace(0.05, 0.5, 9))}, results, jobs=1)
     for row in rows:
@@ -79,7 +78,7 @@ def test_released_hinge_and_screw(turns: float, compiled: bool) -> None:
     """A screw beside a driven hinge: the nut moves by the pitch times the angle, whole turns included."""
     angle = 2 * np.pi * turns
     dynamics = [("INPUTE", 1, 1, 0.0, angle, 0.0), ("TIMESTEP", 1.0, 8)]
-    r = spacar.run(1, Deck.build(DRIVEN["screw"], dynamics), compiled=compiled)
+    r = spacar.run(1, spacar.Deck.build(DRIVEN["screw"], dynamics), compiled=compiled)
     np.testing.assert_allclose(r.element(2, 1), angle * r.t, rtol=0, atol=1e-12 * abs(angle))
     moved = np.hypot(r.node(3, 2) - 0.3, r.node(3, 3) - 0.4)
     np.testing.assert_allclose(moved, 0.01 * abs(angle) * r.t, rtol=0, atol=1e-13 * abs(angle))
@@ -121,7 +120,7 @@ def test_outputs_that_are_many_turns_apart(name: str, compiled: bool, monkeypatc
 
     def outputs(n: int, turns: float = 30.3) -> spacar.Result:
         motion = [(keyword, number, 1, 0.0, -2 * np.pi, 0.0), ("TIMESTEP", turns, n)]
-        return spacar.run(1, Deck.build(DRIVEN[name], motion), compiled=compiled)
+        return spacar.run(1, spacar.Deck.build(DRIVEN[name], motion), compiled=compiled)
 
     fine = outputs(363)
     positions.clear()

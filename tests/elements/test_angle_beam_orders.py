@@ -7,7 +7,6 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
 import spacar
-from spacar.deck import Deck
 
 from .test_spatial_angle_beam import cantilever, tip
 
@@ -79,7 +78,7 @@ def twisted(n, consistent, mode=1):
         dynamics.append(("STARTDE", k, 2, 0.0, float(rate / n)))
         dynamics += [("MEE", k, 2, -J * n / 12.0)] if consistent else []
     dynamics += [("TIMESTEP", 2.0, 20), ("ERROR", 1e-10, 1e-10), ("INTEGRAT", 853)]
-    return Deck.build(rows, dynamics, mode=mode)
+    return spacar.Deck.build(rows, dynamics, mode=mode)
 
 
 @pytest.mark.parametrize(("consistent", "order"), [(False, 2.0), (True, 4.0)])

@@ -6,7 +6,6 @@ from scipy.linalg import eigvalsh
 from scipy.optimize import brentq
 
 import spacar
-from spacar import Deck
 from spacar.elements.planar.plbeam import PlanarBeam
 from spacar.elements.planar.plbeam_angle import PlanarAngleBeam, PlanarAngleTube
 
@@ -82,7 +81,7 @@ def test_range():
 
 
 # -- whole program -------------------------------------------------------------------------------------------------
-def cantilever(nodes, load: float = 14.0, extra=(), EI: float = 102.0, EA: float = 0.0, **values) -> Deck:
+def cantilever(nodes, load: float = 14.0, extra=(), EI: float = 102.0, EA: float = 0.0, **values) -> spacar.Deck:
     """Clamped at nodes[0], EA = 0: inextensible; dead force -load along y at the end."""
     rows: list[tuple] = [("FIX", 1), ("FIX", 2), ("X", 1, float(nodes[0]), 0.0), *extra]
     modes = (1, 2, 3) if EA else (2, 3)
@@ -92,7 +91,7 @@ def cantilever(nodes, load: float = 14.0, extra=(), EI: float = 102.0, EA: float
         rows += [("PLBEAM", k, p, p + 1, p + 2, p + 3), ("DYNE", k, *modes), ("X", p + 2, float(x), 0.0)]
         dynamics += [("ESTIFF", k, EA, EI), ("EM", k, 1.0), *((name, k, *v) for name, v in values.items())]
     dynamics += [("XF", 2 * len(nodes) - 1, 0.0, -load), ("ITERSTEP", 50, 10, 1e-12)]
-    return Deck.build(rows, dynamics)
+    return spacar.Deck.build(rows, dynamics)
 
 
 def tip(result, n: int) -> np.ndarray:
@@ -131,7 +130,7 @@ def test_full_circle_by_a_moment_is_exact(n):
     """M = 2 pi EI/L: the end is back at the clamp for any number of elements."""
     nodes = np.linspace(0, 1, n + 1)
     rows = cantilever(nodes, 0.0, EI=1.0)
-    deck = Deck.build(
+    deck = spacar.Deck.build(
         [(s.keyword, *s.values) for s in rows.statements if s.block == 1],
         [(s.keyword, *s.values) for s in rows.statements if s.block == 2 and s.keyword in ("ESTIFF", "EM")]
         + [("XF", 2 * n + 2, 2 * np.pi), ("ITERSTEP", 50, 20, 1e-13)],
@@ -152,7 +151,7 @@ def errors_of(beams, counts, force, *, EA: float = 0.0, shear: float = 0.0, q=(0
             rows += [("PLBEAM", k, p, p + 1, p + 2, p + 3), ("X", p + 2, k / n, 0.0)]
             rows += [("DYNE", k, *((1, 2, 3) if EA else (2, 3)))]
             dynamics += [("ESTIFF", k, EA, 1.0, shear), ("EM", k, 1.0)]
-        found.append(np.linalg.norm(tip(spacar.run(8, Deck.build(rows, dynamics), beams=beams), n) - truth))
+        found.append(np.linalg.norm(tip(spacar.run(8, spacar.Deck.build(rows, dynamics), beams=beams), n) - truth))
     return np.array(found)
 
 
@@ -200,7 +199,7 @@ def bent_tube(n, beams) -> np.ndarray:
         rows += [("PLTUBE", k, p, p + 1, p + 2, p + 3, -half, half), ("DYNE", k, 2, 3)]
         rows.append(("X", p + 2, float(np.sin(angles[k])), float(1 - np.cos(angles[k]))))
         dynamics.append(("ESTIFF", k, 0.0, 1.0))
-    return tip(spacar.run(8, Deck.build(rows, dynamics), beams=beams), n)
+    return tip(spacar.run(8, spacar.Deck.build(rows, dynamics), beams=beams), n)
 
 
 def test_curved_tubes_are_of_fourth_order():
@@ -224,7 +223,7 @@ def swung(n, beams) -> np.ndarray:
         p = 2 * k - 1
         rows += [("PLBEAM", k, p, p + 1, p + 2, p + 3), ("DYNE", k, 2, 3), ("X", p + 2, k / n, 0.0)]
         dynamics += [("ESTIFF", k, 0.0, 1.0), ("EM", k, 1.0)]
-    return tip(spacar.run(1, Deck.build(rows, dynamics), beams=beams), n)
+    return tip(spacar.run(1, spacar.Deck.build(rows, dynamics), beams=beams), n)
 
 
 @pytest.mark.slow
@@ -241,7 +240,7 @@ def test_time_integration_is_of_fourth_order():
 def test_start_values_are_angles():
     """STARTDE e2 = 0.3, e3 = 0 on a beam of 1 m: the tangent at p is 0.3 rad from the chord, asin 0.3 with sines."""
     rows = [("PLBEAM", 1, 1, 2, 3, 4), ("X", 3, 1.0, 0.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1, 2, 3)]
-    deck = Deck.build(
+    deck = spacar.Deck.build(
         rows, [("ESTIFF", 1, 0.0, 1.0), ("EM", 1, 1.0), ("STARTDE", 1, 2, 0.3, 0.0), ("TIMESTEP", 0.001, 1)]
     )
     for beams, angle in (("angle", 0.3), ("sine", np.arcsin(0.3))):
@@ -275,7 +274,7 @@ def frequencies(n, beams, force=0.0):
         p = 2 * k - 1
         rows += [("PLBEAM", k, p, p + 1, p + 2, p + 3), ("DYNE", k, 2, 3), ("X", p + 2, k / n, 0.0)]
         dynamics += [("ESTIFF", k, 0.0, 1.0), ("EM", k, 1.0, J)]
-    return 2.0 * np.pi * spacar.run(7, Deck.build(rows, dynamics), beams=beams).frequencies[-1][:2]
+    return 2.0 * np.pi * spacar.run(7, spacar.Deck.build(rows, dynamics), beams=beams).frequencies[-1][:2]
 
 
 def orders_to(found, truth):

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.mechanism import build
 
 RIGID = "RBEAM 1 1 2 3{direction}\nX 3 1 2 2\nFIX 1\nFIX 2\nDYNE 1 {mode}\n{more}END HALT\nXM 3 1\nXM 2 1 0 0 1 0 1\n"
@@ -14,7 +13,7 @@ END = "TIMESTEP 1e-3 1\nEND END\n"
 
 def place(mode: int, value: float, direction: str = "", more: str = "") -> np.ndarray:
     text = RIGID.format(direction=direction, mode=mode, more=more) + f"STARTDE 1 {mode} {value}\n" + END
-    result = spacar.run(1, parse_deck(text, mode=1))
+    result = spacar.run(1, spacar.parse_deck(text, mode=1))
     return np.array([result.node(3, c)[0] for c in (1, 2, 3)])
 
 
@@ -25,7 +24,7 @@ def test_the_first_direction_is_the_line_pq() -> None:
 @pytest.mark.parametrize("mode", [2, 3])
 def test_the_other_directions_are_those_of_a_beam(mode: int) -> None:
     """The frame of a BEAM between the same nodes: rows x', y', z'."""
-    beam = build(parse_deck(BEAM + "END END\n", mode=1)).batches[0].family
+    beam = build(spacar.parse_deck(BEAM + "END END\n", mode=1)).batches[0].family
     axes = beam.frame_p[0].reshape(3, 3)
     expected = np.array([1.0, 2.0, 2.0]) + 0.1 * axes[mode - 1]
     assert place(mode, 0.1) == pytest.approx(expected, abs=1e-12)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar import Deck
 from spacar.deck.rewrite.refine import linear_strain
 from spacar.elements.spatial.angle_measure import rotation_factor
 from spacar.elements.spatial.beam import SpatialBeam
@@ -142,7 +141,7 @@ def test_range(axis, degrees, fatal):
 
 
 # -- whole program -------------------------------------------------------------------------------------------------
-def cantilever(n, EIz, EIy, GIt, F=(0, 0, 0), M=(0, 0, 0), modes=(2, 3, 4, 5, 6), em=(), steps=8) -> Deck:
+def cantilever(n, EIz, EIy, GIt, F=(0, 0, 0), M=(0, 0, 0), modes=(2, 3, 4, 5, 6), em=(), steps=8) -> spacar.Deck:
     """Section 4.2: clamped at 0, L = 1 along x, dead force F and global moment M at the end."""
     rows: list[tuple] = [("FIX", 1), ("FIX", 2)]
     dynamics: list[tuple] = []
@@ -153,7 +152,7 @@ def cantilever(n, EIz, EIy, GIt, F=(0, 0, 0), M=(0, 0, 0), modes=(2, 3, 4, 5, 6)
         dynamics += [("EM", k, *em)] if em else []
     tip = 2 * n + 1
     dynamics += [("XF", tip, *map(float, F)), ("XF", tip + 1, *map(float, M)), ("ITERSTEP", 50, steps, 1e-12)]
-    return Deck.build(rows, dynamics)
+    return spacar.Deck.build(rows, dynamics)
 
 
 def tip(result, n) -> np.ndarray:
@@ -266,7 +265,7 @@ def bend(n, beams):
         rows += [("ORTUBE", k, *map(float, (*tangents[k - 1], *tangents[k])), 0.0, 0.0, 1.0)]
         rows += [("X", p + 2, *map(float, points[k]))]
         dynamics.append(("ESTIFF", k, 0.0, 704000.0, 1e7 / 12, 1e7 / 12))
-    return tip(spacar.run(8, Deck.build(rows, dynamics), beams=beams), n)
+    return tip(spacar.run(8, spacar.Deck.build(rows, dynamics), beams=beams), n)
 
 
 def test_curved_tubes_are_of_fourth_order():

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.elements.family import GeometryError
 from spacar.elements.spatial.beam import SpatialBeam
 
@@ -252,7 +251,7 @@ RLSE 1 2 3 4 5 6\nEND\nHALT\nESTIFF 1 0 1 1 1\nEM 1 1 0.01\nDELINPE 2 1 {angle}\
 @pytest.mark.parametrize("angle", [0.3, 0.38, 0.4, 0.7])
 def test_warning_follows_from_the_error_of_the_measure(angle, compiled):
     """Torsion of a beam with GIt/l0 = 1: the torque is the angle; a warning where it is wrong by more than 10 %."""
-    result = spacar.run(7, parse_deck(TWISTED.format(angle=angle), mode=7), compiled=compiled)
+    result = spacar.run(7, spacar.parse_deck(TWISTED.format(angle=angle), mode=7), compiled=compiled)
     e, sig = result["e"][-1], result["sig"][-1]
     k = int(np.argmin(np.abs(e - np.sin(angle))))  # of the torsion; l0 = 1
     wrong = abs(1.0 - sig[k] * np.cos(angle) / angle)

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.dynamics import Dynamics
 from spacar.errors import Report
 from spacar.mechanism import build
@@ -32,7 +31,7 @@ METHODS = (
 
 def counted(text: str, monkeypatch: pytest.MonkeyPatch) -> tuple[Dynamics, Counter[tuple[str, str]]]:
     """An evaluator whose families count their calls as (keyword, method), from after the start."""
-    mechanism = build(parse_deck(text, mode=1), 1)
+    mechanism = build(spacar.parse_deck(text, mode=1), 1)
     calls: Counter[tuple[str, str]] = Counter()
     for batch in mechanism.batches:
         for name in METHODS:
@@ -86,7 +85,7 @@ def test_no_stiffness_or_third_derivatives_in_a_right_hand_side(monkeypatch):
 def test_rigid_models_carry_no_stiffness():
     """The stress law of a model without active rows is empty: no stresses are computed."""
     dynamics = Dynamics(
-        build(parse_deck(pendulum("EM 1 1.").replace("GRAVITY", "ESTIFF 1 1e9 1e9\nGRAVITY"), mode=1), 1)
+        build(spacar.parse_deck(pendulum("EM 1 1.").replace("GRAVITY", "ESTIFF 1 1e9 1e9\nGRAVITY"), mode=1), 1)
     )
     assert dynamics.law.passive
 
@@ -129,7 +128,7 @@ def test_planar_models_never_import_spatial_elements(name, forbidden, tmp_path):
 
 def test_outputs_that_nobody_asked_for_are_not_computed():
     """Transfer functions and their tensors are absent without OUTLEVEL."""
-    frame = spacar.run(1, parse_deck((DATA / "crank.dat").read_text(), mode=1)).frames[-1]
+    frame = spacar.run(1, spacar.parse_deck((DATA / "crank.dat").read_text(), mode=1)).frames[-1]
     assert frame.dx is frame.de is frame.d2x is frame.d2e is frame.bigd is None
     assert not frame.matrices
 
@@ -141,7 +140,7 @@ def test_entries_of_the_matrices_grow_linearly_with_a_chain(spatial):
 
     sizes = {}
     for n in (100, 1000):
-        dynamics = Dynamics(build(parse_deck(cantilever(n, spatial, ("TIMESTEP 1. 1",)), mode=1), 1))
+        dynamics = Dynamics(build(spacar.parse_deck(cantilever(n, spatial, ("TIMESTEP 1. 1",)), mode=1), 1))
         dynamics.rhs(0.0, dynamics.start())
         systems = (dynamics.kinematics.velocity_system, dynamics.saddle.system)
         assert [s.kind for s in systems] == ["banded", "banded"]
@@ -172,7 +171,7 @@ def test_statics_of_a_thousand_beams(spatial):
     """Small tip load F: deflection F l^3/3, exact for cubic beams in the linear range; 1e-6 from F^2 = (1e-4)^2
     terms and the condition of a thousand beams (n^3 eps = 2e-7)."""
     load = "0. 0. 1e-4" if spatial else "0. 1e-4"
-    mechanism = build(parse_deck(cantilever(1000, spatial, ("ITERSTEP 20 1 1e-9",), load), mode=7), 7)
+    mechanism = build(spacar.parse_deck(cantilever(1000, spatial, ("ITERSTEP 20 1 1e-9",), load), mode=7), 7)
     solver = StationarySolver(mechanism, Report())
     for level in LoadProgram(mechanism.settings):
         solver.solve(level)
@@ -185,7 +184,7 @@ def test_accelerations_of_a_thousand_beams(spatial):
     """Released under gravity: all inertia forces together are the weight and the support force (Newton), to rounding
     times the stiffness of a thousand constraints, and the tip falls freely, since no wave has reached it."""
     rows = ("GRAVITY 0. 0. -1.",) if spatial else ("GRAVITY 0. -1.",)
-    deck = parse_deck(cantilever(1000, spatial, rows), mode=1)
+    deck = spacar.parse_deck(cantilever(1000, spatial, rows), mode=1)
     dynamics = Dynamics(build(deck, 1))
     y = dynamics.start()
     frame = dynamics.frame(0.0, y)
@@ -204,7 +203,7 @@ def test_accelerations_of_a_thousand_beams(spatial):
 def test_short_motion_of_a_thousand_beams(spatial):
     """An explicit method below its stability limit (w_max = 70 n^2 sqrt(EI) = 7e4 rad/s): the tip falls by g t^2/2."""
     rows = ("GRAVITY 0. 0. -1." if spatial else "GRAVITY 0. -1.", "TIMESTEP 4e-5 2")
-    deck = parse_deck(cantilever(1000, spatial, rows, EI=1e-6), mode=1)
+    deck = spacar.parse_deck(cantilever(1000, spatial, rows, EI=1e-6), mode=1)
     result = spacar.run(1, deck, integrator=140, step=1e-5)
     fallen = result.node(2001, 3 if spatial else 2)[-1]
     assert fallen == pytest.approx(-0.5 * 4e-5**2, rel=1e-3)
@@ -213,7 +212,7 @@ def test_short_motion_of_a_thousand_beams(spatial):
 def test_output_steps_take_no_memory():
     """The stream of frames keeps nothing: the traced memory does not grow with the number of steps."""
     text = CRANK.replace("TIMESTEP 0.1 100", "TIMESTEP 0.4 400")
-    stream = iter(spacar.frames(1, parse_deck(text, mode=1)))
+    stream = iter(spacar.frames(1, spacar.parse_deck(text, mode=1)))
     for _ in range(100):
         next(stream)
     tracemalloc.start()

@@ -5,7 +5,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.errors import AnalysisError
 from tests.examples import DATA
 
@@ -13,7 +12,7 @@ from .units import Dimensions, System, back, convert
 
 
 def run(mode: int, text: str, **options):
-    return spacar.run(mode, parse_deck(text, mode=mode), **options)
+    return spacar.run(mode, spacar.parse_deck(text, mode=mode), **options)
 
 
 def springs(k1: float, k2: float, m: float = 1.0, force: float = 1.0) -> str:
@@ -142,7 +141,7 @@ def test_free_revolutions_are_counted(planar, turns):
     text = (
         f"{joint}\nFIX 1\nDYNE 1 1\nEND\nHALT\n{inertia}\nSTARTDE 1 1 0. {rate}\nTIMESTEP {duration!r} 200\nEND\nEND\n"
     )
-    frames = spacar.frames(1, parse_deck(text, mode=1), atol=1e-11, rtol=1e-11)
+    frames = spacar.frames(1, spacar.parse_deck(text, mode=1), atol=1e-11, rtol=1e-11)
     row = frames.mechanism.numbering.e_index(1, 1)
     last = None
     for last in frames:  # noqa: B007
@@ -223,7 +222,7 @@ def moved(name, mode, shift):
     places = [f"X {node} {' '.join(repr(v + shift) for v in at.get(node, (0.0, 0.0)))}" for node in sorted(ends)]
     rows = [line for line in given.to_text().splitlines() if not line.startswith("X ")]
     end = next(i for i, line in enumerate(rows) if line.startswith("END"))
-    return parse_deck("\n".join([*rows[:end], *places, *rows[end:]]), mode=mode)
+    return spacar.parse_deck("\n".join([*rows[:end], *places, *rows[end:]]), mode=mode)
 
 
 def test_a_crank_far_away_is_the_crank():
@@ -264,7 +263,7 @@ def test_a_change_point_with_a_flexible_coupler_is_passed():
     """Twice in two turns and more; the follower by Newton's law of its angle alone: J b'' = -EA/l0 (l - l0) dl/db, its
     energy in a spring of stiffness EA/l0."""
     text = CHANGE.format(free="RLSE 2 1\nDYNX 7 1", inertia=INERTIA, EA=EA, start="STARTDX 7 1 0. 10.")
-    result = spacar.run(1, parse_deck(text, mode=1))
+    result = spacar.run(1, spacar.parse_deck(text, mode=1))
 
     def rate(t, y):
         a, b = 10.0 * t, y[0]
@@ -282,7 +281,7 @@ def test_a_change_point_with_a_rigid_coupler_is_not_passed_in_silence():
     """The start itself is the change point."""
     text = CHANGE.format(free="", inertia=INERTIA, EA=0.0, start="").replace("ESTIFF 2 0.0", "")
     with pytest.raises(AnalysisError) as found:
-        spacar.run(1, parse_deck(text, mode=1))
+        spacar.run(1, spacar.parse_deck(text, mode=1))
     assert any(f"node {k}" in str(found.value) or f"element {k}" in str(found.value) for k in (2, 3, 5, 7))
 
 

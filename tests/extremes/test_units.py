@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import Deck, parse_deck
 from spacar.frame import Frame
 from tests.examples import DATA
 
@@ -50,9 +49,9 @@ TIMESTEP 0.1 2   INTEGRAT 140 0.01   END END
 MODELS = {"planar": PLANAR, "spatial": SPATIAL}
 
 
-def deck(name: str, mode: int) -> Deck:
+def deck(name: str, mode: int) -> spacar.Deck:
     text = MODELS.get(name) or (DATA / f"{name}.dat").read_text()
-    return parse_deck(text, mode=mode)
+    return spacar.parse_deck(text, mode=mode)
 
 
 LIKE = {"e": "x", "ed": "xd", "edd": "xdd", "fxtot": "sig"}  # quantities whose rounding has the size of another one
@@ -76,7 +75,7 @@ def largest_difference(name: str, old: Frame, new: np.ndarray, x: list, e: list)
     return worst
 
 
-def compare(model: Deck, mode: int, to: System) -> None:
+def compare(model: spacar.Deck, mode: int, to: System) -> None:
     old = list(spacar.frames(mode, model))
     run = spacar.frames(mode, convert(model, to))
     new = list(run)
@@ -113,7 +112,7 @@ def test_equilibrium_and_frequencies(name, to):
     model = deck(name, 7)
     settings = "\nITERSTEP 20 10 1e-300\nEND\nEND"
     text = model.text.split("ITERSTEP")[0].rstrip().removesuffix("END").rstrip().removesuffix("END")
-    model = parse_deck(text + settings, mode=7)
+    model = spacar.parse_deck(text + settings, mode=7)
     compare(model, 7, to)
     old = list(spacar.frames(7, model))[-1].matrices["eigval"]
     new = list(spacar.frames(7, convert(model, to)))[-1].matrices["eigval"] * to.s

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar import Deck
 from spacar.errors import AnalysisError, InputError, UsageError
 from spacar.inverse.profile import make_profile
 
@@ -80,7 +79,7 @@ def pendulum(third, extra=()):
         ("FIX", 3),
     ]
     dynamics = [("XM", 4, 2.0), ("GRAVITY", 0.0, -10.0), *extra]
-    return Deck.build([*kinematics, ("INPUTE", 1, 1)], dynamics, third, mode=2, source="pendulum.dat")
+    return spacar.Deck.build([*kinematics, ("INPUTE", 1, 1)], dynamics, third, mode=2, source="pendulum.dat")
 
 
 def test_trajectories_follow_each_other_and_extra_loads_act_during_theirs():
@@ -124,7 +123,7 @@ def test_extra_inertia_of_an_orientation_node():
         ("NOMF", 1, 2, 1),
         ("REFX", 1, 2, 1),
     ]
-    result = spacar.run(2, Deck.build(kinematics, dynamics, third, mode=2))
+    result = spacar.run(2, spacar.Deck.build(kinematics, dynamics, third, mode=2))
     acceleration = 2 * 0.4 / 0.5 / 0.25
     assert result["u0"][0, 0] == pytest.approx((2.0 * 0.6**2 + 0.3) * acceleration, rel=1e-12)
     assert result["y0"][:, 0] == pytest.approx([0.0, 0.2, 0.4], abs=1e-14)

@@ -5,7 +5,6 @@ import pytest
 import sizes
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.kinematics import constraint_condition, constraint_matrices
 from spacar.mechanism import build
@@ -13,7 +12,7 @@ from spacar.mechanism import build
 
 @pytest.mark.parametrize(("model", "n"), [("planar", 60), ("spatial", 40), ("rods", 120), ("joints", 40)])
 def test_three_digits(model, n):
-    evaluator = Dynamics(build(parse_deck(sizes.MODELS[model](n), mode=1), 1))
+    evaluator = Dynamics(build(spacar.parse_deck(sizes.MODELS[model](n), mode=1), 1))
     evaluator.place(0.0, evaluator.start())
     k = evaluator.kinematics
     exact = constraint_condition.of_entries(k.mechanism, constraint_matrices.entries_of(k.sweep))
@@ -24,7 +23,7 @@ def test_three_digits(model, n):
 def test_a_submatrix_is_made_alone(monkeypatch):
     """No array of the size deformations x coordinates is made for the few rows that are asked for (a frame whose
     coordinates are all degrees of freedom asks for none), and entries of the same place add up."""
-    evaluator = Dynamics(build(parse_deck(sizes.MODELS["planar"](12), mode=1), 1))
+    evaluator = Dynamics(build(spacar.parse_deck(sizes.MODELS["planar"](12), mode=1), 1))
     evaluator.place(0.0, evaluator.start())
     k = evaluator.kinematics
     rows, columns, values = constraint_matrices.entries_of(k.sweep)
@@ -37,7 +36,7 @@ def test_a_submatrix_is_made_alone(monkeypatch):
 
 
 def test_header_has_that_of_the_first_step():
-    deck = parse_deck(sizes.MODELS["planar"](12).replace("-1. -1.", "0. 0."), mode=7)
+    deck = spacar.parse_deck(sizes.MODELS["planar"](12).replace("-1. -1.", "0. 0."), mode=7)
     evaluator = Dynamics(build(deck, 7))
     evaluator.place(0.0, evaluator.start())
     condition = constraint_condition.condition_number(evaluator.kinematics)

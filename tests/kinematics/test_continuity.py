@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar import Deck
 from spacar.errors import AnalysisError
 
 C = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
@@ -55,7 +54,7 @@ def run(rows: list[tuple], start: tuple, masses: list[tuple], tolerance: float, 
     """What was said: lines about dead points, or the error."""
     dynamics = [*masses, start, ("TIMESTEP", 3.0, 15), ("ERROR", tolerance, tolerance), ("INTEGRAT", code, 0.1)]
     try:
-        report = spacar.run(1, Deck.build(rows, dynamics), compiled=compiled).report
+        report = spacar.run(1, spacar.Deck.build(rows, dynamics), compiled=compiled).report
     except AnalysisError as error:
         return [str(error)]
     return [line for line in report if "not compiled" not in line]
@@ -108,6 +107,6 @@ def test_a_pendulum_that_turns_before_its_dead_point_is_not_refused(tolerance: f
         ("XM", 3, 1.0), ("GRAVITY", 0.0, 9.81), ("STARTDX", 5, 1, end, 0.0), ("TIMESTEP", 3.0, 60),
         ("ERROR", 1e-2 * tolerance, tolerance),
     ]  # fmt: skip
-    result = spacar.run(1, Deck.build(rows, dynamics), compiled=compiled)
+    result = spacar.run(1, spacar.Deck.build(rows, dynamics), compiled=compiled)
     assert [line for line in result.report if "not compiled" not in line] == []
     assert result.node(3, 2).min() > 0.0

@@ -5,14 +5,13 @@ import re
 import pytest
 
 import spacar
-from spacar import Deck
 from spacar.errors import AnalysisError
 from spacar.kinematics.diagnosis import Diagnosis
 from spacar.mechanism import build
 
 
 def diagnosis(rows: list[tuple]) -> Diagnosis:
-    return spacar.run(0, Deck.build(rows)).header["diagnosis"]
+    return spacar.run(0, spacar.Deck.build(rows)).header["diagnosis"]
 
 
 def scaled(rows: list[tuple], factor: float) -> list[tuple]:
@@ -117,7 +116,7 @@ def test_regular_mechanism() -> None:
 
 
 def test_the_report_is_a_ranked_list_with_suggestions() -> None:
-    text = "\n".join(spacar.run(0, Deck.build(TWO)).report)
+    text = "\n".join(spacar.run(0, spacar.Deck.build(TWO)).report)
     for line in (
         "over-constrained 1 time; deformations that take part:",
         "under-constrained 2 times; coordinates that move:",
@@ -136,7 +135,7 @@ def test_the_report_is_a_ranked_list_with_suggestions() -> None:
 )
 def test_other_modes_refuse_an_ill_defined_mechanism(rows: list[tuple], words: tuple[str, ...]) -> None:
     with pytest.raises(AnalysisError) as caught:
-        spacar.run(1, Deck.build(rows))
+        spacar.run(1, spacar.Deck.build(rows))
     assert caught.value.code == "mechanism.count"
     for word in words:
         assert word in str(caught.value)
@@ -149,7 +148,7 @@ def test_equal_counts_but_singular() -> None:
     d = diagnosis(rows)
     assert (d.over, d.under) == (1, 1)
     with pytest.raises(AnalysisError) as caught:
-        spacar.run(1, Deck.build(rows))
+        spacar.run(1, spacar.Deck.build(rows))
     assert caught.value.code == "position.singular"
     assert "element 4 (PLTRUSS) e1 elongation" in str(caught.value)
     assert re.search(r"node 1[34] x", str(caught.value))
@@ -168,7 +167,7 @@ def test_a_singular_position_with_rounding_is_seen() -> None:
 
 
 def test_bigd_is_stored_with_the_rows_and_columns_of_e_and_x() -> None:
-    deck = Deck.build(FRAME)
+    deck = spacar.Deck.build(FRAME)
     n = build(deck).numbering
     bigd = spacar.run(0, deck)["bigd"][0]
     assert bigd.shape == (n.ne, n.nx)

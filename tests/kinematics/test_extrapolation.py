@@ -5,7 +5,6 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.dynamics.motion_equations import State, extrapolated
 from spacar.kinematics.element_sweep import ElementSweep
 
@@ -49,5 +48,5 @@ def test_a_prescribed_motion_needs_two_evaluations_per_position(monkeypatch) -> 
         strain(self, x)
 
     monkeypatch.setattr(ElementSweep, "strain", counted)
-    frames = list(spacar.frames(1, parse_deck(models.example("crank"), mode=1)))
+    frames = list(spacar.frames(1, spacar.parse_deck(models.example("crank"), mode=1)))
     assert count <= 2 * len(frames) + 5

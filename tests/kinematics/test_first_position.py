@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import Deck
 
 FIXED = {6: (0.038, -1.489, -1.179), 7: (-0.16, -0.653, -0.67)}
 
@@ -18,7 +17,7 @@ def test_three_bars_that_are_nearly_in_a_plane(compiled: bool) -> None:
             ("DYNE", 3)]  # fmt: skip
     law = [("XM", 1, 1.0), ("XM", 5, 1.0), *(("STARTDX", 1, i, at, 0.0) for i, at in enumerate(end, 1)),
            ("STARTDE", 1, 1, 0.0194, 0.0), ("STARTDE", 3, 1, -0.0467, 0.0)]  # fmt: skip
-    result = spacar.run(1, Deck.build(rows, law), compiled=compiled)
+    result = spacar.run(1, spacar.Deck.build(rows, law), compiled=compiled)
 
     def volume(support: tuple[float, ...], node: np.ndarray) -> float:
         return float(np.linalg.det(np.subtract([support, FIXED[6], FIXED[7]], node)))

@@ -6,7 +6,6 @@ from models import cantilever
 from scipy.sparse import csr_array
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.kinematics import diagnosis, self_stress
 from spacar.kinematics.null_space import norm_estimate, null_space, on_null_space
 
@@ -49,7 +48,7 @@ MODELS = {
 @pytest.mark.parametrize("name", MODELS)
 def test_sparse_and_full_decomposition_agree(name, monkeypatch):
     """Numbers, shares and advice are the same; shares to 1e-9, with which they are rounded."""
-    deck = parse_deck(MODELS[name](), mode=0)
+    deck = spacar.parse_deck(MODELS[name](), mode=0)
     full = spacar.run(0, deck).header["diagnosis"]
     monkeypatch.setattr(diagnosis, "LARGEST_DECOMPOSED", 0)
     monkeypatch.setattr(self_stress, "LARGEST_DECOMPOSED", 0)

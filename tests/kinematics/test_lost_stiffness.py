@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 import spacar
-from spacar.deck import parse_deck, read_deck
 from spacar.kinematics.lost_stiffness import lost_stiffness
 from spacar.kinematics.release import release
 from spacar.mechanism import build
@@ -15,30 +14,30 @@ from .guides import guide
 
 
 def warnings(text: str) -> list[str]:
-    deck = parse_deck(text)
+    deck = spacar.parse_deck(text)
     return [str(m) for m in lost_stiffness(deck, build(deck))]
 
 
 def test_hinges_in_the_coupler_are_said_in_every_mode() -> None:
     """What mode 0 once suggested: status 0, no warning, a quarter of the stiffness."""
-    deck = release(parse_deck(guide(2))).deck
+    deck = release(spacar.parse_deck(guide(2))).deck
     text = deck.text.replace("END HALT", "RLSE 2 1 2 3\nEND HALT", 1).replace("RLSE 3 4\n", "DYNE 3 4\n")
     found = warnings(text)
     assert len(found) == 1
     assert found[0].startswith("warning: <deck>:")
     assert "RLSE 2: releases mode 1 (elongation), 2 (torsion), 3 (bending at p in the x'z' plane) of a BEAM" in found[0]
     assert "hinge" in found[0]
-    assert any("RLSE 2: releases" in line for line in spacar.run(0, parse_deck(text, mode=0)).report)
+    assert any("RLSE 2: releases" in line for line in spacar.run(0, spacar.parse_deck(text, mode=0)).report)
 
 
 @pytest.mark.parametrize("path", sorted(DATA.glob("*.dat")), ids=lambda p: p.stem)
 def test_the_examples_have_no_such_warning(path: Path) -> None:
-    deck = read_deck(path)
+    deck = spacar.read_deck(path)
     assert lost_stiffness(deck, build(deck)) == []
 
 
 def test_releases_that_keep_the_physics_have_none() -> None:
-    assert warnings(release(parse_deck(guide(3))).deck.text) == []
+    assert warnings(release(spacar.parse_deck(guide(3))).deck.text) == []
 
 
 RIGID_RING = (

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar import Deck
 from spacar.errors import AnalysisError
 from spacar.kinematics.kinematics import Kinematics
 
@@ -40,7 +39,7 @@ def test_a_slider_crank_far_from_the_origin(offset: float, direction: tuple[floa
     """Two turns of the driven crank. 1/cos of the largest rod angle (30 degrees) is 1.15; R, L as the file's numbers at
     that place hold them are off by another eps d each."""
     dynamics = [("XM", 6, 0.5), ("EM", 2, 0.3), ("INPUTX", 2, 1, 0.0, 2 * np.pi, 0.0), ("TIMESTEP", 2.0, 100)]
-    r = spacar.run(1, Deck.build(crank(offset, direction), dynamics), compiled=compiled)
+    r = spacar.run(1, spacar.Deck.build(crank(offset, direction), dynamics), compiled=compiled)
     far = offset * max(abs(c) for c in direction)
     x = r.node(6, 1) - offset * direction[0]
     assert np.abs(x - slider(r.node(2, 1))).max() <= 4 * EPS * far + 1e-14
@@ -57,13 +56,13 @@ def test_a_free_slider_crank_far_from_the_origin(compiled: bool) -> None:
         ("ERROR", 1e-7, 1e-7),
     ]  # fmt: skip
     near, far = (
-        spacar.run(1, Deck.build(crank(offset, (1.0, 1.0), "DYNX"), dynamics), compiled=compiled)
+        spacar.run(1, spacar.Deck.build(crank(offset, (1.0, 1.0), "DYNX"), dynamics), compiled=compiled)
         for offset in (0.0, 1e6)
     )
     np.testing.assert_allclose(far.node(2, 1), near.node(2, 1), atol=1e-6)
 
 
-def ill_conditioned(gap: float) -> Deck:
+def ill_conditioned(gap: float) -> spacar.Deck:
     """A bar carried by two parallel links that are `gap` apart, driven: the smallest singular value is about gap."""
     rows = [
         ("PLRBEAM", 1, 1, 2, 3), ("PLRBEAM", 2, 1, 2, 4), ("PLTRUSS", 3, 1, 5), ("PLTRUSS", 4, 3, 6),
@@ -71,7 +70,7 @@ def ill_conditioned(gap: float) -> Deck:
         ("X", 1, 0.0, 0.0), ("X", 3, gap, 0.0), ("X", 4, 1.0, 0.0), ("X", 5, 0.0, -1.0), ("X", 6, gap, -1.0),
         ("X", 7, -1.0, 0.0), ("FIX", 5), ("FIX", 6), ("FIX", 7), ("INPUTE", 5, 1),
     ]  # fmt: skip
-    return Deck.build(rows, [("INPUTE", 5, 1, 0.0, 0.01, 0.0), ("TIMESTEP", 1.0, 20)])
+    return spacar.Deck.build(rows, [("INPUTE", 5, 1, 0.0, 0.01, 0.0), ("TIMESTEP", 1.0, 20)])
 
 
 @pytest.mark.parametrize("gap", [1e-1, 1e-3, 1e-4, 1e-5, 1e-6])
@@ -95,7 +94,7 @@ def test_a_failure_agrees_with_its_history() -> None:
         ]  # fmt: skip
         dynamics = [("INPUTX", 5, 1, start, 0.1 * size, 0.0), ("TIMESTEP", 3.0, 30)]
         with pytest.raises(AnalysisError) as caught:
-            spacar.run(1, Deck.build(rows, dynamics))
+            spacar.run(1, spacar.Deck.build(rows, dynamics))
         found = re.search(r"scaled residual (\S+) \(history ([^)]*)\)", str(caught.value))
         assert found, caught.value
         assert found[2].split()[-1] == found[1]
@@ -110,7 +109,7 @@ def test_rounding_grows_with_the_numbers_that_enter() -> None:
             rows = [
                 (*row[:2], *(c * unit for c in row[2:])) if row[0] == "X" else row for row in crank(offset, (1.0, 0.0))
             ]
-            m = build(Deck.build(rows, []))
+            m = build(spacar.Deck.build(rows, []))
             k = Kinematics(m)
             assert k.rounding(m.x0, np.zeros(len(k.h))) == pytest.approx(64 * EPS * max(1.0, expected), rel=1e-4)
 
@@ -126,7 +125,7 @@ def test_a_dead_point_far_from_the_origin_is_still_one(offset: float) -> None:
     dynamics = [("INPUTX", 2, 1, 0.0, np.pi / 2, 0.0), ("TIMESTEP", 4.0, 40)]
     count = 0
     with pytest.raises(AnalysisError) as caught:  # noqa: PT012
-        for _ in spacar.frames(1, Deck.build(rows, dynamics)):
+        for _ in spacar.frames(1, spacar.Deck.build(rows, dynamics)):
             count += 1
     assert caught.value.code == "position.singular"
     assert count == 10

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar import Deck
 from spacar.kinematics.constraint_matrices import ROUNDING
 from spacar.kinematics.kinematics import Kinematics
 from spacar.linear_systems.reciprocal_condition import smallest
@@ -47,7 +46,7 @@ def test_prescribed_crank_over_many_revolutions(turns: int) -> None:
     """
     per_turn = 12
     rate = 2 * np.pi
-    deck = Deck.build(
+    deck = spacar.Deck.build(
         [*CRANK, ("INPUTX", 2)],
         [*MASSES, ("INPUTX", 2, 1, 0.0, rate, 0.0), ("TIMESTEP", float(turns), turns * per_turn)],
     )
@@ -76,7 +75,7 @@ def test_free_crank_keeps_its_energy_and_follows_the_quadrature() -> None:
     Tolerance: the energy error is the integrator's tolerance times the number of steps; measured 1e-9 for 1e-12.
     """
     rate, duration, n = 2 * np.pi, 8.0, 40
-    deck = Deck.build(
+    deck = spacar.Deck.build(
         [*CRANK, ("DYNX", 2)],
         [*MASSES, ("STARTDX", 2, 1, 0.0, rate), ("TIMESTEP", duration, n), ("ERROR", 1e-12, 1e-12)],
     )
@@ -139,7 +138,7 @@ def test_a_chain_of_two_cardan_joints_is_homokinetic() -> None:
         ("HINGE", 6, 7, 6, *out), ("HINGE", 8, 8, 4, *middle),
         ("FIX", 1), ("FIX", 7), ("FIX", 8), ("INPUTE", 1, 1), *[("RLSE", k, 1) for k in (2, 3, 4, 5, 6, 8)],
     ]  # fmt: skip
-    r = spacar.run(1, Deck.build(rows, [("INPUTE", 1, 1, 0.0, 2 * np.pi, 0.0), ("TIMESTEP", 5.0, 100)]))
+    r = spacar.run(1, spacar.Deck.build(rows, [("INPUTE", 1, 1, 0.0, 2 * np.pi, 0.0), ("TIMESTEP", 5.0, 100)]))
     np.testing.assert_allclose(r.element(6, 1), r.element(1, 1), atol=1e-12)
     np.testing.assert_allclose(r.element(6, 1, "edd"), 0.0, atol=1e-9)
     # (accelerations are of size (2 pi)^2 = 39, and V belongs to an iterate that is at most 1e-11 away)
@@ -155,7 +154,7 @@ def slider_at(angle: float, size: float = 1.0) -> Kinematics:
         ("PLRBEAM", 1, 1, 2, 3), ("PLRBEAM", 2, 3, 4, 5), ("X", 3, x * size, y * size),
         ("X", 5, (x + np.sqrt(L**2 - y**2)) * size, 0.0), ("FIX", 1), ("FIX", 5, 2), ("INPUTX", 5, 1),
     ]  # fmt: skip
-    k = Kinematics(build(Deck.build(rows, [])))
+    k = Kinematics(build(spacar.Deck.build(rows, [])))
     k.move(k.mechanism.x0, np.zeros(k.numbering.ne))
     return k
 
@@ -195,7 +194,7 @@ def test_every_position_of_a_long_chain_is_single(n: int) -> None:
     """Smallest singular value about n^-2, down to 2.5e-9 of the norm."""
     rows: list[tuple] = [("PLBEAM", k + 1, 2 * k + 1, 2 * k + 2, 2 * k + 3, 2 * k + 4) for k in range(n)]
     rows += [("X", 2 * k + 1, k / n, 0.0) for k in range(1, n + 1)] + [("FIX", 1), ("INPUTX", 2, 1)]
-    k = Kinematics(build(Deck.build(rows, [])))
+    k = Kinematics(build(spacar.Deck.build(rows, [])))
     k.begin()
     s = smallest(k.position_system, 1.0 / k.h_scale, k.scale[k.c])[0]
     assert s < 1.0 / n**1.5

@@ -3,19 +3,18 @@
 from pathlib import Path
 
 import spacar
-from spacar.deck import Deck, read_deck
 
 HEAD = "import math\ndef push(t, ne, le, e, ep, nx, lnp, x, xp):\n"
 
 
-def deck_of(folder: Path, text: str, body: str, mode: int = 7) -> Deck:
+def deck_of(folder: Path, text: str, body: str, mode: int = 7) -> spacar.Deck:
     """The model with the user function `push` of this body beside it."""
     (folder / "push.py").write_text(HEAD + "".join(f"    {line}\n" for line in body.splitlines()))
     (folder / "model.dat").write_text(text)
-    return read_deck(folder / "model.dat", mode)
+    return spacar.read_deck(folder / "model.dat", mode)
 
 
-def ziegler(folder: Path, load: float, damping: float) -> Deck:
+def ziegler(folder: Path, load: float, damping: float) -> spacar.Deck:
     """Two bars of length 1 with hinges of stiffness 1 and this damping, masses 2 and 1, and a force `load` at the tip
     along the second bar: H. Ziegler, Ing.-Arch. 20 (1952) 49-56; G. Herrmann, Appl. Mech. Rev. 20 (1967) 103-108."""
     text = f"""
@@ -39,7 +38,7 @@ def column(n: int, ends: str, loads: str) -> str:
     return "\n".join([*lines, loads, "USERSIG push", "END END\n"])
 
 
-def growth(deck: Deck) -> float:
+def growth(deck: spacar.Deck) -> float:
     """The largest real part of the eigenvalues."""
     return float(spacar.run(7, deck)["eigval"][0][:, 0].max())
 

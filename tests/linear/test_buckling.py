@@ -6,9 +6,7 @@ from cantilever_eigen import cantilever
 from models import pendulum
 
 import spacar
-from spacar import Deck
 from spacar.compiled.library import why_off
-from spacar.deck import parse_deck
 from spacar.errors import Report
 from spacar.linear import backward_error, eigen, form, lowest, subspace
 from spacar.linear.buckling import buckling_modes, order_of
@@ -79,7 +77,7 @@ def test_a_mode_of_which_no_digit_is_known_is_nan(monkeypatch):
     rows += [("FIX", k + 1, 2) for k in range(1, n + 1)] + [("DYNE", k, 1) for k in range(1, n + 1)]
     dynamics = [("XM", k + 1, 1.0) for k in range(1, n + 1)] + [("ESTIFF", k, 1.0) for k in range(1, n + 1)]
     exact = np.sort(2 * np.sin((2 * np.arange(1, n + 1) - 1) * np.pi / (2 * (2 * n + 1))))
-    m = build(Deck.build(rows, dynamics), 7)
+    m = build(spacar.Deck.build(rows, dynamics), 7)
     solver = StationarySolver(m, Report())
     for level in LoadProgram(m.settings):
         solver.solve(level)
@@ -123,7 +121,7 @@ def test_antisymmetric_geometric_stiffness_gives_ordered_pairs(sign):
 
 # Singular and double cases are not refused: dead points, double critical loads, motions without stiffness.
 def run(text: str, mode: int) -> spacar.Result:
-    return spacar.run(mode, parse_deck(text, mode=mode))
+    return spacar.run(mode, spacar.parse_deck(text, mode=mode))
 
 
 def square_column(n: int, factor: float) -> str:
@@ -205,7 +203,7 @@ def column(n: int, supports: str, load: str = "XF {t} -1. 0.", mode: int = 8) ->
     free = {0: "2 3", 1: "3", 2: ""}[surplus]
     old = f"DYNE {n} 2 3"
     new = f"RLSE {n} 2" + (" 3" if surplus == 2 else "") + (f"\nDYNE {n} {free}" if free else "")
-    return spacar.run(mode, parse_deck(text.replace(old, new) if surplus else text, mode=mode))
+    return spacar.run(mode, spacar.parse_deck(text.replace(old, new) if surplus else text, mode=mode))
 
 
 @pytest.mark.parametrize("name", EULER)
@@ -283,8 +281,8 @@ def test_no_stress_no_multiplier(compiled):
 def test_multipliers_of_the_smallest_loads():
     """What is rounding of the geometric stiffness does not depend on the size of the load."""
     text = (DATA / "column2.dat").read_text()
-    one = spacar.run(8, parse_deck(text, mode=8))["lmult"]
-    small = spacar.run(8, parse_deck(text.replace("XF 5 -1.0", "XF 5 -1.0e-20"), mode=8))["lmult"]
+    one = spacar.run(8, spacar.parse_deck(text, mode=8))["lmult"]
+    small = spacar.run(8, spacar.parse_deck(text.replace("XF 5 -1.0", "XF 5 -1.0e-20"), mode=8))["lmult"]
     np.testing.assert_allclose(small, 1e20 * one, rtol=1e-9)
 
 

@@ -6,12 +6,11 @@ from models import pendulum
 from scipy.special import jn_zeros
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.linear import form, linear_modes
 
 
 def frequencies(text: str, mode: int = 7) -> np.ndarray:
-    return np.sort(np.hypot(*spacar.run(mode, parse_deck(text, mode=mode))["eigval"][0].T))[::2]
+    return np.sort(np.hypot(*spacar.run(mode, spacar.parse_deck(text, mode=mode))["eigval"][0].T))[::2]
 
 
 def test_lowest_modes_of_a_hanging_chain_of_rods(monkeypatch):

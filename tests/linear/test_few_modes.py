@@ -8,7 +8,6 @@ import pytest
 from scipy.linalg import block_diag
 
 import spacar
-from spacar import Deck, parse_deck
 from spacar.errors import Report
 from spacar.linear import eigen
 from spacar.linear.backward_error import of_pencil, of_scaled_pencil
@@ -271,7 +270,7 @@ def two_masses(k1, k2, m1, m2, how, c):
     given = [("DYNX", 2, 1), ("DYNX", 3, 1), ("RLSE", 1), ("RLSE", 2)]
     rows += [("DYNE", 1, 1), ("DYNE", 2, 1)] if how == "DYNE" else given
     dynamics = [("ESTIFF", 1, k1), ("ESTIFF", 2, k2), ("XM", 2, m1), ("XM", 3, m2), ("EDAMP", 1, c)]
-    return Deck.build(rows, dynamics[: 5 if c else 4])
+    return spacar.Deck.build(rows, dynamics[: 5 if c else 4])
 
 
 @pytest.mark.parametrize("compiled", [True, False])
@@ -296,7 +295,7 @@ def test_fine_mesh_needs_no_second_method(monkeypatch):
     lines = [f"PLBEAM {k} {2 * k - 1} {2 * k} {2 * k + 1} {2 * k + 2} DYNE {k} 2 3" for k in range(1, 41)]
     lines += [f"X {2 * k + 1} {k / 40} 0" for k in range(41)] + ["FIX 1 FIX 2 END HALT"]
     lines += [f"EM {k} 1 ESTIFF {k} 0 1" for k in range(1, 41)] + ["END END"]
-    found = spacar.run(7, parse_deck("\n".join(lines)))
+    found = spacar.run(7, spacar.parse_deck("\n".join(lines)))
     K, M = found["k0"][0], found["m0"][0]
     squares, _ = graded_modes(Factors.of_matrices(K, M), K)
     monkeypatch.setattr(eigen, "graded_modes", None)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import parse_deck
 
 QUARTER_CAR = """PLTRUSS 1 1 3   PLTRUSS 2 3 5   X 1 0 0   X 3 {c} {s}   X 5 {c2} {s2}
 INPUTX 1 1   FIX 1 2   {wheel}   RLSE 1 1   RLSE 2 1   END HALT
@@ -16,7 +15,7 @@ ALONG_X = "FIX 3 2\nFIX 5 2\nDYNX 3 1\nDYNX 5 1"
 
 def car(signal: str, tyre: str = "", mode: int = 9) -> spacar.Result:
     text = QUARTER_CAR.format(signal=signal, tyre=tyre, wheel=ALONG_X, c=1, s=0, c2=2, s2=0)
-    return spacar.run(mode, parse_deck(text, mode=mode))
+    return spacar.run(mode, spacar.parse_deck(text, mode=mode))
 
 
 def told(result: spacar.Result) -> list[str]:
@@ -65,7 +64,7 @@ def test_a_force_on_a_coordinate_that_does_not_move():
         "PLRBEAM 1 1 2 3\nPLRBEAM 2 1 2 4\nX 3 1 0\nX 4 0 0.5\nFIX 1\nDYNX 2\nEND\nHALT\nXM 3 1\nXM 4 1\nEND\nHALT\n"
         "INPUTF 1 3 1\nINPUTF 2 3 2\nOUTX 1 2 1\nEND\nEND\n"
     )
-    result = spacar.run(9, parse_deck(text, mode=9))
+    result = spacar.run(9, spacar.parse_deck(text, mode=9))
     (line,) = told(result)
     assert line.startswith("warning: input 1 (INPUTF node 3 x)")
     assert "DYNX" in line

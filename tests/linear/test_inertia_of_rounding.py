@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar import Deck
 from spacar.errors import AnalysisError
 from tests.dynamics.test_mass_check import in_line
 
@@ -15,7 +14,7 @@ def said(mode: int, tilt: float, slope: float, mass: float) -> str:
     """The slider carries the mass and stands at its dead point; `mass` on the crank."""
     dynamics = [("XM", 3, 1.0), ("ESTIFF", 3, 100.0)] + ([("XM", 2, mass)] if mass else [])
     try:
-        return " ".join(spacar.run(mode, Deck.build(in_line(tilt, slope), dynamics, mode=mode)).report)
+        return " ".join(spacar.run(mode, spacar.Deck.build(in_line(tilt, slope), dynamics, mode=mode)).report)
     except AnalysisError as error:
         return str(error)
 
@@ -42,6 +41,6 @@ def test_a_light_crank_has_its_frequency() -> None:
     values = []
     for mass in (1.0, 1e-8):
         dynamics = [("XM", 2, mass), ("XM", 3, 1.0), ("ESTIFF", 3, 100.0 * mass)]
-        r = spacar.run(7, Deck.build(rows, dynamics, mode=7))
+        r = spacar.run(7, spacar.Deck.build(rows, dynamics, mode=7))
         values.append(np.abs(r.frames[0].matrices["eigval"]).max())
     assert values[1] == pytest.approx(values[0], rel=1e-9)

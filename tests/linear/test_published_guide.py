@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import parse_deck
 
 LENGTH, TRAVEL = 0.1, 0.02
 GUIDE = """
@@ -36,7 +35,7 @@ def guide(thickness: float) -> str:
 
 
 def run(thickness: float) -> spacar.Result:
-    return spacar.run(10, parse_deck(guide(thickness), mode=10))
+    return spacar.run(10, spacar.parse_deck(guide(thickness), mode=10))
 
 
 def test_frequencies_of_the_published_guide():

@@ -12,7 +12,6 @@ import pytest
 from scipy.linalg import eigh, solve_triangular
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.linear.buckling import NOTHING
 
 from .flexure_models import LEAF, Model, Strip, cantilever_leaf, guide, line, random_model
@@ -63,10 +62,10 @@ def test_random_beams_and_flexures_agree_with_scipy(first):
     """24 models at a time in mode 10, every third in modes 7 and 8 too, which must say the same."""
     for seed in range(first, first + 24):
         text = random_model(seed).text()
-        both = spacar.run(10, parse_deck(text, mode=10))
+        both = spacar.run(10, spacar.parse_deck(text, mode=10))
         frame = both.frames[-1]
         for mode, name in ((7, "eigval"), (8, "lmult")) if seed % 3 == 0 else ():
-            assert np.array_equal(spacar.run(mode, parse_deck(text, mode=mode))[name][-1], frame.matrices[name])
+            assert np.array_equal(spacar.run(mode, spacar.parse_deck(text, mode=mode))[name][-1], frame.matrices[name])
         M, K, K0, G0 = matrices(frame)
         tolerance = check(K, M, *squares(frame))
         assert np.all(tolerance < 1e-5), (seed, tolerance)  # the comparison means something
@@ -125,7 +124,7 @@ def test_frequencies_against_40_digits(name):
     eps in each of them changes omega^2 by up to eps |x|^T |K| |x|; n eps for sums of n terms, and for the
     solver n eps/POLISHED, below 1e-12.
     """
-    result = spacar.run(10, parse_deck(CASES[name], mode=10))
+    result = spacar.run(10, spacar.parse_deck(CASES[name], mode=10))
     M, K, _, _ = matrices(result.frames[0])
     w2, shapes = squares(result.frames[0])
     for k in (0, 1, 2, len(w2) - 1):
@@ -141,7 +140,7 @@ def test_leaf_spring_of_steel_at_every_mesh(n):
     """100 x 20 x 0.5 mm: first bending frequency of a clamped strip 3.51602 sqrt(EI/m)/l^2; order 4 of the elements,
     rotary inertia of the order (t/l)^2 = 2.5e-5.
     """
-    result = spacar.run(10, parse_deck(cantilever_leaf(n).text(), mode=10))
+    result = spacar.run(10, spacar.parse_deck(cantilever_leaf(n).text(), mode=10))
     frequency = np.sqrt(squares(result.frames[0])[0][0])
     exact = 1.8751040687119611**2 * np.sqrt(LEAF.stiffness[2] / LEAF.inertia[0]) / 0.1**2
     assert frequency == pytest.approx(exact, rel=0.02 / n**4 + 5e-5)
@@ -154,7 +153,7 @@ def test_a_long_line_of_beams_in_a_skew_direction():
     start = model.node(np.zeros(2))
     model.leg(start, line(np.zeros(2), np.array([0.3, 0.4]), 30), strip, np.zeros(3))
     model.fix(start)
-    result = spacar.run(7, parse_deck(model.text(), mode=7))
+    result = spacar.run(7, spacar.parse_deck(model.text(), mode=7))
     frequency = np.sqrt(squares(result.frames[0])[0][0])
     exact = 1.8751040687119611**2 * np.sqrt(strip.stiffness[2] / strip.inertia[0]) / 0.25
     assert frequency == pytest.approx(exact, rel=2e-5)  # rotary inertia: a few times (t/l)^2

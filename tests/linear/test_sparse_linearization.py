@@ -18,7 +18,6 @@ from spacar_formats.ltvfile import read_ltv
 from spacar_formats.vibration import read_vibrations
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.errors import SpacarError, UsageError
 from spacar.linear import form
 from spacar.linearization import descriptor
@@ -56,7 +55,7 @@ def both(request, tmp_path_factory):
     """(sparse, dense) results, run and saved once."""
     name, mode = request.param
     folder = tmp_path_factory.mktemp(f"{name}-{mode}")
-    deck = parse_deck(MODELS[name](), mode=mode)
+    deck = spacar.parse_deck(MODELS[name](), mode=mode)
     dense = spacar.run(mode, deck, modes=0)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(form, "LARGE", 3)
@@ -173,7 +172,7 @@ def test_time_varying_system(pair):
 def saved(monkeypatch, tmp_path):
     """A sparse result of mode 4, saved."""
     monkeypatch.setattr(form, "LARGE", 3)
-    spacar.run(4, parse_deck(planar(), mode=4)).save(tmp_path / "sparse")
+    spacar.run(4, spacar.parse_deck(planar(), mode=4)).save(tmp_path / "sparse")
     return tmp_path / "sparse"
 
 
@@ -185,7 +184,7 @@ def saved(monkeypatch, tmp_path):
 def test_without_the_file_of_the_equations_of_this_run(saved, another, compliance, vibrations):
     saved.with_suffix(".ltv").unlink()
     if another:
-        spacar.run(4, parse_deck(planar(), mode=4), modes=0).save(saved.with_name("dense"))
+        spacar.run(4, spacar.parse_deck(planar(), mode=4), modes=0).save(saved.with_name("dense"))
         saved.with_name("dense.ltv").replace(saved.with_suffix(".ltv"))
     with pytest.raises(UsageError, match=compliance):
         node_compliance(saved, 13, 14)
@@ -194,7 +193,7 @@ def test_without_the_file_of_the_equations_of_this_run(saved, another, complianc
 
 
 def test_a_table_with_numbers_that_are_not_finite(saved):
-    result = spacar.run(4, parse_deck(planar(), mode=4))
+    result = spacar.run(4, spacar.parse_deck(planar(), mode=4))
     result.frames[0].state_space["asp"][5, 2] = np.nan
     result.save(saved)
     with pytest.raises(SpacarError, match="the sparse system of step 1 has numbers that are not finite"):
@@ -219,7 +218,7 @@ def test_too_large_for_full_matrices(pair, monkeypatch):
 def test_a_run_without_input_and_output_signals(monkeypatch):
     monkeypatch.setattr(form, "LARGE", 3)
     text = cantilever(6, load="-1. -1.")
-    result = spacar.run(9, parse_deck(text, mode=9))
+    result = spacar.run(9, spacar.parse_deck(text, mode=9))
     system = result.ss()
     assert system.B.shape == (24, 0)
     assert system.C.shape == (0, 24)
@@ -230,7 +229,7 @@ def test_degree_of_freedom_without_mass(monkeypatch):
     text = "PLTRUSS 1 1 2\nPLTRUSS 2 2 3\nX 2 1.\nX 3 2.\nFIX 1\nFIX 2 2\nFIX 3 2\nDYNX 2 1\nDYNX 3 1\nRLSE 1\nRLSE 2\n"
     text += "END\nHALT\nXM 2 1.\nESTIFF 1 5.\nESTIFF 2 5.\nEND\nHALT\nINPUTF 1 2 1\nEND\nEND\n"
     with pytest.raises(SpacarError, match="mass"):
-        spacar.run(9, parse_deck(text, mode=9))
+        spacar.run(9, spacar.parse_deck(text, mode=9))
 
 
 @pytest.mark.parametrize(
@@ -242,6 +241,6 @@ def test_idle_inputs(signal, acts, monkeypatch):
     text = cantilever(6, load="-1. -1.").replace(*ON_A_TABLE, 1)
     text = text.rsplit("END", 1)[0] + f"HALT\n{signal}\nOUTX 1 13 2\nEND\nEND\n"
     monkeypatch.setattr(form, "LARGE", 3)
-    told = [line for line in spacar.run(9, parse_deck(text, mode=9)).report if "column of B" in line]
+    told = [line for line in spacar.run(9, spacar.parse_deck(text, mode=9)).report if "column of B" in line]
     assert bool(told) is not acts
     assert all("write INXDP 1" in line for line in told)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.errors import AnalysisError
 
 
@@ -20,7 +19,7 @@ def planar_rotor(angles: list[float], k: list[float], omega: float, q: str, cent
     length = [float(np.hypot(np.cos(a) - centre, np.sin(a))) for a in angles]
     lines += ["END", "HALT", *(f"ESTIFF {n + i + 1} {k[i] * length[i]!r}" for i in range(n))]
     lines += ["XM 20 2.", f"INPUTX 2 1 0.3 {omega!r}", "END", "END", ""]
-    return spacar.run(7, parse_deck("\n".join(lines), mode=7))
+    return spacar.run(7, spacar.parse_deck("\n".join(lines), mode=7))
 
 
 CROSS = [0.0, np.pi, np.pi / 2, -np.pi / 2]
@@ -75,7 +74,7 @@ def test_prescribed_rotations_in_space(given: str, rate: str) -> None:
     """A hinge with INPUTE, a node with INPUTX: one spring along, one across; in turning coordinates as it should."""
 
     def run(q: str, ky: float) -> spacar.Result:
-        return spacar.run(7, parse_deck(SHAFT.format(given=given, rate=rate, q=q, ky=ky), mode=7))
+        return spacar.run(7, spacar.parse_deck(SHAFT.format(given=given, rate=rate, q=q, ky=ky), mode=7))
 
     fixed, turning = "DYNX 5 1 2\nRLSE 3 1\nRLSE 4 1", "DYNE 3 1\nDYNE 4 1"
     with pytest.raises(AnalysisError, match="DYNX"):

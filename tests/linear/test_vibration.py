@@ -6,7 +6,6 @@ from cantilever_eigen import ROOTS, cantilever
 from scipy.linalg import eigh
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.errors import Report
 from spacar.linear import form
 from spacar.linear.eigen import damped_modes, undamped_modes
@@ -14,7 +13,7 @@ from spacar.linear.eigen import damped_modes, undamped_modes
 
 def frequencies(text: str, mode: int = 7) -> np.ndarray:
     """|lambda| of the pairs, ascending."""
-    values = spacar.run(mode, parse_deck(text, mode=mode))["eigval"][-1]
+    values = spacar.run(mode, spacar.parse_deck(text, mode=mode))["eigval"][-1]
     return np.sort(np.hypot(*values.T))[::2]
 
 
@@ -32,7 +31,7 @@ def test_damped_cantilever():
     """Kelvin-Voigt EdI = c: lambda^2 + c w^2 lambda + w^2 = 0 for every mode; the overdamped ones too."""
     c, n = 1e-3, 20
     damper = "\n".join(f"EDAMP {k} 0. {c!r}" for k in range(1, n + 1))
-    values = spacar.run(7, parse_deck(cantilever(n, more=damper), mode=7))["eigval"][0] @ [1, 1j]
+    values = spacar.run(7, spacar.parse_deck(cantilever(n, more=damper), mode=7))["eigval"][0] @ [1, 1j]
     w = frequencies(cantilever(n))
     roots = np.array([np.roots([1, c * a * a, a * a]) for a in w]).ravel()
     for root in roots:
@@ -148,7 +147,7 @@ def test_whirl_of_an_overhung_rotor_with_a_heavy_shaft():
 
 def test_repeated_frequencies_keep_independent_vectors():
     """A round shaft: every bending frequency twice, with a full set of state vectors."""
-    frame = spacar.run(7, parse_deck(overhung(3, 0.0, 1.0), mode=7)).frames[0]
+    frame = spacar.run(7, spacar.parse_deck(overhung(3, 0.0, 1.0), mode=7)).frames[0]
     w = np.hypot(*frame.matrices["eigval"].T)
     assert np.allclose(w[0::4], w[2::4], rtol=1e-12)
     vectors = frame.matrices["eigvre"] + 1j * frame.matrices["eigvim"]
@@ -178,9 +177,9 @@ def test_gyroscopic_and_damped_systems_in_modal_coordinates():
 
 def both(text: str, monkeypatch: pytest.MonkeyPatch, mode: int) -> tuple[spacar.Result, spacar.Result]:
     """All modes (dense) and the lowest ones (sparse) of the same model."""
-    dense = spacar.run(mode, parse_deck(text, mode=mode))
+    dense = spacar.run(mode, spacar.parse_deck(text, mode=mode))
     monkeypatch.setattr(form, "LARGE", 10)
-    sparse = spacar.run(mode, parse_deck(text, mode=mode))
+    sparse = spacar.run(mode, spacar.parse_deck(text, mode=mode))
     assert any("only the 20 lowest modes" in line for line in sparse.report)
     return dense, sparse
 
@@ -192,7 +191,7 @@ def test_half_a_pair_keeps_its_place():
     """A root that creeps has one real eigenvalue, so that eight of them end with half a pair: nan, as all steps of a
     file have the same number. The dense matrices give the others."""
     text = cantilever(110, more="EDAMP 1 0. 100.").replace("DYNE 1 2 3", "DYNE 1 3")
-    deck = parse_deck(text, mode=7)
+    deck = spacar.parse_deck(text, mode=7)
     found, exact = (spacar.run(7, deck, modes=k)["eigval"][0] @ [1, 1j] for k in (4, 0))
     known = found[np.isfinite(found)]
     assert (len(found), len(known)) == (8, 7)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.deck.rewrite.refine import refine
 from spacar.errors import AnalysisError
 from tests.examples import DATA
@@ -143,7 +142,7 @@ def test_overconstraints_are_those_of_beam():
     """Mode 0 of the hinge without its releases: 6 over-constraints, none from warping (theory-warping.md section 1)."""
     text = (DATA / "crosshingew.dat").read_text()
     for rows, over in (("RLSE 7", 0), ("DYNE 7", 6)):
-        found = spacar.frames(0, parse_deck(text.replace("RLSE 7", rows), mode=0))
+        found = spacar.frames(0, spacar.parse_deck(text.replace("RLSE 7", rows), mode=0))
         list(found)
         diagnosis = found.header["diagnosis"]
         assert (diagnosis.over, diagnosis.under) == (over, 0)

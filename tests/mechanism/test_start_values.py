@@ -3,14 +3,13 @@
 import numpy as np
 
 import spacar
-from spacar.deck import parse_deck
 from tests.examples import DATA
 
 TRIKE = (DATA / "trike2.dat").read_text()
 
 
 def run(extra=""):
-    deck = parse_deck(TRIKE.replace("TIMESTEP 1.0 100", f"{extra}\nTIMESTEP 0.2 4"), mode=1)
+    deck = spacar.parse_deck(TRIKE.replace("TIMESTEP 1.0 100", f"{extra}\nTIMESTEP 0.2 4"), mode=1)
     return spacar.run(1, deck, atol=1e-9, rtol=1e-9)
 
 

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.errors import AnalysisError
 from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
@@ -111,7 +110,7 @@ ANSWERS: dict[str, tuple[Any, Any]] = {
 
 @pytest.fixture(scope="module", params=["", "fixed "])
 def mechanism(request: pytest.FixtureRequest) -> Mechanism:
-    return build(parse_deck(ARM.replace("DYNE 1 1 ", "") if request.param else ARM, mode=1), 1)
+    return build(spacar.parse_deck(ARM.replace("DYNE 1 1 ", "") if request.param else ARM, mode=1), 1)
 
 
 class Asked:

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.errors import AnalysisError, InputError
 
 # The tip y is an input and the last bending at q is released: the angle of the tip is left to nothing.
@@ -40,7 +39,7 @@ END
 @pytest.mark.parametrize("y", [0.1, 0.01])
 def test_a_singular_choice_of_degrees_of_freedom_is_named(y):
     with pytest.raises(AnalysisError, match="singular choice of degrees of freedom") as found:
-        spacar.run(1, parse_deck(CANTILEVER.format(last="1 2", y=y)))
+        spacar.run(1, spacar.parse_deck(CANTILEVER.format(last="1 2", y=y)))
     text = str(found.value)
     assert "free motions at: node 8 phi" in text
     assert "choose other degrees of freedom" in text
@@ -51,8 +50,8 @@ def test_a_singular_choice_of_degrees_of_freedom_is_named(y):
 def test_statics_finds_the_state_and_says_how_many_digits_a_choice_costs(y):
     """Against another choice, regular everywhere: reaction to rounding, eigenvalues within what the warning says."""
     text = CANTILEVER.format(last="1 2 3", y=y).replace("RLSE 3 3", "RLSE 1 3").replace("DYNE 1 1 2 3", "DYNE 1 1 2")
-    exact = spacar.run(7, parse_deck(text))
-    found = spacar.run(7, parse_deck(CANTILEVER.format(last="1 2", y=y)))
+    exact = spacar.run(7, spacar.parse_deck(text))
+    found = spacar.run(7, spacar.parse_deck(CANTILEVER.format(last="1 2", y=y)))
     assert not exact.report
     said = next(line for line in found.report if "hardly determine" in line)
     lost = float(said.split("up to ")[1].split(" ")[0])
@@ -74,7 +73,7 @@ def test_statics_finds_the_state_and_says_how_many_digits_a_choice_costs(y):
 )
 def test_another_block_is_named_only_for_its_own_words(word, hint):
     with pytest.raises(InputError) as found:
-        parse_deck(f"PLBEAM 1 1 2 3 4\nX 3 1. 0.\nFIX 1\nFIX 2\n{word} 1 2.\nEND\nEND\n")
+        spacar.parse_deck(f"PLBEAM 1 1 2 3 4\nX 3 1. 0.\nFIX 1\nFIX 2\n{word} 1 2.\nEND\nEND\n")
     said = next(str(m) for m in found.value.messages if "unknown keyword" in str(m))
     assert hint in said
     if not hint:

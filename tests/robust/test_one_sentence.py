@@ -14,7 +14,6 @@ from spacar_formats.sbf.record_layout import PREAMBLE, directory_crc
 from spacar_formats.vibration import modes_of_stored_matrices
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.errors import LONGEST_LINE, AnalysisError, InputError, Report, UsageError, shown
 from spacar.simulation.reduction import tracked_modes
 from tests.command_line import call as run
@@ -110,13 +109,13 @@ def test_sizes_that_cannot_be_squared_are_refused_with_their_place(value, mode):
     words = x.split("%")[0].split()
     changed = text.replace(x, " ".join([*words[:2], value, *words[3:]]))
     with pytest.raises(InputError, match=rf"argument '{value}' is too (large|small)") as caught:
-        parse_deck(changed, "crank.dat", mode)
+        spacar.parse_deck(changed, "crank.dat", mode)
     assert caught.value.messages[0].line == text.splitlines().index(x) + 1
 
 
 def test_zero_in_every_form_is_a_number():
     text = (DATA / "crank.dat").read_text().replace("0.0", "0.000e-300")
-    parse_deck(text, "crank.dat", 1)
+    spacar.parse_deck(text, "crank.dat", 1)
 
 
 def test_long_words_are_shortened_and_quick(tmp_path):
@@ -294,7 +293,7 @@ END
 
 
 def test_no_frequencies_in_a_flattened_mechanism():
-    result = spacar.run(10, parse_deck(COLLAPSING, mode=10))
+    result = spacar.run(10, spacar.parse_deck(COLLAPSING, mode=10))
     assert np.isnan(result["eigval"][-1]).all()
     assert any("no frequencies, they are stored as nan" in line for line in result.report)
 

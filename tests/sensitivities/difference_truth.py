@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 
 import spacar
-from spacar import Deck
 from spacar.sensitivities.sensitivity import deck_numbers
 from spacar.studies.assignments import change
 
 
 def values_of(
-    deck: Deck, names: Sequence[str], quantities: Sequence[str], **options: Any
+    deck: spacar.Deck, names: Sequence[str], quantities: Sequence[str], **options: Any
 ) -> Callable[[np.ndarray], np.ndarray]:
     """The quantities (quantities,) as a function of the parameters, without any derivative."""
     deck, numbers = deck_numbers(deck, names)
@@ -25,7 +24,7 @@ def values_of(
     return at
 
 
-def extrapolated(deck: Deck, names: Sequence[str], quantities: Sequence[str], direction: np.ndarray, step: float,
+def extrapolated(deck: spacar.Deck, names: Sequence[str], quantities: Sequence[str], direction: np.ndarray, step: float,
                  orders: int = 2, **options: Any) -> np.ndarray:  # fmt: skip
     """d quantities / d s (quantities,) where the parameters are p + s direction: central differences with the steps
     step/2^k, extrapolated to an error of step^(2 orders)."""
@@ -41,7 +40,7 @@ def extrapolated(deck: Deck, names: Sequence[str], quantities: Sequence[str], di
     return rows[0]
 
 
-def agree(deck: Deck, names: Sequence[str], quantities: Sequence[str], *, seed: int = 1,
+def agree(deck: spacar.Deck, names: Sequence[str], quantities: Sequence[str], *, seed: int = 1,
           rel: float | Sequence[float] = 1e-6, step: float = 4e-4, **options: Any) -> spacar.Sensitivity:  # fmt: skip
     """Derivatives along a random direction (each parameter by its size) agree with the differences; `rel` of the
     largest term of the sum, or of the quantity by the step: what the differences are known to. One number, or one for

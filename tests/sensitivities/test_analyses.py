@@ -11,8 +11,6 @@ from spacar_cli.main import main
 from spacar_drawing.stresses import QUANTITIES
 
 import spacar
-from spacar import Deck
-from spacar.deck import read_deck
 from spacar.deck.directed import nothing_lost
 from spacar.elements.planar.pltruss import PlanarTruss, TrussConfiguration
 from spacar.errors import SpacarError, UsageError
@@ -35,7 +33,7 @@ def test_values_are_those_of_the_modes() -> None:
 
     The condition of the stiffness matrix magnifies it, with a unit diagonal, as units of coordinates do not count.
     """
-    deck = read_deck(DATA / "leafguide.dat", 10)
+    deck = spacar.read_deck(DATA / "leafguide.dat", 10)
     result = spacar.run(10, deck)
     stress = result.stress()
     names = ["x[7,1]@end", "sig[1,1]@2", "fxtot[1,1]@end", "frequency[2]@3", "lmult[1]@end", "xcompl[7,3]@end",
@@ -67,15 +65,15 @@ def test_a_coefficient_that_is_zero() -> None:
     rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 1, 2), ("X", 2, 2.0, 0.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1),
             ("RLSE", 2)]  # fmt: skip
     law = [("XM", 2, 3.0), ("ESTIFF", 1, 96.0), ("ESTIFF", 2, 0.0), ("EM", 2, 0.0), ("XF", 2, 5.0)]
-    deck = Deck.build(rows, law, mode=10)
+    deck = spacar.Deck.build(rows, law, mode=10)
     found = spacar.sensitivity(deck, ["ESTIFF.1", "ESTIFF.2", "EM.2"], ["x[2,1]", "xcompl[2,1]"])
     u = 5.0 / 48.0
     np.testing.assert_allclose(found.derivatives[0], [-u / 96, -u / 96, 0.0], rtol=1e-12)
     np.testing.assert_allclose(found.derivatives[1], [-1 / 48 / 96, -1 / 48 / 96, 0.0], rtol=1e-12)
-    preloaded = Deck.build(rows, [*law, ("ESIG", 2, 1.5)], mode=10)
+    preloaded = spacar.Deck.build(rows, [*law, ("ESIG", 2, 1.5)], mode=10)
     stress = spacar.sensitivity(preloaded, ["ESIG.2", "XF.2"], ["x[2,1]", "sig[1,1]"])
     np.testing.assert_allclose(stress.derivatives, [[-1 / 48, 1 / 48], [-1.0, 1.0]], rtol=1e-12)
-    at_rest = spacar.sensitivity(Deck.build(rows, law[:-1], mode=10), ["ESTIFF.2", "EM.2"], ["frequency[1]"])
+    at_rest = spacar.sensitivity(spacar.Deck.build(rows, law[:-1], mode=10), ["ESTIFF.2", "EM.2"], ["frequency[1]"])
     f = 4.0 / (2 * np.pi)
     np.testing.assert_allclose(at_rest.derivatives[0], [f / 192, -f / 2 * (2.0 / 3.0) / 3.0], rtol=1e-12)
 
@@ -84,7 +82,7 @@ def test_a_coefficient_that_is_zero() -> None:
 def test_no_element_loses_a_direction(model: str) -> None:
     """Everything that derivatives need is computed in complex numbers, for every example."""
     try:
-        deck = read_deck(DATA / f"{model}.dat", 7)
+        deck = spacar.read_deck(DATA / f"{model}.dat", 7)
         mechanism = build(deck, 7)
     except SpacarError:
         pytest.skip("not for mode 7")
@@ -115,7 +113,7 @@ def test_an_element_without_complex_steps_is_said(monkeypatch: pytest.MonkeyPatc
         return TrussConfiguration(x[0], x[:2])
 
     rows = [("PLTRUSS", 1, 1, 2), ("X", 2, 2.0, 0.0), ("FIX", 1), ("FIX", 2, 2), ("DYNE", 1)]
-    deck = Deck.build(rows, [("XM", 2, 3.0), ("ESTIFF", 1, 96.0)], mode=10)
+    deck = spacar.Deck.build(rows, [("XM", 2, 3.0), ("ESTIFF", 1, 96.0)], mode=10)
     mechanism = build(deck, 10)
     monkeypatch.setattr(PlanarTruss, "strain", dropping)
     elements = DirectedElements(along(mechanism, deck), LoadLevel(1.0, 0.0))
@@ -132,13 +130,13 @@ def test_a_state_without_linearization_in_a_long_chain() -> None:
         p = 2 * k - 1
         rows += [("PLBEAM", k, p, p + 1, p + 2, p + 3), ("X", p + 2, k / n, 0.0), ("DYNE", k, 2, 3)]
         law.append(("ESTIFF", k, 0.0, EI))
-    deck, end = Deck.build(rows, law, mode=10), 2 * n + 1
+    deck, end = spacar.Deck.build(rows, law, mode=10), 2 * n + 1
     found = spacar.sensitivity(deck, ["ESTIFF.*[EI]", f"XF.{end}[3]"], [f"x[{end},2]"])
     w = F / (3 * EI)
     np.testing.assert_allclose(found.derivatives[0], [-w / EI, w / F], rtol=1e-6)
 
 
-RELEASED = Deck.build(
+RELEASED = spacar.Deck.build(
     [("X", 1, 0.0, 0.0), ("X", 3, 1.0, 0.2), ("FIX", 1), ("FIX", 2), ("DYNX", 3), ("DYNX", 4),
      ("PLBEAM", 1, 1, 2, 3, 4), ("RLSE", 1)],
     [("ESTIFF", 1, 90.0, 2.0), ("EM", 1, 0.5, 0.01), ("XM", 3, 1.0), ("XF", 3, 0.2, 0.3)], mode=10,
@@ -154,16 +152,16 @@ RELEASED = Deck.build(
     ],
     ids=["released", "chain", "sections"],
 )
-def test_divided_beams(deck: Deck | Path, names: list[str], end: str, elements: int) -> None:
+def test_divided_beams(deck: spacar.Deck | Path, names: list[str], end: str, elements: int) -> None:
     """A number of the file is that of all parts (option `elements`), and new nodes move with those of the file."""
-    source = deck if isinstance(deck, Deck) else read_deck(deck, 10)
+    source = deck if isinstance(deck, spacar.Deck) else spacar.read_deck(deck, 10)
     quantities = [f"x[{end},1]@end", f"x[{end},2]@end", "frequency[1]@end", "lmult[1]@end", f"xcompl[{end},1]@end"]
     agree(source, names, quantities, elements=elements, rel=3e-6)
 
 
 def test_sweeps_over_sections_draw_the_section_of_the_case() -> None:
     """A deck with another dimension has the drawn section of that dimension only, and what the user wrote."""
-    deck = read_deck(DATA / "leafguide.dat", 10).set("SECTION", "leaf", 4, 0.6)
+    deck = spacar.read_deck(DATA / "leafguide.dat", 10).set("SECTION", "leaf", 4, 0.6)
     assert [line for line in deck.visualization if line.startswith("CROSSDIM 0.05 0.0")] == [
         "CROSSDIM 0.05 0.0006", "CROSSDIM 0.05 0.025", "CROSSDIM 0.05 0.025", "CROSSDIM 0.05 0.0006",
     ]  # fmt: skip

@@ -5,7 +5,6 @@ from collections.abc import Callable
 import pytest
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.errors import AnalysisError
 
 from .test_far_starts import STRING
@@ -56,17 +55,17 @@ ADVICE: list[tuple[str, str, Callable[[], str]]] = [
 def test_advice(text, advice, changed, general, monkeypatch):
     monkeypatch.setenv("SPACAR_GENERAL", general)
     with pytest.raises(AnalysisError) as caught:
-        spacar.run(7, parse_deck(text, mode=7))
+        spacar.run(7, spacar.parse_deck(text, mode=7))
     assert advice in str(caught.value)
-    spacar.run(7, parse_deck(changed(), mode=7))
+    spacar.run(7, spacar.parse_deck(changed(), mode=7))
 
 
 def test_the_load_that_was_reached_can_be_carried():
     """The message of a limit point names the load: a millionth less has a solution."""
     with pytest.raises(AnalysisError) as caught:
-        spacar.run(7, parse_deck(TOGGLE, mode=7))
+        spacar.run(7, spacar.parse_deck(TOGGLE, mode=7))
     load = -0.1 * (1 - 1e-6) * caught.value.data["level"].initial
-    r = spacar.run(7, parse_deck(TOGGLE.replace("-0.1", repr(load)), mode=7))
+    r = spacar.run(7, spacar.parse_deck(TOGGLE.replace("-0.1", repr(load)), mode=7))
     assert r.node(2, 2)[-1] > 0.25
 
 
@@ -74,6 +73,6 @@ def test_the_load_that_was_reached_can_be_carried():
 def test_start_values_that_lead_to_a_limit_point(start):
     """The loads are carried: the way that begins at the reference configuration finds the state."""
     text = TOGGLE.replace("-0.1", "-0.03").replace("XF", "STARTDX 2 1 {}\nSTARTDX 2 2 {}\nXF".format(*start))
-    here = spacar.run(7, parse_deck(text, mode=7)).node(2)[-1]
-    want = spacar.run(7, parse_deck(TOGGLE.replace("-0.1", "-0.03"), mode=7)).node(2)[-1]
+    here = spacar.run(7, spacar.parse_deck(text, mode=7)).node(2)[-1]
+    want = spacar.run(7, spacar.parse_deck(TOGGLE.replace("-0.1", "-0.03"), mode=7)).node(2)[-1]
     assert here == pytest.approx(want, abs=1e-9)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import parse_deck
 
 
 def rotor(omega: float, mee: str) -> spacar.Result:
@@ -15,7 +14,7 @@ PLBEAM 1 1 2 3 4   PLTRUSS 2 5 3   X 3 1. 0.   X 5 0.4 0.
 FIX 1   FIX 5   INPUTX 2 1   DYNE 1 1   RLSE 2 1   END HALT
 XM 3 2.   ESTIFF 1 500. 0.   {mee}   INPUTX 2 1 0. {omega!r}   ITERSTEP 20 4 1e-10   END END
 """
-    return spacar.run(7, parse_deck(text, mode=7))
+    return spacar.run(7, spacar.parse_deck(text, mode=7))
 
 
 @pytest.mark.parametrize("omega", [0.0, 3.0, 8.0])
@@ -62,7 +61,7 @@ def tube(n: int, share: float) -> float:
         lines += [f"EM {k} 1. 0.5 {flow!r}" for k in range(1, n + 1)]
         lines += [f"ESTIFF {k} 1e3 1." for k in range(1, n + 1)]
         lines += [f"XF {n + 1} 0. 1e-6", "ITERSTEP 20 5 1e-14", "END", "END", ""]
-        return float(spacar.run(8, parse_deck("\n".join(lines), mode=8)).node(n + 1, 2)[-1])
+        return float(spacar.run(8, spacar.parse_deck("\n".join(lines), mode=8)).node(n + 1, 2)[-1])
 
     # G U = G^2/mu = share pi^2 EI/L^2 with mu = 0.5 kg/m
     return middle(float(np.sqrt(0.5 * share) * np.pi)) / middle(0.0)

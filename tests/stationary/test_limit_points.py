@@ -9,7 +9,6 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.errors import AnalysisError
 from spacar.stationary import arc_length
 
@@ -32,7 +31,7 @@ def toggle(n: int, apex: str, settings: str) -> str:
 
 def limit_of(model: str | Path) -> float:
     with pytest.raises(AnalysisError) as caught:
-        spacar.run(7, parse_deck(model, mode=7) if isinstance(model, str) else model)
+        spacar.run(7, spacar.parse_deck(model, mode=7) if isinstance(model, str) else model)
     assert caught.value.code == "statics.limit-point", str(caught.value)
     return float(caught.value.data["level"].initial)
 
@@ -43,7 +42,7 @@ def limit_load() -> float:
 
     def force(v: float) -> float:
         v = float(v)
-        r = spacar.run(7, parse_deck(toggle(4, f"INPUTX 9 2 {H - v!r}", "30 10 1e-10"), mode=7))
+        r = spacar.run(7, spacar.parse_deck(toggle(4, f"INPUTX 9 2 {H - v!r}", "30 10 1e-10"), mode=7))
         return -float(r.frames[-1].fxtot[r.mechanism.numbering.x_index(9, 2)])
 
     found = minimize_scalar(lambda v: -force(v), bounds=(0.1, 0.3), method="bounded", options={"xatol": 1e-6})
@@ -56,7 +55,7 @@ def test_the_toggle_for_many_numbers_of_steps(limit_load, monkeypatch, general):
     for steps in (100,) if general else (1, 7, 60, 100, 150):
         found = 20.0 * limit_of(toggle(4, "XF 9 0 -20", f"30 {steps} 1e-6"))
         assert found == pytest.approx(limit_load, rel=1e-8)
-        r = spacar.run(7, parse_deck(toggle(4, "XF 9 0 -20", f"30 {steps} 1e-6 1 0 0 1"), mode=7))
+        r = spacar.run(7, spacar.parse_deck(toggle(4, "XF 9 0 -20", f"30 {steps} 1e-6 1 0 0 1"), mode=7))
         said = re.search(r"limit points at ([0-9.]+), ([0-9.]+) of", "\n".join(r.report))
         assert said
         assert 20.0 * float(said[1]) == pytest.approx(limit_load, rel=1e-7)
@@ -96,13 +95,13 @@ def test_a_displaced_start_does_not_jump_over_a_limit_point(steps, general, monk
     least = minimize_scalar(force, bounds=(0, 0.5), method="bounded")
     limit_of(text % (1.2 * float(least.fun)))
     height = brentq(lambda y: force(y) - 0.9 * least.fun, least.x, 0.5, xtol=1e-15)
-    r = spacar.run(7, parse_deck(text % (0.9 * float(least.fun)), mode=7))
+    r = spacar.run(7, spacar.parse_deck(text % (0.9 * float(least.fun)), mode=7))
     assert r.node(2)[-1] == pytest.approx((1.0, height), abs=1e-9)
 
 
 def test_thousands_of_steps_leave_fixed_nodes_where_they_are():
     """Predictions of fixed coordinates were extrapolated, and rounding grew with the number of levels: 6e-7 m."""
-    r = spacar.run(7, parse_deck(toggle(4, "XF 9 0 -16", "30 2000 1e-6"), mode=7))
+    r = spacar.run(7, spacar.parse_deck(toggle(4, "XF 9 0 -16", "30 2000 1e-6"), mode=7))
     n = r.mechanism.numbering
     assert np.array_equal(r.frames[-1].x[n.x_class["fixed"]], r.mechanism.x0[n.x_class["fixed"]])
 
@@ -174,4 +173,4 @@ def test_a_path_beyond_the_limit_that_does_not_come_to_the_load(limit_load, monk
     text = toggle(4, "XF 9 0 -20", "30 7 1e-6 1 0 0 1")
     assert 20.0 * limit_of(text) == pytest.approx(limit_load, rel=1e-8)
     with pytest.raises(AnalysisError, match="followed by arc length and was not seen to come to this loading"):
-        spacar.run(7, parse_deck(text, mode=7))
+        spacar.run(7, spacar.parse_deck(text, mode=7))

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar import Deck
-from spacar.deck import parse_deck
 from spacar.errors import Report
 from spacar.linear import form, subspace
 from spacar.mechanism import build
@@ -30,7 +28,7 @@ MODELS["blade"] = blade(6)
 
 @pytest.mark.parametrize("name", MODELS)
 def test_both_forms_are_the_derivative_of_the_residual(name, monkeypatch):
-    mechanism = build(parse_deck(MODELS[name], mode=7), 7)
+    mechanism = build(spacar.parse_deck(MODELS[name], mode=7), 7)
     solver = StationarySolver(mechanism, Report())
     list(solver.stored(LoadProgram(mechanism.settings)))
     e, p = solver._evaluator, solver._continuation.point
@@ -62,7 +60,7 @@ def test_both_forms_are_the_derivative_of_the_residual(name, monkeypatch):
 
 
 def test_a_long_blade_is_that_of_the_dense_tangent(monkeypatch):
-    deck = parse_deck(blade(60))
+    deck = spacar.parse_deck(blade(60))
     sparse = spacar.run(7, deck).frames[0]
     monkeypatch.setattr(moving_tangent, "DENSE_LIMIT", 10_000)
     dense = spacar.run(7, deck).frames[0]
@@ -77,7 +75,7 @@ def test_modes_of_a_long_blade(n):
     found = {}
     for k in (20, 40, n):
         lines = [line for line in blade(k).splitlines() if not line.startswith(("EDAMP", "XF"))]
-        found[k] = spacar.run(7, parse_deck("\n".join(lines))).frequencies[-1][:2]
+        found[k] = spacar.run(7, spacar.parse_deck("\n".join(lines))).frequencies[-1][:2]
     limit = found[40] + (found[40] - found[20]) / 15.0
     np.testing.assert_allclose(found[n], limit + (found[40] - limit) * (40.0 / n) ** 4, rtol=3e-7)
 
@@ -156,7 +154,7 @@ def test_modes_that_accumulate_end_the_search(monkeypatch):
     calls = []
     search = subspace._arnoldi
     monkeypatch.setattr(subspace, "_arnoldi", lambda *given: calls.append(1) or search(*given))
-    deck = parse_deck(blade(80).replace("MODES 4", "MODES 6"))
+    deck = spacar.parse_deck(blade(80).replace("MODES 4", "MODES 6"))
     large = spacar.run(7, deck)
     found, dense = (result.frames[-1].matrices["eigval"] for result in (large, spacar.run(7, deck, modes=0)))
     assert len(found) == 12
@@ -177,7 +175,7 @@ def test_tangent_of_a_discharging_tube(word: str) -> None:
     stiffness = (90.0, 2.0, 3.0, 4.0) if spatial else (90.0, 3.0)
     rows = [(word, 1, 1, 2, 3, 4, *y), ("X", 3, 1.0, 0.2), ("FIX", 1), ("FIX", 2), ("DYNE", 1)]
     law = [("EM", 1, 0.7, 0.3, 0.4, 1.1, 2), ("ESTIFF", 1, *stiffness), ("XF", 3, 0.1, 0.3), ("ITERSTEP", 20, 1, 1e-9)]
-    mechanism = build(Deck.build(rows, law, mode=7), 7)
+    mechanism = build(spacar.Deck.build(rows, law, mode=7), 7)
     solver = StationarySolver(mechanism, spacar.errors.Report())
     solver.solve(LoadLevel(1.0, 0.0, True, 1, 1))
     q, tangent = solver.factorized()

@@ -6,8 +6,6 @@ from spacar_drawing.picture_source import source_of_result
 from spacar_drawing.stresses import along, resultants
 
 import spacar
-from spacar import Deck
-from spacar.deck import parse_deck
 from spacar.errors import AnalysisError, Report
 from spacar.mechanism import build
 from spacar.stationary import LoadProgram, StationarySolver, continuation
@@ -23,7 +21,7 @@ CROSS_BODY, GUIDE_BODY = (0.1, 0.1), (0.0, 0.1)
 
 def walked(text: str, mode: int = 8) -> tuple[list[np.ndarray], StationarySolver]:
     """External forces (nx,) of all stored levels, and the solver at the end; no eigenvalue problem."""
-    m = build(parse_deck(text, mode=mode), mode)
+    m = build(spacar.parse_deck(text, mode=mode), mode)
     solver, forces = StationarySolver(m, Report()), []
     for level in LoadProgram(m.settings):
         solver.solve(level)
@@ -129,7 +127,7 @@ def test_stored_levels_before_the_limit_point_are_kept():
     stored = []
 
     def collect() -> None:
-        for frame in spacar.frames(8, parse_deck(text, mode=8)):
+        for frame in spacar.frames(8, spacar.parse_deck(text, mode=8)):
             stored.append(frame)
 
     with pytest.raises(AnalysisError, match="limit point"):
@@ -237,7 +235,7 @@ def report_of_column(n: int, load: float, steps: int) -> list[str]:
     rows += [("X", 2 * k + 1, k / n, 0.0) for k in range(1, n + 1)] + [("FIX", 1), ("FIX", 2)]
     rows += [("DYNE", k + 1, 1, 2, 3) for k in range(n)]
     dynamics: list[tuple] = [("ESTIFF", k + 1, 1e4, 1.0) for k in range(n)]
-    m = build(Deck.build(rows, [*dynamics, ("XF", 2 * n + 1, -load), ("ITERSTEP", 20, steps, 1e-8)]), 7)
+    m = build(spacar.Deck.build(rows, [*dynamics, ("XF", 2 * n + 1, -load), ("ITERSTEP", 20, steps, 1e-8)]), 7)
     solver = StationarySolver(m, Report())
     for level in LoadProgram(m.settings):
         solver.solve(level)
@@ -296,7 +294,7 @@ def test_the_moment_at_the_clamp_converges_to_that_of_the_rod(moments):
     errors = []
     for n in (6, 12):
         text, _ = models.guide(n, THICKNESS, 0.02)
-        source = source_of_result(spacar.run(8, parse_deck(text, mode=8)))
+        source = source_of_result(spacar.run(8, spacar.parse_deck(text, mode=8)))
         last, e = len(source.x()), source.scene.elements[0]
         r = resultants(source.scene, e, source.get("sig", last), source.get("e", last), 2)
         assert r is not None

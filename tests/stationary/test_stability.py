@@ -5,7 +5,6 @@ import pytest
 from statics import cantilever
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.errors import Report
 from spacar.linear import form
 from spacar.linear_systems import assemble, matrix_inertia
@@ -25,7 +24,7 @@ def column(n: int, force: float) -> str:
 
 def asked(text: str) -> list[tuple[bool, tuple[int, int], int]]:
     """At every state that the walk looks at: is it proved to be stable, the count, the number of stresses."""
-    m = build(parse_deck(text, mode=7), 7)
+    m = build(spacar.parse_deck(text, mode=7), 7)
     found = []
     with pytest.MonkeyPatch.context() as patch:
         proof = RestingTangent.is_definite
@@ -64,7 +63,7 @@ def test_what_is_proved_has_no_negative_eigenvalue(name):
 def test_large_models_are_counted_only_where_nothing_is_proved(monkeypatch):
     """A bent chain of 30 beams, above the limit of dense storage, is stable at all levels: nothing is counted."""
     monkeypatch.setattr(matrix_inertia.Inertia, "__call__", lambda *_: pytest.fail("eigenvalues were counted"))
-    m = build(parse_deck(cantilever(30), mode=7), 7)
+    m = build(spacar.parse_deck(cantilever(30), mode=7), 7)
     solver = StationarySolver(m, Report())
     for level in LoadProgram(m.settings):
         solver.solve(level)
@@ -100,7 +99,7 @@ def test_sign_of_every_storage(kind):
 
 
 def warnings(loads: str) -> list[str]:
-    return [w for w in spacar.run(8, parse_deck(f"{BAR}{loads}\nEND\nEND\n", mode=8)).report if "critical" in w]
+    return [w for w in spacar.run(8, spacar.parse_deck(f"{BAR}{loads}\nEND\nEND\n", mode=8)).report if "critical" in w]
 
 
 @pytest.mark.parametrize("moment", ["1e-4 0. 0.", "0. 2e-4 1e-4", "3e-5 2e-4 -1e-4"])
@@ -163,7 +162,7 @@ def test_few_directions_wait(monkeypatch):
 
     The blocks of all orders together would make the cost grow with the cube of the number of beams.
     """
-    m = build(parse_deck(cantilever(200), mode=7), 7)
+    m = build(spacar.parse_deck(cantilever(200), mode=7), 7)
     orders, eigh = [], np.linalg.eigh
     seen: list[tuple[int, int]] = []
 
@@ -187,7 +186,7 @@ def test_few_directions_wait(monkeypatch):
 
 # Steady motion, user functions, dead points, gravity that comes late, the count of negative eigenvalues.
 def run(text: str, mode: int = 8) -> spacar.Result:
-    return spacar.run(mode, parse_deck(text, mode=mode))
+    return spacar.run(mode, spacar.parse_deck(text, mode=mode))
 
 
 @pytest.mark.parametrize("kind", [0, 1])
@@ -272,7 +271,7 @@ def test_inertia_of_banded_matrices_with_zeros_on_the_diagonal(n, band):
 
 def statics_report(text: str) -> list[str]:
     """What the stationary solution alone says."""
-    m, report = build(parse_deck(text, mode=7), 7), Report()
+    m, report = build(spacar.parse_deck(text, mode=7), 7), Report()
     solver = StationarySolver(m, report)
     for level in LoadProgram(m.settings):
         solver.solve(level)

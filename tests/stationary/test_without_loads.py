@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.stationary.continuation import Continuation
 
 BEAM = """PLBEAM 1 1 2 3 4   X 3 1. 0.   FIX 1   FIX 2   DYNE 1 2 3   END HALT
@@ -13,12 +12,12 @@ EM 1 2.   ESTIFF 1 0. 3.   ITERSTEP 10 3 1e-10   {more}   END END
 
 
 def solved(mode, more=""):
-    return spacar.run(mode, parse_deck(BEAM.format(more=more), mode))
+    return spacar.run(mode, spacar.parse_deck(BEAM.format(more=more), mode))
 
 
 @pytest.mark.parametrize("general", [False, True])
 def test_it_is_the_state_that_an_iteration_finds(general, monkeypatch):
-    deck = parse_deck(BEAM.format(more=""), 7)
+    deck = spacar.parse_deck(BEAM.format(more=""), 7)
     monkeypatch.setattr(Continuation, "is_exact", False)
     expected = spacar.run(7, deck, compiled=not general)
     monkeypatch.undo()

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import parse_deck
 from tests import command_line
 from tests.examples import DATA
 
@@ -161,7 +160,7 @@ def test_loads_on_one_node_add_up(tmp_path):
     loaded = models.two_leaves(models.GUIDE, 3, dynamics=("XF 9 0 -10",))
     plain = models.two_leaves(models.GUIDE, 3)
     one, two, three = (
-        spacar.flexure(parse_deck(text), move="9x=0.002", steps=1, loads=loads).table()
+        spacar.flexure(spacar.parse_deck(text), move="9x=0.002", steps=1, loads=loads).table()
         for text, loads in ((plain, ["9y=-25"]), (plain, ["9y=-10", "9y=-15"]), (loaded, ["9y=-15"]))
     )
     for name, values in one.items():
@@ -174,7 +173,7 @@ def test_a_singular_mass_matrix_is_told(capsys):
     lines = ["BEAM 1 1 2 3 4 0 0 1", "BEAM 2 3 4 5 6 0 0 1", "X 1 0 0 0", "X 3 0 0.1 0", "X 5 0 0.2 0"]
     lines += ["FIX 1", "FIX 2", "DYNE 1", "DYNE 2", "END", "HALT", "XM 5 1"]
     lines += [f"ESTIFF {k} 1e6 1 1 10 0 0" for k in (1, 2)]
-    study = spacar.flexure(parse_deck("\n".join([*lines, "END", "END"])), force="6rz=0.05", steps=1)
+    study = spacar.flexure(spacar.parse_deck("\n".join([*lines, "END", "END"])), force="6rz=0.05", steps=1)
     assert any("no frequencies" in line for line in study.warnings)
     assert np.isnan(study.frequencies).all()
 
@@ -210,7 +209,7 @@ def published():
 @pytest.fixture(scope="module")
 def small():
     """Planar, 4 mm to both sides, where the closed forms hold; the coordinate was calculable in the file."""
-    return spacar.flexure(parse_deck(models.two_leaves(models.GUIDE, BEAMS)), move="9x=+-0.004", steps=4)
+    return spacar.flexure(spacar.parse_deck(models.two_leaves(models.GUIDE, BEAMS)), move="9x=+-0.004", steps=4)
 
 
 def test_the_published_numbers(published):
@@ -286,7 +285,7 @@ def test_first_unwanted_frequency_and_that_of_the_drive(small):
 def test_a_drive_that_the_file_prescribes_gives_the_same(small):
     """Whether the coordinate was prescribed, dynamic or calculable in the file does not matter."""
     inputs = spacar.flexure(
-        parse_deck(models.two_leaves(models.GUIDE, BEAMS, ("INPUTX 9 1",))), move="x[9,1]=-0.004:0.004", steps=4
+        spacar.parse_deck(models.two_leaves(models.GUIDE, BEAMS, ("INPUTX 9 1",))), move="x[9,1]=-0.004:0.004", steps=4
     )
     ours, theirs = small.table(), inputs.table()
     names = ("force", "drive_stiffness", "energy", "line_y", "k_y", "k_r", "f_1", "ffree_1", "margin", "margin_free")
@@ -297,7 +296,7 @@ def test_a_drive_that_the_file_prescribes_gives_the_same(small):
 def test_a_force_reaches_the_same_states(small):
     """A force instead of a displacement: the same stroke, stiffness, frequencies."""
     pushed = spacar.flexure(
-        parse_deck(models.two_leaves(models.GUIDE, BEAMS)), force=f"9x={float(small.force[-1])!r}", steps=4
+        spacar.parse_deck(models.two_leaves(models.GUIDE, BEAMS)), force=f"9x={float(small.force[-1])!r}", steps=4
     )
     assert pushed.stroke[-1] == pytest.approx(0.004, rel=1e-6)
     assert pushed.force == pytest.approx(np.linspace(0.0, small.force[-1], 5))
@@ -308,7 +307,7 @@ def test_a_force_reaches_the_same_states(small):
 def test_the_buckling_margin_of_a_payload():
     """A load along the leaves: 4 pi^2 EI/L^2 a leaf with the drive locked, pi^2 EI/L^2 with it free."""
     load = 100.0
-    deck = parse_deck(models.two_leaves(models.GUIDE, BEAMS))
+    deck = spacar.parse_deck(models.two_leaves(models.GUIDE, BEAMS))
     study = spacar.flexure(deck, move="9x=0.0001", steps=1, loads=[f"9y={-load}"], beams="angle")
     euler = 2.0 * np.pi**2 * EI / LENGTH**2 / load
     assert study.of("margin_free")[0] == pytest.approx(euler, rel=0.01)
@@ -317,7 +316,7 @@ def test_the_buckling_margin_of_a_payload():
 
 def test_a_payload_works_too():
     """The strain energy is the work of drive and payload."""
-    deck = parse_deck(models.two_leaves(models.GUIDE, BEAMS))
+    deck = spacar.parse_deck(models.two_leaves(models.GUIDE, BEAMS))
     study = spacar.flexure(deck, move="9x=0.01", steps=4, loads=["9y=-20"])
     assert study.load_work[-1] == pytest.approx(20.0 * 0.6 * 0.01**2 / LENGTH, rel=0.02)
     assert np.abs(study.missing_energy).max() < 1e-6 * study.energy.max()
@@ -326,7 +325,7 @@ def test_a_payload_works_too():
 def test_another_node_and_axes_of_the_body(small):
     """Node 7 of the same body: the same frequencies, another support stiffness; body axes turn with the body."""
     other = spacar.flexure(
-        parse_deck(models.two_leaves(models.GUIDE, BEAMS)), move="9x=0.004", steps=1, node=7, orientation=6
+        spacar.parse_deck(models.two_leaves(models.GUIDE, BEAMS)), move="9x=0.004", steps=1, node=7, orientation=6
     )
     assert other.frequencies[-1] == pytest.approx(small.frequencies[-1], rel=1e-6)
     assert other.support == [0, 1, 2]

@@ -6,7 +6,6 @@ import time
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from spacar.stroke.mixed_drive import MixedDrive
 from spacar_cli.main import main
 
 import spacar
@@ -14,6 +13,7 @@ from spacar.deck import parse_deck, read_deck
 from spacar.errors import UsageError
 from spacar.linear import form
 from spacar.stroke import station
+from spacar.stroke.drive_equations import MixedDrive
 from spacar.stroke.error_motions import relative_rotations
 from tests.examples import DATA
 

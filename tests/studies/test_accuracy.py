@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from models import cantilever
 from scipy.special import ellipj, ellipk
-from spacar.studies.runs.extrapolation import MARGIN, extrapolate
 
 import spacar
 from spacar.deck import parse_deck
 from spacar.errors import AnalysisError, UsageError
 from spacar.studies.policies import mesh as mesh_accuracy
+from spacar.studies.runs.mesh_ladder import MARGIN, extrapolate
 
 OSCILLATOR = """
 PLTRUSS 1 1 2   X 2 1. 0.   FIX 1   FIX 2 2   DYNE 1 1   END HALT

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import parse_deck, read_deck
 from spacar.errors import InputError, UsageError
 from spacar.studies import assignments
 from spacar.studies.assignments import axis, change, combine, setting, values
@@ -111,7 +110,7 @@ GUIDE = DATA / "leafguide.dat"
 
 @pytest.mark.parametrize("target", ["SECTION.leaf[t]", "section.LEAF[t along]", "SECTION.leaf[4]"])
 def test_a_dimension_of_a_section_and_a_number_of_a_material(target: str) -> None:
-    deck = change(read_deck(GUIDE, 10), [setting(target), setting("MATERIAL.spring[Young]")], [0.6, 1e5])
+    deck = change(spacar.read_deck(GUIDE, 10), [setting(target), setting("MATERIAL.spring[Young]")], [0.6, 1e5])
     [use] = [s for s in deck.sections if s.element == 1]
     assert use.dims == (0.05, 0.0006)
     assert pytest.approx(1e11) == use.material.E
@@ -119,9 +118,9 @@ def test_a_dimension_of_a_section_and_a_number_of_a_material(target: str) -> Non
 
 def test_a_name_that_there_is_not() -> None:
     with pytest.raises(UsageError, match="there is no statement SECTION blade to change"):
-        setting("SECTION.blade[t]").targets[0].places(read_deck(GUIDE, 10))
+        setting("SECTION.blade[t]").targets[0].places(spacar.read_deck(GUIDE, 10))
     with pytest.raises(UsageError, match="its arguments are 1 name, 2 shape, 3 w along y', 4 t along z'"):
-        setting("SECTION.leaf[d]").targets[0].places(read_deck(GUIDE, 10))
+        setting("SECTION.leaf[d]").targets[0].places(spacar.read_deck(GUIDE, 10))
 
 
 def test_frequencies_as_quantities() -> None:
@@ -146,7 +145,7 @@ CASES = [
 @pytest.mark.parametrize(("name", "target", "value"), CASES)
 @pytest.mark.parametrize("mode", [None, 1, 7])
 def test_same_as_reading(name, target, value, mode, monkeypatch):
-    deck = read_deck(DATA / name, mode)
+    deck = spacar.read_deck(DATA / name, mode)
     which = [setting(target)]
     found = []
     for substitutes in (True, False):
@@ -170,16 +169,16 @@ def test_same_as_reading(name, target, value, mode, monkeypatch):
 
 def test_two_numbers_of_a_line_and_a_comment():
     text = "PLBEAM 1 1 2 3 4\nX 3 1. 0.\nFIX 1\nFIX 2\nDYNE 1 2 3\nEND\nHALT\nEM 1 2.5   % mass\nESTIFF 1 0. 3.;rest\n"
-    deck = parse_deck(text + "END\nEND\n", mode=7)
+    deck = spacar.parse_deck(text + "END\nEND\n", mode=7)
     changed = change(deck, [setting("X.3[2]"), setting("X.3[3]"), setting("EM.1")], [1.25, 0.125, 1e-5])
     assert changed.first("X").values == (3, 1.25, 0.125)
-    assert changed.text == parse_deck(changed.text, mode=7).text
+    assert changed.text == spacar.parse_deck(changed.text, mode=7).text
     assert "EM 1 1e-05   % mass" in changed.text
-    assert parse_deck(changed.text, mode=7).statements == changed.statements
+    assert spacar.parse_deck(changed.text, mode=7).statements == changed.statements
 
 
 def test_nothing_is_read(monkeypatch):
-    deck = read_deck(DATA / "robotsim.dat", 1)
+    deck = spacar.read_deck(DATA / "robotsim.dat", 1)
     change(deck, [setting("XM.8")], [20.0])
     monkeypatch.setattr(assignments, "parse", None)
     assert change(deck, [setting("XM.8")], [21.0]).first("XM").keyword == "XM"
@@ -191,7 +190,7 @@ def test_nothing_is_read(monkeypatch):
 def test_lines_that_get_too_long_or_fit_again(end, before, value, mark, monkeypatch):
     comment = "% " + (157 - len("X 3 1. 0.% ")) * "-"
     rows = ["PLBEAM 1 1 2 3 4", f"X 3 {before} 0.{comment}", "FIX 1", "FIX 2", "DYNE 1 2", "END HALT", "END END", ""]
-    deck = parse_deck(mark + end.join(rows), mode=7)
+    deck = spacar.parse_deck(mark + end.join(rows), mode=7)
     ours = change(deck, [setting("X.3[2]")], [value])
     monkeypatch.setattr(assignments, "with_numbers", lambda deck, edits: None)
     read = change(deck, [setting("X.3[2]")], [value])

@@ -9,7 +9,6 @@ import pytest
 
 import spacar
 from spacar.compiled.library import lanes_of_processor, why_off
-from spacar.deck import parse_deck, read_deck
 from spacar.studies import ensemble as studies_ensemble
 from spacar.studies.affine_cases import FEWEST, affine_cases
 from spacar.studies.assignments import change, setting
@@ -25,7 +24,7 @@ OPTIONS = {"duration": 0.3, "n_steps": 3, "rtol": 1e-7, "atol": 1e-7}
 
 @pytest.fixture(scope="module")
 def robot():
-    return read_deck(DATA / "robotsim.dat", 1)
+    return spacar.read_deck(DATA / "robotsim.dat", 1)
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +38,7 @@ def test_belts_that_start_turns_away():
     text = "PLBELT 1 1 2 3 4 .05 {} X 3 .5 0 FIX 1 FIX 2 FIX 3 DYNX 4 RLSE 1 END HALT ESTIFF 1 1e3 XM 4 .01"
     text += " STARTDX 4 1 30 0 TIMESTEP .1 2 END END"
     radii = (0.049, 0.0499, 0.05, -0.03, 0.3)
-    for r, result in zip(radii, ensemble([parse_deck(text.format(r), mode=1) for r in radii]), strict=True):
+    for r, result in zip(radii, ensemble([spacar.parse_deck(text.format(r), mode=1) for r in radii]), strict=True):
         exact = -1e3 / np.sqrt(0.25 - (0.05 - r) ** 2) * r * 30
         assert result is None or result["sig"][0] == pytest.approx(exact, rel=1e-12)
 
@@ -82,7 +81,7 @@ XM 2 1.   GRAVITY 0. -10.   STARTDX 2 1 0. 0.5   END END
 def test_only_the_block_of_a_case_that_fails_is_run_alone():
     """A pendulum whose degree of freedom is x comes to the horizontal in one case, a dead point of x: the others of its
     block are run alone, all are right."""
-    base, lanes, rate = parse_deck(PENDULUM, mode=1), lanes_of_processor(), "STARTDX.2.1[start rate]"
+    base, lanes, rate = spacar.parse_deck(PENDULUM, mode=1), lanes_of_processor(), "STARTDX.2.1[start rate]"
     rates = [0.5 + 0.01 * k for k in range(2 * lanes)]
     rates[1] = 20.0
     decks = [change(base, [setting(rate)], [v]) for v in rates]
@@ -170,7 +169,7 @@ def table(columns: int) -> list[list[float]]:
     ],
 )
 def test_combinations_are_the_cases(targets):
-    deck = parse_deck(BEAMS.format(shear=""), mode=1)
+    deck = spacar.parse_deck(BEAMS.format(shear=""), mode=1)
     settings, values = tuple(map(setting, targets)), table(len(targets))
     cases = affine_cases(deck, settings, values, **AFFINE_OPTIONS)
     assert cases is not None
@@ -183,7 +182,7 @@ def test_combinations_are_the_cases(targets):
 
 
 def test_prescribed_motions():
-    deck = read_deck(DATA / "crankfl.dat", 1)
+    deck = spacar.read_deck(DATA / "crankfl.dat", 1)
     settings, values = (setting("INPUTX.2.1[start rate]"),), [[100.0 + 3.0 * k] for k in range(FEWEST)]
     options = AFFINE_OPTIONS | {"duration": 0.001, "n_steps": 1}
     cases = affine_cases(deck, settings, values, **options)
@@ -205,7 +204,7 @@ def test_prescribed_motions():
     ],
 )
 def test_what_has_decks_of_its_own(targets, low, why):
-    deck = parse_deck(BEAMS.format(shear=" 0.3 0.2"), mode=1)
+    deck = spacar.parse_deck(BEAMS.format(shear=" 0.3 0.2"), mode=1)
     values = [[low * (1.0 + 0.01 * k)] * len(targets) for k in range(FEWEST)]
     angle = {"beams": "angle"}
     assert (affine_cases(deck, tuple(map(setting, targets)), values, **AFFINE_OPTIONS, **angle) is None) == bool(why)
@@ -216,7 +215,7 @@ def test_a_sweep_takes_them_and_gives_the_rows_of_single_runs(monkeypatch):
 
     taken = []
     monkeypatch.setattr(batched_cases, "affine_cases", lambda *a, **o: taken.append(affine_cases(*a, **o)) or taken[-1])
-    deck = read_deck(DATA / "robotsim.dat", 1)
+    deck = spacar.read_deck(DATA / "robotsim.dat", 1)
     masses = np.linspace(20.0, 40.0, FEWEST + 1)
     options = {"duration": 0.3, "n_steps": 3, "rtol": 1e-7, "atol": 1e-7}
     rows, alone = (
@@ -236,7 +235,7 @@ def test_a_length_that_cannot_be_fails_alone_with_its_message(first, monkeypatch
 
     kept = []
     monkeypatch.setattr(batched_cases, "affine_cases", lambda *a, **o: kept.append(affine_cases(*a, **o)) or kept[-1])
-    deck = parse_deck(BEAMS.format(shear=""), mode=1)
+    deck = spacar.parse_deck(BEAMS.format(shear=""), mode=1)
     lengths = [2.0 + 0.01 * k for k in range(FEWEST)]
     lengths[0 if first else 5] = 1.0  # the node at the other end, 0.1 m aside, as X 5 has it
     change_of = {"X.5[coordinate x1]": lengths, "X.5[coordinate x3]": [0.0] * FEWEST}

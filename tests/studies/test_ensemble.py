@@ -9,7 +9,6 @@ import pytest
 
 import spacar
 from spacar.compiled.library import why_off
-from spacar.deck import parse_deck, read_deck
 from spacar.errors import UsageError
 from spacar.studies.assignments import axis, change, setting
 from spacar.studies.batched_cases import reason
@@ -69,7 +68,7 @@ def test_a_case_near_a_dead_point_is_left_to_a_single_run():
     """A falling slider-crank with the slider as degree of freedom: it has to be followed alone, which explains."""
     kinematics = ["PLBEAM 1 1 2 3 4", "PLBEAM 2 3 5 6 7", "X 3 0.15 0.1", "X 6 0.45 0.", "FIX 1", "FIX 6 2", "DYNX 6 1"]
     dynamics = ["XM 6 0.03", "EM 1 0.2", "EM 2 0.2", "GRAVITY 0. -9.81", "STARTDX 6 1 0.45 1.", "TIMESTEP 1. 10"]
-    deck = parse_deck("\n".join([*kinematics, "END", "HALT", *dynamics, "END", "END", ""]), mode=1)
+    deck = spacar.parse_deck("\n".join([*kinematics, "END", "HALT", *dynamics, "END", "END", ""]), mode=1)
     assert ensemble([deck, deck]) == [None, None]
 
 
@@ -89,7 +88,7 @@ def test_normalizations_of_every_case_are_found(deck):
 def test_what_is_alike(deck):
     base = deck("robotsim", 1)
     assert alike(base, change(base, [setting("XM.8")], [1.0]))
-    heavy = parse_deck(base.text.replace("XM 5", "GRAVITY 0 0 -9.81\nXM 5"), mode=1)
+    heavy = spacar.parse_deck(base.text.replace("XM 5", "GRAVITY 0 0 -9.81\nXM 5"), mode=1)
     light = change(heavy, [setting("GRAVITY[3]")], [-1.62])
     assert not alike(base, heavy)
     assert not alike(heavy, light)
@@ -117,13 +116,13 @@ def test_what_has_no_batch(deck, name, options, why):
 @pytest.mark.parametrize("given", ["FIX 3", ""])  # one condition too many, one too few
 def test_an_ill_defined_mechanism_has_no_batch(given):
     text = f"PLTRUSS 1 1 2 PLTRUSS 2 2 3 X 2 1 0 X 3 2 0 FIX 1 {given} DYNX 2 1 END HALT XM 2 1 TIMESTEP 1 2 END END"
-    assert "differ in number" in why_not(parse_deck(text, mode=1))
+    assert "differ in number" in why_not(spacar.parse_deck(text, mode=1))
 
 
 @LANES
 def test_user_functions_have_batches():
     scenarios = Path(__file__).parents[2] / "benchmarks" / "peers" / "scenarios"
-    assert not why_not(read_deck(scenarios / "S4.dat", 1))
+    assert not why_not(spacar.read_deck(scenarios / "S4.dat", 1))
 
 
 def sweep_words(*more):

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import Deck
 from spacar.deck.rewrite import divide
 from spacar.deck.rewrite.refine import flexible_beams, linear_strain, refine, rigid
 from spacar.errors import UsageError
@@ -93,7 +92,7 @@ def test_start_deformations_give_the_same_shape():
     rows = [("PLBEAM", 1, 1, 2, 3, 4), ("X", 3, 1.0, 0.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1, 2, 3)]
     for a in (1e-2, 1e-3):
         start = [("EM", 1, 1.0), ("ESTIFF", 1, 0.0, 1.0), ("STARTDE", 1, 2, a, 0.0), ("STARTDE", 1, 3, a, 0.0)]
-        coarse = Deck.build(rows, start, mode=1)
+        coarse = spacar.Deck.build(rows, start, mode=1)
         tip = [spacar.run(1, d).frames[0].x for d in (coarse, refine(coarse, 4))]
         meshes = [build(d).numbering for d in (coarse, refine(coarse, 4))]
         x = [t[n.x_index(3, 2)] for t, n in zip(tip, meshes, strict=True)]
@@ -111,11 +110,11 @@ def test_what_cannot_be_split(deck):
     with pytest.raises(UsageError, match="no flexible beam with non-linear"):
         linear_strain(deck("crank", 1))
     with pytest.raises(UsageError, match="released without stiffness"):
-        refine(Deck.build([*rows, ("DYNE", 1, 2, 3), ("RLSE", 1, 1)], mass, mode=1), 2)
+        refine(spacar.Deck.build([*rows, ("DYNE", 1, 2, 3), ("RLSE", 1, 1)], mass, mode=1), 2)
     with pytest.raises(UsageError, match=r"different classes \(DYNE, fixed\)"):
-        refine(Deck.build([*rows, ("DYNE", 1, 2)], mass, mode=1), 2)
+        refine(spacar.Deck.build([*rows, ("DYNE", 1, 2)], mass, mode=1), 2)
     with pytest.raises(UsageError, match="MEE 1: it is about beam 1"):
-        refine(Deck.build([*rows, ("DYNE", 1, 2, 3)], [*mass, ("MEE", 1, 2, 1.0)], mode=1), 2)
+        refine(spacar.Deck.build([*rows, ("DYNE", 1, 2, 3)], [*mass, ("MEE", 1, 2, 1.0)], mode=1), 2)
     with pytest.raises(UsageError, match="1 or more"):
         refine(deck("crankfl", 1), 0)
 

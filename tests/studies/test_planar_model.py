@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.deck import parse_deck
 from spacar.deck.rewrite.in_plane import planar
 from spacar.errors import UsageError
 
@@ -51,7 +50,7 @@ NORMAL_Z = {"modes": "1 5 6", "stiffness": "1e3 20. 0. 0.02", "damping": "0. 0.2
 
 
 def chain(y="", axis="1", more="", load="", **facts):
-    return parse_deck(CHAIN.format(y=y, axis=axis, more=more, load=load, **facts), mode=1)
+    return spacar.parse_deck(CHAIN.format(y=y, axis=axis, more=more, load=load, **facts), mode=1)
 
 
 @pytest.mark.parametrize("axis", ["1", "-2"])
@@ -113,10 +112,10 @@ END END
 @pytest.mark.parametrize(("variables", "found"), [(("x[7,1]", "x[4,2]"), True), (("x[7,1]", "e[4,3]"), False)])
 def test_trade_prefers_planar_elements_where_they_have_what_is_asked(variables, found):
     """What names a deformation of a spatial beam has no like in the plane."""
-    answer = spacar.trade(parse_deck(SLIDER_CRANK, mode=1), target=1e-3, variables=list(variables))
+    answer = spacar.trade(spacar.parse_deck(SLIDER_CRANK, mode=1), target=1e-3, variables=list(variables))
     assert ("planar" in answer.deck.source) is found
     if found:
-        exact = spacar.run(1, parse_deck(SLIDER_CRANK, mode=1), rtol=1e-9, atol=1e-10)
+        exact = spacar.run(1, spacar.parse_deck(SLIDER_CRANK, mode=1), rtol=1e-9, atol=1e-10)
         simple = spacar.run(1, answer.deck, **answer.options)
         for node, c in ((7, 1), (4, 2)):
             want = exact.node(node, c)

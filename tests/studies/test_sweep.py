@@ -12,7 +12,6 @@ from pathlib import Path
 import pytest
 
 import spacar
-from spacar.deck import read_deck
 from spacar.studies.assignments import change, setting
 from spacar.studies.runs.setting import Setup, Trade
 from spacar.studies.runs.workers import Lost, run
@@ -61,7 +60,7 @@ def test_another_user_function_is_another_case(call):
         Path("grow.py").write_text(function.format(rate))
         assert "3 cases: 3 run" in call(*CRANK).out
         assert "3 cases: 0 run" in call(*CRANK).out
-        keys.add(Trade(1, read_deck("crank.dat", 1), ()).key(Setup()))
+        keys.add(Trade(1, spacar.read_deck("crank.dat", 1), ()).key(Setup()))
     assert len(keys) == 2
 
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar import Deck
 from tests.examples import DATA
 
 TIGHT = ("ERROR", 1e-11, 1e-11)
@@ -71,9 +70,9 @@ def compare(planar: spacar.Result, other: spacar.Result, nodes: list[int], toler
 def both(
     rows: list[tuple], dynamics: list[tuple], extra: list[tuple] = (), drop: tuple = ()
 ) -> tuple[spacar.Result, ...]:
-    a = spacar.run(1, Deck.build(rows, dynamics))
+    a = spacar.run(1, spacar.Deck.build(rows, dynamics))
     r, d = spatial(rows, dynamics)
-    b = spacar.run(1, Deck.build([*[x for x in r if x not in drop], *extra], d))
+    b = spacar.run(1, spacar.Deck.build([*[x for x in r if x not in drop], *extra], d))
     return a, b
 
 
