@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 from typing import Any
+from unittest import mock
 
 import numpy as np
 
 import spacar
 from spacar.dynamics import Dynamics
 from spacar.errors import SpacarError
+from spacar.linear import form
+from spacar.linearization.descriptor import of_frame
+from spacar.linearization.sparse_response import response
 
 from .case import GENERAL, NOTHING, Case, Found, worst
 from .compare import quantities
@@ -65,6 +69,29 @@ def state_space(case: Case) -> Found:
     a, b = (dict(f.matrices) | dict(f.state_space) for f in (case.base.frames[-1], got.frames[0]))
     force = max((float(np.abs(a[n]).max(initial=0.0)) for n in ("k0", "n0", "g0") if n in a), default=0.0)
     found = [case.close(a[n], b[n], n, 1e-9, force if n in ("k0", "n0", "g0") else 1.0) for n in names if n in a]
+    return worst(found)
+
+
+def sparse_form(case: Case) -> Found:
+    """The sparse form of large models has the same A, B, C, D, and the transfer function of these."""
+    with mock.patch.object(form, "LARGE", -1):
+        sparse = case.run()
+    found = []
+    for frame, other in zip(case.base.frames, sparse.frames, strict=True):
+        if "asp" not in other.state_space or "A" not in frame.state_space:
+            return NOTHING
+        system = of_frame(other.state_space, sparse.header)
+        want, got = frame.state_space, dict(zip("ABCD", system.state_space(), strict=True))
+        names = [name for name in "ABCD" if name in want]
+        found += [case.close(want[name], got[name], name, 1e-13 * case.condition, 1.0) for name in names]
+        if not want["A"].size or not want["B"].size or not want["C"].size:
+            continue
+        omega = np.array([0.5, 2.0, 2.1, 40.0])
+        for w, of_sparse in zip(omega, response(system, omega), strict=True):
+            resolvent = 1j * w * np.eye(len(want["A"])) - want["A"]
+            of_dense = want["C"] @ np.linalg.solve(resolvent, want["B"].astype(complex)) + want.get("D", 0.0)
+            error = 1e-12 * case.condition * np.linalg.cond(resolvent)
+            found.append(case.close(of_dense, of_sparse, f"response at {w} rad/s", error, 1.0))
     return worst(found)
 
 

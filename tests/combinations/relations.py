@@ -33,6 +33,7 @@ from .linear_relations import (
     load_steps,
     sensitivities,
     small_division,
+    sparse_form,
     state_space,
     torsion,
 )
@@ -230,6 +231,7 @@ RELATIONS: dict[str, Relation] = {
     "small division": Relation(small_division, STILL),
     "eigen and buckling": Relation(eigen_and_buckling, (10,)),
     "state space": Relation(state_space, (9,)),
+    "sparse form": Relation(sparse_form, (4, 9)),
     "torsion": Relation(torsion, STILL),
     "compliances": Relation(compliances, (8,)),
     "sensitivities": Relation(sensitivities, (7, 8, 10)),
