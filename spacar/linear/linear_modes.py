@@ -246,7 +246,7 @@ def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: floa
 
 def _doubts(L: Linearization) -> dict[int, str]:
     """Sentences about derivatives that a user function states, for `Frame.lost`, where rows of e are not negative."""
-    return {-1 - i: sentence for i, sentence in enumerate(L.c.doubts)}
+    return {-1 - i: sentence for i, sentence in enumerate(L.c.user.doubts if L.c.user else ())}
 
 
 def _store_matrices(frame: Frame, L: Linearization | None, dynamics: Dynamics) -> None:

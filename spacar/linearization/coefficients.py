@@ -24,7 +24,7 @@ from spacar.dynamics.loaded_mechanism import StressLaw, moment_entries
 from spacar.elements.family import Family
 from spacar.kinematics.element_sweep import ElementSweep, geometric_blocks
 from spacar.linear_systems.linear_system import Matrix, diagonal_matrix, matrix, zero_matrix
-from spacar.linearization.user_derivatives import user_derivatives
+from spacar.linearization.user_derivatives import UserDerivatives, user_derivatives
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import UserForces
 
@@ -132,7 +132,7 @@ class Coefficients:
     all others  (nx, nx)
     sigma   (ne,) stresses: rows fixed, input and dynamic from the equilibrium of the calculable coordinates
     moving  is there any motion? At rest rate_x, second_v, second_x are zero
-    doubts  sentences about derivatives that a user function states
+    user    derivatives of the user function, if there is one
     """
 
     V: Matrix
@@ -153,7 +153,7 @@ class Coefficients:
     stress_v: Matrix
     sigma: Array
     moving: bool
-    doubts: tuple[str, ...] = ()
+    user: UserDerivatives | None = None
 
 
 def coefficients(
@@ -180,12 +180,12 @@ def coefficients(
     S, Sd = matrix(*law.stiffness, (n.ne, n.ne)), matrix(*law.damping, (n.ne, n.ne))
     load_x, user_x, user_v = load_gradient(dynamics), *2 * (zero_matrix((n.nx, n.nx)),)
     stress_x = stress_v = zero_matrix((n.ne, n.nx))
-    doubts: tuple[str, ...] = ()
+    by: UserDerivatives | None = None
     if user is not None:
         active = np.arange(n.ne) >= law.first
         by = user_derivatives(dynamics.mechanism, t, sweep.e, V @ xd, x, xd, active).with_stated(user, V)
         S, Sd = S + by.of("sigma", "e"), Sd + by.of("sigma", "ed")
-        stress_x, stress_v, doubts = by.of("sigma", "x"), by.of("sigma", "xd"), by.doubts
+        stress_x, stress_v = by.of("sigma", "x"), by.of("sigma", "xd")
         user_x = diagonal_matrix(user.force_k)
         load_x = load_x - user_x - (by.of("f", "x") + by.of("f", "e") @ V + by.of("f", "ed") @ rate_x)
         user_v = -(by.of("f", "xd") + by.of("f", "ed") @ V)
@@ -194,7 +194,7 @@ def coefficients(
         inertia_x=scatter(n.nx, by_x), inertia_v=scatter(n.nx, by_v),
         geometric=geometric_stiffness(sweep, stress), load_x=load_x,
         user_x=user_x, user_v=user_v, S=S, Sd=Sd, deformation_inertia=Me, stress_x=stress_x, stress_v=stress_v,
-        sigma=sigma, moving=moving, doubts=doubts,
+        sigma=sigma, moving=moving, user=by,
     )  # fmt: skip
 
 

@@ -30,6 +30,7 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.linearization.matrices import Linearization
 from spacar.sensitivities.directed_elements import ElementMatrices
 from spacar.sensitivities.state_derivatives import StateDerivative
+from spacar.sensitivities.user_terms import UserTerms
 
 REPEATED = 1e-6  # relative distance below which eigenvalues count as one: closer ones have no vectors of their own
 
@@ -42,6 +43,12 @@ class PencilDerivatives:
     L: Linearization
     state: StateDerivative
     moving: bool
+
+    @cached_property
+    def user(self) -> UserTerms | None:
+        """Those of a function of the user, if there is one."""
+        known = self.L.c.user
+        return None if known is None else UserTerms(self.dynamics, known, self.state)
 
     def vibration(self, phi: Array, psi: Array) -> list[Array]:
         """psi^T dM phi, psi^T dC phi, psi^T dK phi, (m, m) each, with phi, psi (n, m)."""
@@ -64,6 +71,7 @@ class PencilDerivatives:
         M = forms(mass, w, u) + forms(Me, we, ue)
         C = forms(flow, w, u) + forms(damping, we, ue)
         K = forms(tangent, w, u) + forms(self.state.elements.stiffness(), we, ue)
+        z, ze = 0.0 * u, 0.0 * ue
         if self.moving:
             H1, of_accelerations = self._of_motion
             ne = len(ue)
@@ -74,6 +82,9 @@ class PencilDerivatives:
             ze, ye, yve = self._strained(z) + turned, self._strained(y) + convected, self._strained(yv) + swept
             C = C + forms(mass, w, yv) + forms(Me, we, yve)
             K = K + forms(mass, w, y) + forms(flow, w, z) + forms(damping, we, ze) + forms(Me, we, ye)
+        if self.user is not None:
+            C = C + self.user.form((we, w), (0.0 * ue, 0.0 * u, ue, u))
+            K = K + self.user.form((we, w), (ue, u, ze, z))
         return [M, C, K]
 
     def _buckling(self, phi: Array, psi: Array) -> list[Array]:
@@ -81,8 +92,14 @@ class PencilDerivatives:
         (phi, inner), (psi, inner_left) = np.split(phi, [n]), np.split(psi, [n])
         u, w = self._solved(self.L.W, phi), self._solved(self.L.W, psi)
         weight = state.elements.loading(False, state.v, state.a)
-        K0 = forms(self.state.elements.stiffness(), self._strained(w), self._strained(u))
+        ue, we = self._strained(u), self._strained(w)
+        K0 = forms(self.state.elements.stiffness(), we, ue)
         G0 = forms([*self._geometric, *weight], w, u)
+        if self.user is not None:
+            turned = product(self._of_motion[0], u, len(ue)) if self.moving else 0.0 * ue
+            springs = self.user.springs(w, u)
+            K0 = K0 + self.user.form((we, 0.0 * w), (ue, u, 0.0 * ue, 0.0 * u)) + springs
+            G0 = G0 + self.user.form((0.0 * we, w), (ue, u, turned, 0.0 * u)) - springs
         at = 0
         for rows, coupling, k, eliminated in state.elements.internal(state.sigma):
             right, left = (np.einsum("bnm,bn->nm", v[rows], coupling) for v in (u, w))

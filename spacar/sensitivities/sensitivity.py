@@ -146,8 +146,7 @@ def sensitivity(
     options      what overrides the deck, as for `run`
 
     Raises UsageError for names that the model does not have and for models whose derivatives are not followed (linear
-    quantities of wheels and with USERSIG), and AnalysisError as modes 7 to 10 and
-    'sensitivity.singular' at critical states.
+    quantities of wheels), and AnalysisError as modes 7 to 10 and 'sensitivity.singular' at critical states.
 
     >>> import spacar
     >>> found = spacar.sensitivity("data/plbeam5.dat", ["XF.11[3]"], ["x[11,2]@end"])
@@ -183,15 +182,8 @@ def _read(model: Source) -> Deck:
 def _require_followed(run: Run, names: set[str]) -> None:
     """Raises UsageError for models whose derivatives are not followed; `names` of the variables that are asked for."""
     mechanism = run.mechanism
-    why = ""
-    if names.isdisjoint(LINEAR):
-        return
-    if not mechanism.numbering.holonomic:
+    if names & set(LINEAR) and not mechanism.numbering.holonomic:
         why = "wheels for eigenvalues, multipliers and compliances; positions, deformations, forces, stresses have them"
-    elif mechanism.user_signal is not None:
-        why = "forces of the user (USERSIG) for eigenvalues, multipliers and compliances: their second derivatives"
-        why += " would be needed, which differences hardly give; use differences of runs (`spacar sweep`)"
-    if why:
         raise UsageError(f"{mechanism.deck.source}: no derivatives of models with {why}", "sensitivity.model")
 
 

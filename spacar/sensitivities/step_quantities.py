@@ -55,6 +55,8 @@ class LinearQuantities:
     def __post_init__(self) -> None:
         self.dynamic = self.dynamics.numbering.dynamic
         self.along = [PencilDerivatives(self.dynamics, self.L, s, self.moving) for s in self.states]
+        for doubt in self.L.c.user.doubts if self.L.c.user else ():
+            self._say(doubt)
 
     # -- vibration -----------------------------------------------------------------------------------------------
     @cached_property

@@ -180,7 +180,7 @@ def held(model: Model, node: int) -> bool:
 
 def sensitivities(case: Case) -> Found:
     """Derivatives by numbers of the deck are differences of runs."""
-    if case.model.has("USERSIG", "PLWHEEL", "WHEEL", "TWHEEL"):
+    if case.model.has("PLWHEEL", "WHEEL", "TWHEEL"):
         return NOTHING
     rows = [r for r in case.model.rows("XF", "ESTIFF", "EM", "XM", "GRAVITY", block=2)]
     if not rows:

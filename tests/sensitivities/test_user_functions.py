@@ -59,13 +59,33 @@ def test_forces_and_stresses_of_the_user(with_law, stated: str) -> None:
     agree(with_law(stated), names, quantities, rel=1e-7)
 
 
-def test_linearized_equations_that_are_refused(with_law) -> None:
-    """They hold what a function states, whose derivatives are not known; and those of wheels."""
-    for deck, name, said in (
-        (with_law(), "ESTIFF.1[EI]", "USERSIG"), (read_deck(DATA / "trike2.dat", 7), "XM.1", "wheels for eigenvalues")
-    ):
-        with pytest.raises(UsageError, match=said):
-            spacar.sensitivity(deck, [name], ["frequency[1]"])
+@pytest.mark.parametrize("stated", ["", ", 3.0, 0.0"])
+def test_linearized_equations(with_law, stated: str) -> None:
+    """They hold the slopes of the function, which change with the state."""
+    names = ["ESTIFF.1[EI]", "X.7[2]", "X.5[2]", "XF.5[2]", "INPUTX.2.1", "ESIG.3[2]", "XM.5"]
+    wanted = ["frequency[1]", "frequency[3]", "lmult[1]", "xcompl[5,2]", "abs(eigval[2])"]
+    agree(with_law(stated), names, wanted, rel=1e-6)
+
+
+def test_a_spring_that_stiffens(tmp_path: Path) -> None:
+    """F = k u + b u + c u^2: m omega^2 = k + b + 2 c u, d(m omega^2)/dF = 2 c du/dF, du/dF = 1/(m omega^2)."""
+    (tmp_path / "spring.py").write_text(
+        "def spring(t, ne, le, e, ep, nx, lnp, x, xp):\n    u = e[le[0, 0]]\n"
+        "    return t, [[1, 1, 50.0 * u + 300.0 * u**2]], []\n"
+    )
+    kinematics = "PLTRUSS 1 1 2   X 2 1   FIX 1   FIX 2 2   DYNE 1   END HALT"
+    (tmp_path / "model.dat").write_text(f"{kinematics} XM 2 2  ESTIFF 1 100  XF 2 10  USERSIG spring\nEND END\n")
+    found = spacar.sensitivity(tmp_path / "model.dat", ["XF.2[2]", "ESTIFF.1"], ["x[2,1]", "(2*pi*frequency[1])**2"])
+    u = (-150.0 + np.sqrt(150.0**2 + 4 * 300.0 * 10.0)) / 600.0
+    K = 150.0 + 600.0 * u
+    np.testing.assert_allclose(found.values, [1.0 + u, K / 2.0], rtol=1e-10)
+    want = [[1.0 / K, -u / K], [300.0 / K, 0.5 - 300.0 * u / K]]
+    np.testing.assert_allclose(found.derivatives, want, rtol=1e-9)
+
+
+def test_linearized_equations_of_wheels_are_refused() -> None:
+    with pytest.raises(UsageError, match="wheels for eigenvalues"):
+        spacar.sensitivity(read_deck(DATA / "trike2.dat", 7), ["XM.1"], ["frequency[1]"])
 
 
 def test_forces_of_the_user_in_steady_motion(tmp_path: Path) -> None:
@@ -76,6 +96,7 @@ def test_forces_of_the_user_in_steady_motion(tmp_path: Path) -> None:
     deck = read_deck(tmp_path / "model.dat", 10)
     names = ["ESTIFF.1[EI]", "X.7[2]", "INPUTX.2.1[start rate]"]
     agree(deck, names, ["x[5,1]", "e[3,1]", "sig[1,2]", "fx[5,2]", "fxtot[2,1]"], rel=1e-7)
+    agree(deck, names, ["frequency[1]", "real(eigval[1])", "lmult[1]"], rel=1e-6)
 
 
 def test_prescribed_motion_of_the_user(tmp_path: Path) -> None:
