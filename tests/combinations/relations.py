@@ -66,8 +66,8 @@ def of_one_part(case: Case) -> bool:
     there."""
     pushed = {int(p.owner) for p in case.model.pushes if isinstance(p.owner, transformations.Element)}
     parted = any("lies in its last part" in line for line in case.base.report)
-    started = case.divides and case.model.has("STARTDX", "STARTDE")
-    return parted or started or bool(pushed & case.base.mechanism.deck.divided.keys())
+    displaced = case.divides and case.model.has("STARTDX", "STARTDE")
+    return parted or displaced or bool(pushed & case.base.mechanism.deck.divided.keys())
 
 
 def engines(case: Case) -> Found:
