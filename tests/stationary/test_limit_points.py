@@ -11,6 +11,7 @@ from scipy.optimize import brentq, minimize_scalar
 import spacar
 from spacar.errors import AnalysisError
 from spacar.stationary import arc_length
+from tests.combinations.campaign import spec_of
 
 from . import planar_models as models
 
@@ -174,3 +175,10 @@ def test_a_path_beyond_the_limit_that_does_not_come_to_the_load(limit_load, monk
     assert 20.0 * limit_of(text) == pytest.approx(limit_load, rel=1e-8)
     with pytest.raises(AnalysisError, match="followed by arc length and was not seen to come to this loading"):
         spacar.run(7, spacar.parse_deck(text, mode=7))
+
+
+def test_an_arc_does_not_end_on_another_path():
+    """The path of this wheel with chains is closed; an arc of it once ended on one that comes to the load. Its limit
+    point lies between the last part of the load step that converged and the next."""
+    model = spec_of(951170).model()
+    assert 0.159667 < limit_of(model.text()) < 0.160157
