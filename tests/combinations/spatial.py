@@ -31,7 +31,9 @@ def as_spatial(case: Case) -> Found:
     except SpacarError as error:
         if error.code != "study.refine":
             raise
-        return NOTHING  # bending out of the plane is released without stiffness: such beams are not divided
+        return NOTHING
+    if result.mechanism.deck.divided.keys() != case.base.mechanism.deck.divided.keys():
+        return NOTHING  # beams whose bending out of the plane is released without stiffness are not divided
     want, got = {}, {}
     for (kind, n, variable), v in case.values.items():
         if kind == "node" and case.model.roles[n] == "position":
