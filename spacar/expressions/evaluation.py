@@ -109,7 +109,10 @@ class ExpressionWalk:
         left = self.value(node.left)
         if isinstance(node.op, ast.MatMult):
             k = self.at(left.values, when(node.right, self.text))
-            return Value(np.asarray(left.values[k]), left.unit, left.rates[k] if np.ndim(left.rates) else 0.0)
+            rates = left.rates
+            if np.ndim(rates):  # of a sum with a number they have no axis of steps
+                rates = np.broadcast_to(rates, (*np.shape(left.values), np.shape(rates)[-1]))[k]
+            return Value(np.asarray(left.values[k]), left.unit, rates)
         right = self.value(node.right)
         if isinstance(node.op, (ast.Add, ast.Sub)):
             unit = of_sum(left.unit, right.unit, self.text)
@@ -184,7 +187,8 @@ def step_at(t: NDArray[np.float64], moment: str | int | float, text: str) -> int
     nearest = int(np.argmin(np.abs(t - moment)))
     if abs(t[nearest] - moment) > SAME_TIME * max(abs(float(t[-1])), 1e-300):
         text = f"'{text}': t = {moment:.9g} is not stored, the nearest is {t[nearest]:.9g}"
-        raise UsageError(f"{text}; choose the number of steps of TIMESTEP to suit", "expression.step")
+        text += f"; give the number of one of the {len(t)} steps, or to a motion another number of steps (TIMESTEP)"
+        raise UsageError(text, "expression.step")
     return nearest
 
 

@@ -38,7 +38,7 @@ NO_STRESS = "no stress, no load multiplier: the geometric stiffness vanishes"
 SINGULAR_K0 = "the stiffness matrix K0 is singular: a load multiplier is zero"
 SINGULAR = 1e-14  # singular values of the scaled K below this fraction of the largest are zero
 CERTAIN = 1e-2 / SINGULAR  # condition number, of which rounding may take digits, from which singular values decide
-COLUMNS = 256  # right-hand sides at once  # of large models
+COLUMNS = 256  # right-hand sides at once, of large models
 NEGLIGIBLE = 1e-12  # part of the largest size of an unknown that does not scale it
 
 

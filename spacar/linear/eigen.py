@@ -12,6 +12,7 @@ Every returned pair is checked (`spacar.linear.backward_error`); a doubtful one 
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -276,17 +277,19 @@ def symmetric_pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Arr
 
 def _pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Array, Array]:
     """omega^2 ascending and vectors, M of unit diagonal. Larger ones, for which SciPy is loaded anyway, take half of
-    the time of NumPy, and the few lowest a third of that. Raises LinAlgError when M is not positive definite."""
+    the time of NumPy, and the few lowest a third of that; where its routines fail NumPy decides. Raises LinAlgError
+    when M is not positive definite."""
     n = len(K)
     if n > DENSE_LIMIT:
         from scipy.linalg import eigh
 
-        if wanted is not None and wanted * FEW <= n:
-            squares, vectors = eigh(K, M, subset_by_index=(0, wanted + BESIDE - 1))
-            if squares[0] >= 0.0:  # with a negative one those of lowest modulus may not be among them
-                return squares, vectors
-        found: tuple[Array, Array] = eigh(K, M)
-        return found
+        with suppress(np.linalg.LinAlgError):
+            if wanted is not None and wanted * FEW <= n:
+                squares, vectors = eigh(K, M, subset_by_index=(0, wanted + BESIDE - 1), check_finite=False)
+                if squares[0] >= 0.0:  # with a negative one those of lowest modulus may not be among them
+                    return squares, vectors
+            found: tuple[Array, Array] = eigh(K, M, check_finite=False)
+            return found
     lower = np.linalg.cholesky(M)
     half = np.linalg.solve(lower, K)
     reduced = np.linalg.solve(lower, half.T)

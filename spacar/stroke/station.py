@@ -3,7 +3,7 @@
 The equations of the state: `spacar.stroke.drive_equations`.
 
     buckling        det(K0 + lambda G0) = 0 without and with the drive (theory-system.md 6.5)
-    extra load      det(K + lambda dG) = 0 of the same (the same file)
+    extra load      det(K + lambda dG) = 0 of the same (`spacar.stroke.drive_equations`)
 
 The free mode that belongs to the drive is the one with the largest share s of the motion v of the path,
 s = (phi^T M v)^2 / (phi^T M phi v^T M v). All modes together have 1.

@@ -53,6 +53,9 @@ class Manifold:
         last = np.inf
         for _ in range(ITERATIONS):
             D, _, Jg, _, g, W = self.numbers(t, y)
+            if not len(g):
+                last = 0.0
+                break
             move = W @ (D * np.linalg.lstsq(Jg * D, -g, rcond=None)[0])
             size = float(np.max(np.abs(move)) / max(np.max(np.abs(y[:n])), 1e-300))
             if not size < last / 2:  # rounding: no further digit is gained

@@ -6,6 +6,9 @@ import pytest
 import spacar
 from spacar import Deck
 from spacar.errors import AnalysisError, UsageError
+from spacar.expressions.evaluation import Value
+from spacar.expressions.grammar import parse
+from spacar.sensitivities.expression_derivatives import derivative
 
 from .difference_truth import agree
 
@@ -289,3 +292,19 @@ def test_rotating_spring() -> None:
         found.derivatives[1], np.add(np.multiply(k, want), [e / l0, 0, 0, -k * e / l0]), rtol=1e-9
     )
     np.testing.assert_allclose(found.derivatives[3], found.derivatives[1], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "want"),
+    [
+        ("(t + lmult[1]@end)@2", [4.0, 40.0]), ("(t - lmult[1]@end)@3", [-4.0, -40.0]),
+        ("real(t + lmult[1]@end)@2", [4.0, 40.0]), ("(2**2 + t)@2 + lmult[1]@1", [1.0, 10.0]),
+        ("(sin(1) + t)@3 * lmult[1]@1", [2.0 + np.sin(1.0), 10.0 * (2.0 + np.sin(1.0))]),
+        ("max(t + lmult[1]@2)", [2.0, 20.0]), ("(t * lmult[1])@3", [6.0, 60.0]),
+    ],
+)  # fmt: skip
+def test_a_step_of_a_sum_of_a_series_and_a_number(text: str, want: list[float]) -> None:
+    """lmult = 1, 2, 3, 4 with the derivatives 1, 10; 2, 20; ... at t = 0, 1, 2, 3: the number has no axis of steps."""
+    series = np.arange(1.0, 5.0)
+    known = Value(series, (), np.outer(series, [1.0, 10.0]))
+    np.testing.assert_allclose(derivative(parse(text), lambda node: known, 4, 2).rates, want, rtol=1e-15)

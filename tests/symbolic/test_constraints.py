@@ -8,9 +8,11 @@ import sympy as sp
 from spacar_cli.symbolic_plot import plot
 
 from spacar.errors import UsageError
-from spacar.symbolic import MultibodySystem, beam_shapes
+from spacar.symbolic import MultibodySystem, beam_shapes, set_omega
 from spacar.symbolic.beam_shapes import X, integral
+from spacar.symbolic.closure import Manifold
 from spacar.symbolic.printing import text
+from spacar.symbolic.simulated_motion import make_function
 from spacar.symbolic.unit_vectors import TIME
 
 VALUES = {"m": 2.0, "J": 0.05, "a": 0.2, "rho": 0.5, "L": 0.8, "EI": 1.0}
@@ -270,3 +272,18 @@ def test_wrong_simulations_say_what_is_wrong():
 def test_text_of_equations_has_no_time_arguments():
     S, *_ = pendulum()
     assert text(S.derive().held[0]) == "-L*g*m*n2.a2 - L**2*m*s_dot" or "(t)" not in text(S.derive().held[0])
+
+
+def test_speeds_alone_are_brought_onto_their_constraint() -> None:
+    """Two wheels without angles of their own, w = 2 v: the nearest speeds in the metric of the masses, 1 and 2."""
+    system = MultibodySystem()
+    w, v = system.speed("w"), system.speed("v")
+    for name, speed, inertia in (("a", w, 1), ("b", v, 2)):
+        frame = system.frame(name.upper(), system.N, 3, 0)
+        set_omega(system.N, frame, speed * system.N[3])
+        system.rigid_body(name, frame, system.O, 1, (1, 1, inertia))
+    system.constraint(w - 2 * v)
+    program = system.derive(strategy="held").program()
+    found = Manifold(program, make_function(program, {})).project(0.0, np.array([2.0, 1.5]))
+    # minimum of (w - 2)^2 + 2 (v - 1.5)^2 on w = 2 v
+    np.testing.assert_allclose(found, [7.0 / 3.0, 7.0 / 6.0], rtol=1e-14)
