@@ -187,14 +187,19 @@ def tell_notes(environment: Environment, notes: Iterable[str]) -> None:
         tell(environment, "warning", note)
 
 
+def _chain(error: BaseException) -> list[BaseException]:
+    """An error and its causes: NumPy explains an import that failed in many words of its own."""
+    chain = [error]
+    while (cause := chain[-1].__cause__ or chain[-1].__context__) and cause not in chain:
+        chain.append(cause)
+    return chain
+
+
 def tell_error(environment: Environment, error: BaseException) -> ExitStatus:
     """Explain an exception on standard error and give the status to end with."""
     if isinstance(error, InputError):
         tell_messages(environment, error.messages, ("error", "warning"))
         return ExitStatus.WRONG
-    chain: list[BaseException] = [error]  # NumPy explains an import that failed in many words of its own
-    while cause := chain[-1].__cause__ or chain[-1].__context__:
-        chain.append(cause)
     status = ExitStatus.FAILED
     if isinstance(error, SpacarError):
         text, status = str(error), ExitStatus(error.exit_status)
@@ -205,7 +210,7 @@ def tell_error(environment: Environment, error: BaseException) -> ExitStatus:
         text, status = "interrupted", ExitStatus.INTERRUPTED
     elif isinstance(error, MemoryError):
         text = "out of memory; store fewer steps or use fewer elements"
-    elif isinstance(error, ImportError) and any(words in str(cause) for cause in chain for words in NO_ROOM):
+    elif isinstance(error, ImportError) and any(words in str(e) for e in _chain(error) for words in NO_ROOM):
         text = "out of memory: there is no room for the libraries that are needed"
     else:
         text = f"internal error: {type_and_text(error)} (--debug shows where; please report it)"

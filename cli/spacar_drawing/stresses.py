@@ -234,7 +234,9 @@ def stress_field(
     if r.Ts is not None and warped is not None:
         tau_y = tau_y + np.outer(r.T - r.Ts, warped[0])
         tau_z = tau_z + np.outer(r.T - r.Ts, warped[1])
-    return normal, np.sqrt(tau_y * tau_y + tau_z * tau_z)
+    if np.iscomplexobj(normal):  # a direction (spacar_drawing.stress_numbers)
+        return normal, np.sqrt(tau_y * tau_y + tau_z * tau_z)
+    return normal, np.hypot(tau_y, tau_z)
 
 
 def _i_shear(section: SectionShape, m: SectionConstants, y: Array, z: Array) -> tuple[Array, Array, Array, Array]:

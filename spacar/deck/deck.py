@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
+from os.path import isfile
 from pathlib import Path
 from typing import Any
 
@@ -242,11 +243,13 @@ def read_deck(path: str | Path, mode: Purpose = None) -> Deck:
     if not isinstance(path, str | PathLike):
         raise UsageError(f"the path of an input file is a text or a Path, not {path!r:.60}", "usage.model")
     file = Path(path)
-    if file.suffix.lower() != ".dat" and not file.is_file():
+    if not file.name:
+        raise UsageError(f"'{path}' is not the name of an input file", "files.not-readable")
+    if file.suffix.lower() != ".dat" and not isfile(file):  # `Path.is_file` raises where it may not look
         file = file.with_name(file.name + ".dat")
     data, beside = _bytes(file), file.with_suffix(".spv")
     text = data.decode("utf-8", "surrogateescape")
-    visualization = visualization_of(_bytes(beside).decode("utf-8", "replace")) if beside.is_file() else None
+    visualization = visualization_of(_bytes(beside).decode("utf-8", "replace")) if isfile(beside) else None
     return parse(text, file.name, mode, path=file, data=data, visualization=visualization)
 
 

@@ -14,6 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from hashlib import sha256
+from os.path import exists
 from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
@@ -32,10 +33,10 @@ def function_file(deck: Deck, statement: Statement) -> Path:
     folder = deck.path.parent if deck.path else Path.cwd()
     for spelled in (name, name.lower()):
         path = folder / f"{spelled}.py"
-        if path.exists():
+        if exists(path):  # `Path.exists` raises where it may not look
             return path
     text = f"the function file {name}.py was not found in {folder.resolve()}"
-    if (folder / f"{name}.m").exists():
+    if exists(folder / f"{name}.m"):
         text += f"; {name}.m is there: write it in Python{_head(folder / f'{name}.m')}"
         text += f" (`spacar keywords {statement.keyword}`)"
     raise _refusal(deck, statement, text)

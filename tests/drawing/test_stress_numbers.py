@@ -13,7 +13,7 @@ from spacar_cli.main import main
 from spacar_drawing import stress
 from spacar_drawing.sections import warping_function, warping_shear
 from spacar_drawing.settings import SectionShape
-from spacar_drawing.stresses import QUANTITIES
+from spacar_drawing.stresses import QUANTITIES, Resultants, stress_field
 
 import spacar
 from spacar.errors import UsageError
@@ -187,3 +187,11 @@ def test_the_command(tmp_path, monkeypatch, capsys):
     assert found["mises"]["value"] == r.largest("mises").value
     assert main(["stress", "bar", "--element", "9"]) == 2
     assert "element 9 is no beam or truss" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("Qy", [1e160, 1e-170])
+def test_shear_stresses_of_any_size(Qy):
+    """3/2 Q/A in the middle of a rectangle; squares would over- and underflow."""
+    zero = np.zeros(1)
+    r = Resultants(zero, np.array([Qy]), zero, zero, zero, zero)
+    assert stress_field(SectionShape("RECT", (1.0, 1.0)), r, (zero, zero))[1] == pytest.approx(1.5 * Qy, rel=1e-14)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from spacar_cli.environment import Environment, tell_error
 from spacar_formats.sbf import SbfError, SbfFile, SbfWriter
 from spacar_formats.sbf.record_layout import PREAMBLE, directory_crc
 from spacar_formats.vibration import modes_of_stored_matrices
@@ -351,3 +352,17 @@ def test_numbers_of_any_size(tmp_path, mode, name, old, new, ended, found):
     assert status == ended, err
     assert found in err
     assert "internal" not in err
+
+
+@pytest.mark.parametrize("path", [300 * "a", "", ".", "/"])
+def test_what_is_no_path_of_an_input_file(path):
+    with pytest.raises(UsageError) as caught:
+        spacar.read_deck(path)
+    assert caught.value.code == "files.not-readable"
+
+
+def test_an_error_that_is_its_own_cause_is_told(capsys):
+    first, second = ImportError("no module"), ValueError("why")
+    first.__cause__, second.__cause__ = second, first
+    assert tell_error(Environment(), first) == 1
+    assert "no module" in capsys.readouterr().err

@@ -50,6 +50,8 @@ def test_check_tells_what_is_missing_without_running_anything(tmp_path, monkeypa
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.dat").write_text(DECK)
     assert "a.dat:10: USERSIG: the function file push.py was not found" in run.refused("check", "a")
+    (tmp_path / "long.dat").write_text(DECK.replace("push", 260 * "p"))
+    assert "ppp.py was not found" in run.refused("check", "long")
     (tmp_path / "push.py").write_text("raise SystemExit\n")
     err = run.done("check", "a").err
     assert "does not seem to define a function push" in err

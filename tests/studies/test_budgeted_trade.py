@@ -19,6 +19,7 @@ from spacar.studies.policies.budget import TradeSearch
 from spacar.studies.policies.mesh import MeshSearch
 from spacar.studies.policies.simplification import simplify, variations
 from spacar.studies.policies.trade import Reference
+from spacar.studies.runs.compared import row_values
 from spacar.studies.runs.quantities import quantity
 from spacar.studies.runs.setting import Job, Setup, Trade, run_setup
 
@@ -296,3 +297,8 @@ def test_trade_tells_the_prices(call):
     assert "needed: the flexibility of beam 2" in done.out
     report = json.loads(call("trade", "arm", "-m", "7", "--target", "1e-2", "--variable", "x[5,2]", "--json").out)
     assert {"what", "how", "error", "seconds"} <= set(report["prices"][0])
+
+
+def test_two_variables_of_one_name_keep_their_values() -> None:
+    row = {"names": ["a", "a"], "values": [[1.0, 2.0], [3.0, 4.0]]}
+    np.testing.assert_array_equal(row_values(row, ("a", "a")), row["values"])

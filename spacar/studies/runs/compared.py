@@ -71,5 +71,7 @@ def real_series(variable: Quantity, result: Result) -> list[float]:
 def row_values(row: Row, names: Sequence[str]) -> Array:
     """Values of a finished row for these names, (variables, times), nan where there are none; no names: all of it."""
     values = np.array(row["values"])
+    if not names or list(names) == row["names"]:  # of which two may be the same
+        return values
     found, missing = dict(zip(row["names"], values, strict=True)), np.full(values.shape[1:], np.nan)
-    return np.array([found.get(name, missing) for name in names]) if names else values
+    return np.array([found.get(name, missing) for name in names])
