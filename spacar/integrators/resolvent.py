@@ -53,22 +53,25 @@ class DenseResolvent:
 def resolvent(jacobian: Any, s: complex, nq: int, t: float, h: float) -> Resolvent:
     """b (n,) -> (s I - J)^-1 b in the step h from t. Raises, as what it returns does, AnalysisError
     `integrator.singular` where s is an eigenvalue of J; codes with variable steps try another size then."""
-    singular = AnalysisError(
-        f"the iteration matrix of the implicit integrator is singular at t = {t:.9g} s with step size {h:.3g} s (an"
-        " unstable mode grows exactly with this step): change the step size (INTEGRAT position 2)",
-        "integrator.singular", t=t, step=h,
-    )  # fmt: skip
+
+    def singular() -> AnalysisError:
+        return AnalysisError(
+            f"the iteration matrix of the implicit integrator is singular at t = {t:.9g} s with step size {h:.3g} s"
+            " (an unstable mode grows exactly with this step): change the step size (INTEGRAT position 2)",
+            "integrator.singular", t=t, step=h,
+        )  # fmt: skip
+
     try:
         if isinstance(jacobian, np.ndarray):
             return DenseResolvent(jacobian, s, nq)
         solve = jacobian.resolvent(s)
     except RuntimeError:
-        raise singular from None
+        raise singular() from None
 
     def finite(b: np.ndarray) -> np.ndarray:
         w: np.ndarray = solve(b)
         if not np.isfinite(w).all():
-            raise singular
+            raise singular()
         return w
 
     return finite

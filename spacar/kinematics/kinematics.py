@@ -78,7 +78,7 @@ class Kinematics(ConstraintMatrices):
             from spacar.kinematics.failure import count_failure
 
             raise count_failure(self)
-        self.e = np.zeros(n.ne)  # there
+        self.e = np.zeros(n.ne)  # at x
         self.e_given = np.zeros(n.ne)
         self.iterations = 0  # Newton iterations of the last position
         self.period: Period | None = None  # of the given values

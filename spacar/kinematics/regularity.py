@@ -61,9 +61,10 @@ class PositionMatrix:
         """Reciprocal condition of the scaled matrix that was factored last."""
         k = self.kinematics
         system = k.velocity_system
-        norm = k.norm(k.of_velocity)
         if isinstance(system, DenseSystem):
             norm = float((self.rows @ np.abs(system.A) * self.columns).max())
+        else:
+            norm = k.norm(k.of_velocity)
         return reciprocal_condition(system, norm, self.rows, self.columns)
 
     def surely_regular(self) -> bool:
