@@ -245,7 +245,8 @@ def _angles(state: strain_of.BeamState, l0: Array) -> list[tuple[str, Array]]:
     """Angles [rad] (n,) between the end tangents and the chord, and of the twist, with a verb each.
 
     Of unit Euler parameters, as solved positions have them, U_s = -+ l0 z', +- l0 y' at the ends s, so that
-    x'_s.n = n.(U_0s x U_1s)/l0^2. With the relative Euler parameters mu, the cosine of the twist is mu0^2 - mu_x^2 and its sine 2 mu0 mu_x, both times a number below one.
+    x'_s.n = n.(U_0s x U_1s)/l0^2. With the relative Euler parameters mu, the cosine of the twist is
+    mu0^2 - mu_x^2 and its sine 2 mu0 mu_x, both times a number below one.
     """
     bent = np.einsum("ijk,i...,sj...,sk...->s...", _CROSS, state.n, *state.U) / l0**2
     chord = np.arccos(np.clip(bent, -1.0, 1.0))
