@@ -16,6 +16,7 @@ import numpy as np
 from spacar_formats.sbf import SbfFile
 
 import spacar
+from spacar.deck.rewrite.divide import TORSION
 from spacar.errors import SpacarError
 from spacar.frame import E_FIELDS, X_FIELDS
 from spacar.integrators.methods import METHODS
@@ -77,7 +78,8 @@ def engines(case: Case) -> Found:
 
 
 def undeformed(case: Case) -> Found:
-    """At the coordinates of X all deformations are zero, but projections of bodies that DRPINBOD counts."""
+    """At the coordinates of X all deformations are zero, but projections of bodies that DRPINBOD counts, and the frames
+    of the elements are rotations."""
     mechanism = case.base.mechanism
     sweep = ElementSweep(mechanism)
     sweep.follow(mechanism.x0, np.zeros(sweep.ne))
@@ -85,7 +87,14 @@ def undeformed(case: Case) -> Found:
     told = {statement.integer(0) for statement in mechanism.deck.of("DRPINBOD")}
     free = [i for i in range(sweep.ne) if mechanism.numbering.e_owner(i)[0] not in told]
     off = np.abs(sweep.e / mechanism.deformation_scale)[free].max(initial=0.0)
-    return float(off / (64 * EPS)), f"a deformation of {off:.3g} of its size at the coordinates of X"
+    both = [F for batch in mechanism.batches for F in (batch.family.frame_p, batch.family.frame_q) if F is not None]
+    frames = np.concatenate([np.zeros((0, 9)), *both]).reshape(-1, 3, 3)
+    skew = np.abs(np.cross(frames[:, 0], frames[:, 1]) - frames[:, 2]).max(initial=0.0)
+    length = np.abs(np.linalg.norm(frames, axis=2) - 1.0).max(initial=0.0)
+    return worst([
+        (float(off / (64 * EPS)), f"a deformation of {off:.3g} of its size at the coordinates of X"),
+        (float(max(skew, length) / (64 * EPS)), f"a frame of an element is no rotation by {max(skew, length):.3g}"),
+    ])
 
 
 def starts(case: Case) -> Found:
@@ -175,7 +184,19 @@ def divisions(case: Case) -> Found:
     text = replace(spacar.parse_deck(finer.to_text(), mode=case.model.mode), path=finer.path)
     nodes = [{k: v for k, v in quantities(case.model, r).items() if k[0] == "node"} for r in (four, again)]
     same = case.same(quantities(case.model, a), quantities(case.model, case.result(text)))
-    return worst([same, case.same(*nodes, error=64 * 16 * EPS * case.condition)])  # stiffness of a quarter: 16 times
+    same = worst([same, case.same(*nodes, error=64 * 16 * EPS * case.condition)])  # stiffness of a quarter: 16 times
+    return worst([same, together(case, a)]) if MODES[case.model.mode].integrated else same
+
+
+def together(case: Case, result: spacar.Result) -> Found:
+    """The parts of a beam have together the elongation and the torsion that the file gives to it."""
+    found = [NOTHING]
+    for name, e, mode, value, *_ in case.model.rows("INPUTE", "STARTDE", block=2):
+        parts = result.mechanism.deck.divided.get(int(e), ())
+        if parts and mode in (1, TORSION[case.model.types[e]]):
+            total = sum(result.element(k, mode)[0] for k in parts) * (1 if mode == 1 else len(parts))  # length x angle
+            found.append(case.close(value, total, f"{name} {e} {mode} of {len(parts)} parts", GENERAL, 1.0))
+    return worst(found)
 
 
 def sweeps(case: Case) -> Found:

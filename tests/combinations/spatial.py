@@ -22,9 +22,10 @@ OUT = dict.fromkeys(BEAMS, (2, 3, 4)) | {"PLTRUSS": (), "PLTOR": (2, 3), "PLRBEA
 def as_spatial(case: Case) -> Found:
     """Positions, velocities, accelerations and forces of position nodes, stresses in the plane."""
     angle = case.model.has("ADEFORM") or case.model.options.get("beams") == "angle"
-    rotary = any(case.model.types[r[1]] in BEAMS and rotary_inertia(r) for r in case.model.rows("EM"))
+    if angle:  # rotary inertia is consistent there, lumped in space (docs/decisions.md)
+        case = Case(without_rotary_inertia(case.model), case.folder, case.rng)
     model = spatial(case.model)
-    if model is None or (angle and rotary):  # consistent there, lumped in space (docs/decisions.md)
+    if model is None:
         return NOTHING
     try:
         result = case.run(model)
@@ -64,9 +65,10 @@ def sign(keyword: str, mode: Any) -> Any:
     return np.where((mode > 0) & (keyword in BEAMS), -1.0, 1.0)
 
 
-def rotary_inertia(r: Row) -> float:
-    """That of a statement EM of a planar beam or tube."""
-    return (*r[7:], 0.0)[0] if len(r) > 5 else (*r[3:], 0.0)[0]
+def without_rotary_inertia(model: Model) -> Model:
+    """Planar beams and tubes have none."""
+    of_beams = {"PLBEAM": 3, "PLTUBE": 7}  # words of EM before it
+    return model.mapped(lambda r, _: [r[: of_beams.get(model.types[r[1]], len(r))] if r[0] == "EM" else r])
 
 
 def spatial(model: Model) -> Model | None:
