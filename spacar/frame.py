@@ -137,8 +137,11 @@ class FramesInRows(StoredFrames):
 
     def __init__(self, t: Array, rows: Array, sizes: tuple[int, int], lost: Sequence[dict[int, str]] = ()) -> None:
         self.rows = rows
-        parts = np.split(rows, [*accumulate([sizes[0]] * len(X_FIELDS) + [sizes[1]] * len(E_FIELDS))], axis=1)
-        super().__init__(t, dict(zip((*X_FIELDS, *E_FIELDS), parts, strict=False)), {}, lost)
+        nx, ne = sizes
+        variables = {name: rows[:, k * nx : (k + 1) * nx] for k, name in enumerate(X_FIELDS)}
+        of_e = rows[:, len(X_FIELDS) * nx :]
+        variables |= {name: of_e[:, k * ne : (k + 1) * ne] for k, name in enumerate(E_FIELDS)}
+        super().__init__(t, variables, {}, lost)
 
     def __reduce__(self) -> Any:
         """A copy, here or in another process, has variables of its own."""

@@ -159,7 +159,7 @@ class StatementIndex:
     def groups_of(self, *keywords: str, block: int | None = None) -> list[StatementGroup]:
         """All groups of one of the keywords (and in the block), in the order of their first statements."""
         blocks = self._found.values() if block is None else (self._found[block],)
-        entries = [entry for found in blocks for keyword in keywords for entry in found.get(keyword, ())]
+        entries = [entry for found in blocks for keyword in keywords if keyword in found for entry in found[keyword]]
         return [group for _, group in sorted(entries)]
 
     def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
@@ -169,7 +169,7 @@ class StatementIndex:
 
     def rows(self, keyword: str, block: int) -> Iterable[tuple[Any, ...]]:
         """The values of each statement with a keyword in a block, in file order."""
-        return chain.from_iterable([g.rows() for g in self.groups_of(keyword, block=block)])
+        return chain.from_iterable([group.rows() for _, group in self._found[block].get(keyword, ())])
 
     def each(self, *keywords: str, block: int) -> Iterator[tuple[StatementGroup, int, tuple[Any, ...]]]:
         """The statements with one of the keywords in a block: a group, the place in it, the values."""

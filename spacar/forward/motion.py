@@ -222,18 +222,17 @@ class Extent:
         n = mechanism.numbering
         if not self.low:
             return {}
+        of_x, of_e = n.x_class["dynamic"].start, slice(n.e_class["dynamic"].start, n.e_class["kinematic"].stop)
         x, e = (high - low for low, high in zip(self.low, self.high, strict=True))
+        e, is_length = e[of_e], mechanism.is_length[of_e]
         is_position = np.zeros(n.nx, bool)
-        is_position[n.positions.ravel()] = True
-        in_x, in_e = np.zeros(n.nx, bool), np.zeros(n.ne, bool)
-        for name in ("dynamic", "kinematic"):
-            in_x[n.x_class[name]], in_e[n.e_class[name]] = True, True
-        kinds = ((LENGTHS, mechanism.length, is_position, mechanism.is_length),
-                 (ROTATIONS, 1.0, ~is_position, ~mechanism.is_length))  # fmt: skip
+        is_position[n.positions] = True
         found = {}
-        for kind, size, own_x, own_e in kinds:
-            if (in_x & own_x).any() or (in_e & own_e).any():
-                most = max(float(x[own_x].max(initial=0.0)), float(e[own_e & in_e].max(initial=0.0)))
+        for kind, size, own_x, own_e in (
+            (LENGTHS, mechanism.length, is_position, is_length), (ROTATIONS, 1.0, ~is_position, ~is_length),
+        ):  # fmt: skip
+            if own_x[of_x:].any() or own_e.any():
+                most = max(float(x[own_x].max(initial=0.0)), float(e[own_e].max(initial=0.0)))
                 if most > ROUNDED * size:
                     found[kind] = most
         return found

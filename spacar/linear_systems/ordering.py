@@ -6,7 +6,7 @@ with a symmetric pattern and a zero-free diagonal is ordered symmetrically by it
 """
 
 import numpy as np
-from scipy.sparse import bmat, csr_matrix
+from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from spacar.arrays import Index
@@ -19,7 +19,8 @@ def order(n: int, rows: Index, columns: Index) -> tuple[Index, Index]:
     if np.array_equal(turned.indptr, A.indptr) and np.array_equal(turned.indices, A.indices):
         rank = _rank(reverse_cuthill_mckee(A, symmetric_mode=True))
         return rank, rank
-    both = csr_matrix(bmat([[None, A], [turned, None]]))
+    indices, starts = np.concatenate((A.indices + n, turned.indices)), np.append(A.indptr, A.nnz + turned.indptr[1:])
+    both = csr_matrix((np.ones(len(indices)), indices, starts), (2 * n, 2 * n))
     permutation = reverse_cuthill_mckee(both, symmetric_mode=True)
     return _rank(permutation[permutation < n]), _rank(permutation[permutation >= n] - n)
 

@@ -193,8 +193,8 @@ class Numbering:
 
     @cached_property
     def translations(self) -> Index:
-        """(nx,) number of the translation along an axis, of position nodes that elements join, that a coordinate takes
-        part in; -1 of orientations and warping."""
+        """(nx,) translation of joined position nodes that a coordinate takes part in: the place of the first of these
+        coordinates; -1 of orientations and warping."""
         part = np.arange(len(self.roles))
         position = self.roles == ROLES.index("position")
         joined = [rows.nodes[:, position[rows.nodes[0]]] for rows in self.types]
@@ -205,8 +205,8 @@ class Numbering:
                 if nodes.shape[1] > 1:
                     np.minimum.at(part, nodes, part[nodes].min(axis=1)[:, None])
             part = part[part]
-        found, axes = np.full(self.nx, -1), self.positions.shape[1]
-        found[self.positions] = axes * np.unique(part[position], return_inverse=True)[1][:, None] + np.arange(axes)
+        found = np.full(self.nx, -1)
+        found[self.positions] = self.x_places[part[position], : self.positions.shape[1]]
         return found
 
     @cached_property

@@ -83,8 +83,9 @@ def distance(d: Array) -> Array:
 
 def frame(t: Array) -> Array:
     """(n, 9): rows x', y', z' of the planar frame with x' along t (2, n)."""
-    zero, one = np.zeros(t.shape[1]), np.ones(t.shape[1])
-    return np.stack((t[0], t[1], zero, -t[1], t[0], zero, zero, zero, one), axis=-1)
+    rows = np.zeros((t.shape[1], 9), t.dtype)
+    rows[:, 0:2], rows[:, 3:5], rows[:, 8] = t.T, normal(t).T, 1.0
+    return rows
 
 
 def short_troubles(l: Array, l0: Array) -> list[Trouble]:

@@ -81,8 +81,8 @@ class PlanarBeam(Family):
     def _set(self, group: ElementGroup, l0: Array, angle: Array, m: Array, J: Array) -> None:
         """What beams and tubes have in common: start directions `angle` (end, n), mass m and J per length."""
         self.keyword, self.numbers, self.length = group.keyword, group.numbers, l0
-        self.angle, self.signed = angle, np.stack((l0, -l0))  # signed: L (end, n)
-        self.frame_p, self.frame_q = (chord.frame(np.stack((np.cos(a), np.sin(a)))) for a in angle)
+        self.angle, self.signed = angle, np.array((l0, -l0))  # signed: L (end, n)
+        self.frame_p, self.frame_q = map(chord.frame, np.array((np.cos(angle), np.sin(angle))).swapaxes(0, 1))
         EA, EI, shear = group.estiff[:, 0:3].T
         self.rigidity, self.viscosity = (EA, EI), (group.edamp[:, 0], group.edamp[:, 1])
         self.Phi, rest = shear, 3.0
