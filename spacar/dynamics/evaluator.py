@@ -1,17 +1,13 @@
-"""The contract of evaluators: small protocols, and their sum.
+"""The contract of evaluators.
 
 A loaded mechanism never changes. An evaluator follows one motion of it: it remembers the configuration of the last
 state that it evaluated, because a position has several solutions and the one near the last is meant. That memory is all
 its state; it can be read (`placement`) and handed on. An evaluator knows nothing of tolerances, output times, Jacobians
 or what is watched: the driver (`spacar.forward.driver`) does, and hands them over with every call.
 
-    RightHandSide  F(t, y), the position solved to `within`: what the driver integrates; batches of cases have no more
-    Following      where the evaluator stands, a second one beside it, and the NumPy evaluator there: for linearization,
-                   transfer functions, diagnoses
-    Outputs        everything that is stored of a state, and what is checked there
-
-`spacar.dynamics.Dynamics` (NumPy) and `spacar.compiled.CompiledDynamics` (C) fulfil it, and
-`tests/dynamics/test_evaluators.py` compares them protocol by protocol.
+What the driver integrates is a `RightHandSide`: F(t, y), the position solved to `within`; batches of cases have no
+more. `spacar.dynamics.Dynamics` (NumPy) and `spacar.compiled.CompiledDynamics` (C) are an `Evaluator`, and
+`tests/dynamics/test_evaluators.py` compares them.
 """
 
 from __future__ import annotations
@@ -49,9 +45,14 @@ class RightHandSide(Protocol):
         """Name of a component of the state, for messages."""
 
 
-class Following(Protocol):
-    """Follows one motion, and remembers where it stands."""
+class Evaluator(RightHandSide, Protocol):
+    """Follows one motion of a loaded mechanism, and tells of its states. AnalysisError of any call says what cannot be
+    evaluated and why."""
 
+    @property
+    def model(self) -> LoadedMechanism: ...
+
+    # -- where it stands ------------------------------------------------------------------------------------------
     def start(self) -> Array:
         """The start state; the mechanism is brought there from the reference configuration. Raises AnalysisError
         'dynamics.singular-mass' too when a degree of freedom carries no mass.
@@ -71,7 +72,8 @@ class Following(Protocol):
         """Go on from there: the next evaluations begin with its expansion, as if nothing had come after it."""
 
     def numpy_evaluator(self) -> Dynamics:
-        """The NumPy evaluator at the last evaluated state; holds until the next call of this evaluator."""
+        """The NumPy evaluator at the last evaluated state, for linearization, transfer functions, diagnoses; holds
+        until the next call of this evaluator."""
 
     def fork(self, independent: bool = ...) -> Evaluator:
         """Another evaluator of the same model, which follows its own path from the present configuration.
@@ -79,10 +81,7 @@ class Following(Protocol):
         this one's results stay the same to `within`.
         """
 
-
-class Outputs(Protocol):
-    """Of single states, the last evaluated one where none is named."""
-
+    # -- what is stored of a state and checked there: of the last evaluated one where none is named ---------------
     @property
     def iterations(self) -> int:
         """How many Newton iterations the position of the last frame took."""
@@ -106,10 +105,3 @@ class Outputs(Protocol):
         """The logarithm of the smallest |det V[E, U]| of the derivatives since the last call (infinite: none), and
         whether its sign has changed among them.
         """
-
-
-class Evaluator(RightHandSide, Following, Outputs, Protocol):
-    """Of one loaded mechanism. AnalysisError of any call says what cannot be evaluated and why."""
-
-    @property
-    def model(self) -> LoadedMechanism: ...
