@@ -41,7 +41,7 @@ from spacar.kinematics import Kinematics
 from spacar.kinematics.element_sweep import ElementSweep, SweepArrays
 from spacar.kinematics.kinematics import CONVERGED
 from spacar.linear_systems import SingularMatrixError
-from spacar.mechanism.mechanism import Drive, DriveState, Loads, Mechanism, UserForces
+from spacar.mechanism.mechanism import DriveState, UserForces
 
 State = tuple[float, Array, Array, Array]  # t, x, xd, xdd
 FARTHEST = 1.5  # steps h ahead
@@ -87,6 +87,7 @@ class EquationsOfMotion:
     def use(self, model: LoadedMechanism) -> None:
         """Put other loads, another prescribed motion or another stress law on the same mechanism."""
         self.model = model
+        self.mechanism, self.loads, self.drive = model.mechanism, model.loads, model.drive
         vars(self).pop("forces", None)  # of other loads
 
     @cached_property
@@ -110,18 +111,6 @@ class EquationsOfMotion:
         sweep = ElementSweep(self.mechanism, arrays)
         sweep.constant_mass()
         return Kinematics(self.mechanism, self.kind, sweep)
-
-    @property
-    def mechanism(self) -> Mechanism:
-        return self.model.mechanism
-
-    @property
-    def loads(self) -> Loads:
-        return self.model.loads
-
-    @property
-    def drive(self) -> Drive:
-        return self.model.drive
 
     @property
     def law(self) -> StressLaw:

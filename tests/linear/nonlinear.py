@@ -66,7 +66,7 @@ class Nonlinear:
         s, v, a = state.s[r], state.qd[r], state.qdd[r]
         drive = DriveState(s[:nxr], v[:nxr], a[:nxr], s[nxr:], v[nxr:], a[nxr:])
         # forces and law keep what a test has put on them
-        self.d.model = replace(self.d.model, drive=SteadyDrive(drive), own_law=self.d.law)
+        self.d.drive = SteadyDrive(drive)
         return drive
 
     def _place(self, state: State) -> DriveState:
