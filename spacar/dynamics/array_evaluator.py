@@ -66,16 +66,15 @@ class Dynamics(EquationsOfMotion):
         self.doubt = None
         if not self.numbering.nddof:
             return
-        self.sweep.mass()
+        mechanism, sweep = self.mechanism, self.sweep
+        sweep.mass()
         if not is_checked(self.numbering):
-            saddle = SaddlePoint(self.mechanism, self.sweep, self.kind)
-            self.doubt = require_inertia_of_many(self.mechanism, saddle, self.condition)
-        else:
-            largest = largest_mass(self.mechanism, self.sweep)
-            condition = self.condition()
-            if is_doubtful(self.mechanism, dynamic_mass(self.kinematics, self.coupling), condition, largest):
-                saddle = SaddlePoint(self.mechanism, self.sweep, self.kind)
-                self.doubt = require_regular_mass(self.mechanism, saddle, condition)
+            saddle = SaddlePoint(mechanism, sweep, self.kind)
+            self.doubt = require_inertia_of_many(mechanism, saddle, self.condition)
+            return
+        largest, condition = largest_mass(mechanism, sweep), self.condition()
+        if is_doubtful(mechanism, dynamic_mass(self.kinematics, self.coupling), condition, largest):
+            self.doubt = require_regular_mass(mechanism, SaddlePoint(mechanism, sweep, self.kind), condition)
 
     # -- frames -------------------------------------------------------------------------------------------------
     def frame(self, t: float, y: Array) -> Frame:

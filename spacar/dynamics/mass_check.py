@@ -159,11 +159,8 @@ def linearized_doubt(
     massless, doubtful = _motions_of_rounding(mechanism, SaddlePoint(mechanism, elements()), condition)
     if not (massless or doubtful):
         return None
-    return (
-        f"the inertia on the motion of {massless or doubtful} is that of rounding in the position (condition"
-        f" {condition:.2g}): frequencies of this motion have no right digit; add mass (XM, EM), or choose other degrees"
-        " of freedom"
-    )
+    result = "frequencies of this motion have no right digit; add mass (XM, EM)"
+    return _of_rounding(massless or doubtful, condition, result)
 
 
 def _without_inertia(mechanism: Mechanism, names: str) -> AnalysisError:
@@ -174,11 +171,11 @@ def _without_inertia(mechanism: Mechanism, names: str) -> AnalysisError:
     return AnalysisError(text, "dynamics.singular-mass")
 
 
-def _of_rounding(names: str, condition: float) -> str:
-    return (
-        f"the inertia on the motion of {names} is that of rounding in the position (condition {condition:.2g}): the"
-        " accelerations may have no right digit; begin elsewhere, or choose other degrees of freedom"
-    )
+def _of_rounding(
+    names: str, condition: float, result: str = "the accelerations may have no right digit; begin elsewhere"
+) -> str:
+    text = f"the inertia on the motion of {names} is that of rounding in the position (condition {condition:.2g})"
+    return f"{text}: {result}, or choose other degrees of freedom"
 
 
 def _motions_of_rounding(mechanism: Mechanism, saddle: SaddlePoint, condition: float) -> tuple[str, str]:
