@@ -1,4 +1,4 @@
-"""Types of arrays in annotations."""
+"""Types of arrays in annotations; places in arrays."""
 
 from __future__ import annotations
 
@@ -9,3 +9,10 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]  # of float64; NumPy annotates some float results too widely
 Index = NDArray[np.int64]
+
+
+def places_in(n: int, of: Index, to: Index | int | None = None) -> Index:
+    """(n,) places by number: those of the numbers `of` in this list, or in `to`; -1 of all others."""
+    found = np.full(n, -1)
+    found[of] = np.arange(len(of)) if to is None else to
+    return found

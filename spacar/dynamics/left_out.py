@@ -25,7 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import Array, Index, places_in
 from spacar.deck import Deck
 from spacar.dynamics.body_inertia import BodyInertia, NotRigid
 from spacar.dynamics.loaded_mechanism import StressLaw
@@ -145,9 +145,9 @@ class LeftOut:
         to, own = _common(l.x_places, stood.numbering.x_places)
         difference = -C
         difference[to] += stood.forces()[own]
-        column = _table(own, to, stood.numbering.nx)[stood.sweep.v_columns]
+        column = places_in(stood.numbering.nx, own, to)[stood.sweep.v_columns]
         to, own = _common(self.reduced.numbering.e_places, stood.numbering.e_places)
-        row = _table(own, to, stood.numbering.ne)[stood.sweep.v_rows]
+        row = places_in(stood.numbering.ne, own, to)[stood.sweep.v_rows]
         there = (row >= 0) & (column >= 0)
         return difference, row[there], column[there], stood.sweep.v_entries[there]
 
@@ -189,7 +189,7 @@ class LeftOut:
         self.reaction_to, ground = (places[fixed] for places in self.x_left)
         self.carried = self.x_left[0][~fixed], self.x_left[1][~fixed]
         self.reaction, self.tied = sweep.gradient()[:, ground], np.zeros((len(given[-1]), len(ground)))
-        place = _table(ground, np.arange(len(ground)), l.nx)[columns]
+        place = places_in(l.nx, ground)[columns]
         there = place >= 0
         np.add.at(self.tied, (np.searchsorted(given[-1], rows[there]), place[there]), -values[there])
         still = self.e_left[1] >= l.e_class["calculable"].start
@@ -294,10 +294,3 @@ def _joined(places: tuple[Index, Index], more: list[tuple[int, int]]) -> tuple[I
     """The same with more pairs."""
     added = np.array(more, np.int64).reshape(-1, 2)
     return np.append(places[0], added[:, 0]), np.append(places[1], added[:, 1])
-
-
-def _table(own: Index, to: Index, size: int) -> Index:
-    """(size,) where each goes, -1 for nowhere."""
-    table = np.full(size, -1)
-    table[own] = to
-    return table

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import Array, Index, places_in
 from spacar.dynamics.loaded_mechanism import DeformationInertia
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.linear_systems import assemble
@@ -37,8 +37,7 @@ class SaddlePoint:
         self.n_rows = n.e_class["input"].stop
         self.sweep = sweep
         nf = len(self.F)
-        place = np.full(n.nx, -1)
-        place[self.F] = np.arange(nf)
+        place = places_in(n.nx, self.F)
         nv = len(sweep.v_entries)
         vr, vc = sweep.v_rows, place[sweep.v_columns]
         v = np.flatnonzero((vr < self.n_rows) & (vc >= 0))

@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import Array, places_in
 from spacar.kinematics.constraint_matrices import Entries, entries_of, scaled_difference_matrix
 from spacar.kinematics.kinematics import Kinematics
 from spacar.mechanism.mechanism import Mechanism
@@ -44,10 +44,8 @@ def of_scaled(D: Array) -> float:
 
 def _estimate(k: Kinematics) -> float:
     sweep, n = k.sweep, len(k.E)
-    row, column = np.full(sweep.ne, -1), np.full(sweep.nx, -1)
-    row[k.E], column[k.U] = np.arange(n), np.arange(n)
-    part = np.flatnonzero((row[sweep.v_rows] >= 0) & (column[sweep.v_columns] >= 0))
-    i, j = row[sweep.v_rows[part]], column[sweep.v_columns[part]]
+    part = k.of_velocity.take
+    i, j = places_in(sweep.ne, k.E)[sweep.v_rows[part]], places_in(sweep.nx, k.U)[sweep.v_columns[part]]
     r, c = k.mechanism.deformation_scale[k.E], k.mechanism.scale[k.U]
     D, system = sweep.v_entries[part] * c[j] / r[i], k.velocity_system
     size = _largest(lambda x: np.bincount(i, D * x[j], n), lambda y: np.bincount(j, D * y[i], n), n)

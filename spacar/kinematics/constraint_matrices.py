@@ -28,7 +28,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import Array, Index
+from spacar.arrays import Array, Index, places_in
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
 from spacar.linear_systems.reciprocal_condition import smallest
@@ -85,11 +85,8 @@ class ConstraintMatrices:
         return self.of_velocity if self.velocity_map_is_position_map else self._part(self.h, self.c)
 
     def _part(self, rows: Index, columns: Index) -> MatrixPart:
-        row_of = np.full(self.numbering.ne, -1)
-        row_of[rows] = np.arange(len(rows))
-        column_of = np.full(self.numbering.nx, -1)
-        column_of[columns] = np.arange(len(columns))
-        r, c = row_of[self.sweep.v_rows], column_of[self.sweep.v_columns]
+        n, sweep = self.numbering, self.sweep
+        r, c = places_in(n.ne, rows)[sweep.v_rows], places_in(n.nx, columns)[sweep.v_columns]
         take = np.flatnonzero((r >= 0) & (c >= 0))
         return MatrixPart(rows, columns, take, assemble(len(rows), r[take], c[take], self.kind))
 
@@ -158,8 +155,7 @@ def scaled_difference_matrix(mechanism: Mechanism, entries: Entries, E: Index, U
     """The rows E and columns U of V without dimension, dense; `entries` are those of the whole V, repeated ones add
     up. No array is larger than that."""
     rows, columns, values = entries
-    row, column = np.full(mechanism.numbering.ne, -1), np.full(mechanism.numbering.nx, -1)
-    row[E], column[U] = np.arange(len(E)), np.arange(len(U))
+    row, column = places_in(mechanism.numbering.ne, E), places_in(mechanism.numbering.nx, U)
     part = np.flatnonzero((row[rows] >= 0) & (column[columns] >= 0))
     i, j = rows[part], columns[part]
     scaled = values[part] * mechanism.scale[j] / mechanism.deformation_scale[i]

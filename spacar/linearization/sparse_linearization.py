@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import Array, Index, places_in
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import StressLaw
 from spacar.errors import AnalysisError
@@ -67,8 +67,8 @@ class SparseLinearization:
         self.n, self.places = n, _Places(n)
         self.inputs, self.outputs = inputs, outputs
         self.E, self.U, self.h, self.c = k.E, k.U, k.h, k.c
-        self.position_row = _rows(n.ne, self.h, self.places.x + self.c)
-        self.velocity_row = _rows(n.ne, self.E, self.places.v + self.U)
+        self.position_row = places_in(n.ne, self.h, self.places.x + self.c)
+        self.velocity_row = places_in(n.ne, self.E, self.places.v + self.U)
         self._constant = self._given()
         self.B = self.input_matrix(inputs)
         self._widest = partial(structure, dynamics, moving, free)
@@ -91,7 +91,7 @@ class SparseLinearization:
         p, n = self.places, self.n
         entries = Entries(self._constant)
         # accelerations: equilibrium
-        rows, back = _rows(n.nx, p.moving_x, p.a + p.moving_x), c.V.T @ c.deformation_inertia
+        rows, back = places_in(n.nx, p.moving_x, p.a + p.moving_x), c.V.T @ c.deformation_inertia
         stiffness = c.inertia_x + c.geometric + c.load_x + c.user_x + back @ c.second_x
         damping, mass = c.inertia_v + c.user_v + back @ c.second_v, c.M + back @ c.V
         for matrix, first in ((mass, p.a), (damping, p.v), (stiffness, p.x), (c.V.T, p.s)):
@@ -101,19 +101,19 @@ class SparseLinearization:
         entries.add(c.V, self.velocity_row, p.v, -1.0)
         entries.add(c.rate_x, self.velocity_row, p.x, -1.0)
         # stresses: accelerations of the given deformations, the law of the others
-        rows = _rows(n.ne, p.given_e, p.s + p.given_e)
+        rows = places_in(n.ne, p.given_e, p.s + p.given_e)
         second = ((c.V, p.a), (c.second_v, p.v), (c.second_x, p.x))
         for matrix, first in second:
             entries.add(matrix, rows, first, -1.0)
         active = np.arange(len(p.given_e), n.ne)
-        rows = _rows(n.ne, active, p.s + active)
+        rows = places_in(n.ne, active, p.s + active)
         entries.add(c.S @ c.V + c.Sd @ c.rate_x + c.stress_x, rows, p.x, 1.0)
         entries.add(c.Sd @ c.V + c.stress_v, rows, p.v, 1.0)
         # rates of the state
-        rows = _rows(n.ne, p.dynamic_e, p.rate_e)
+        rows = places_in(n.ne, p.dynamic_e, p.rate_e)
         for matrix, first in second:
             entries.add(matrix, rows, first, 1.0)
-        rows = _rows(n.ne, p.kinematic_e, p.k_e)
+        rows = places_in(n.ne, p.kinematic_e, p.k_e)
         entries.add(c.V, rows, p.v, 1.0)
         entries.add(c.rate_x, rows, p.x, 1.0)
         return entries.matrix((p.size, p.size))
@@ -182,17 +182,10 @@ class SparseLinearization:
             if signal.kind in places:
                 entries.ones(np.array([j]), np.array([places[signal.kind] + signal.index]))
                 continue
-            rows = _rows(n.nx if signal.kind == "OUTF" else n.ne, np.array([signal.index]), np.array([j]))
+            rows = places_in(n.nx if signal.kind == "OUTF" else n.ne, np.array([signal.index]), np.array([j]))
             for matrix, first in maps[signal.kind]:
                 entries.add(matrix, rows, first, 1.0)
         return entries.matrix((len(self.outputs), p.size))
-
-
-def _rows(n: int, of: Index, to: Index) -> Index:
-    """(n,) rows of the system, -1 of what is in none."""
-    rows = np.full(n, -1)
-    rows[of] = to
-    return rows
 
 
 def _filled(pattern: Any, A: Any) -> Any:
