@@ -7,12 +7,13 @@ assembled from this array with index maps that are made once. Nothing here alloc
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.elements.family import Configuration, Family
+from spacar.elements.family import Configuration
 from spacar.mechanism.layout import Batch, Place
 from spacar.mechanism.mechanism import Mechanism
 
@@ -110,14 +111,15 @@ class ElementSweep:
     def mass(self) -> None:
         """M of the configuration-dependent families into `entries`."""
         for b in self.moving:
-            b.family.mass(self.configured(b.family, b.index), self.M[b.index])
+            b.family.mass(self.configured(b), self.M[b.index])
 
-    def configured(self, family: Family, key: int) -> Configuration:
+    def configured(self, b: Batch) -> Configuration:
         """The configuration of a batch. Those without deformations are not in `strain`: theirs is made here."""
-        if family.n_deformations == 0:
-            empty = np.zeros((0, *self.x_of[key].shape[1:]))
-            self.configuration[key] = family.strain(self.x_of[key], empty, empty, empty[:, None])
-        return self.configuration[key]
+        if b.family.n_deformations == 0:
+            x = self.x_of[b.index]
+            empty = np.zeros((0, *x.shape[1:]))
+            self.configuration[b.index] = b.family.strain(x, empty, empty, empty[:, None])
+        return self.configuration[b.index]
 
     def mass_times(self, a: Array) -> Array:
         """M a, (nx,)."""
@@ -132,8 +134,16 @@ class ElementSweep:
             np.take(a, self.x_index, out=self._a, mode="clip")
         for b in self.moving:
             key, acceleration = b.index, None if a is None else self.a_of[b.index]
-            self.f_of[key][...] = b.family.inertia_force(self.configured(b.family, key), self.v_of[key], acceleration)
+            self.f_of[key][...] = b.family.inertia_force(self.configured(b), self.v_of[key], acceleration)
         return np.bincount(self.f_index, self._f, self.nx)
+
+
+def gradient_blocks(sweep: ElementSweep, fill: Callable[[Batch, Array], None]) -> list[tuple[Batch, Array]]:
+    """What `fill` writes into (n_deformations, n_coordinates, n) of every batch whose V depends on x."""
+    blocks = [(b, np.zeros((len(b.e), len(b.x), b.family.n))) for b in sweep.curved]
+    for b, block in blocks:
+        fill(b, block)
+    return blocks
 
 
 def geometric_blocks(sweep: ElementSweep, sigma: Array) -> list[tuple[Batch, Array]]:

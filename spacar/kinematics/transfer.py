@@ -20,7 +20,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.frame import Frame
-from spacar.kinematics.element_sweep import geometric_blocks
+from spacar.kinematics.element_sweep import geometric_blocks, gradient_blocks
 from spacar.kinematics.kinematics import Kinematics
 from spacar.linear_systems.linear_system import Matrix
 
@@ -131,10 +131,8 @@ def third_order_transfer(k: Kinematics, G: Array, d2x: Array) -> tuple[Array, Ar
 
 
 def _rate_gradient(k: Kinematics, v: Array) -> Array:
-    out = np.zeros((k.numbering.ne, k.numbering.nx))
-    for b in k.sweep.curved:
-        block = np.zeros((len(b.e), len(b.x), b.family.n))
-        b.family.rate_gradient(k.sweep.configuration[b.index], v[b.x], block)
+    out, at = np.zeros((k.numbering.ne, k.numbering.nx)), k.sweep.configuration
+    for b, block in gradient_blocks(k.sweep, lambda b, out: b.family.rate_gradient(at[b.index], v[b.x], out)):
         out[b.e[:, None, :], b.x[None, :, :]] = block
     return out
 

@@ -21,31 +21,28 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import StressLaw, moment_entries
-from spacar.elements.family import Family
-from spacar.kinematics.element_sweep import ElementSweep, geometric_blocks
+from spacar.kinematics.element_sweep import ElementSweep, geometric_blocks, gradient_blocks
 from spacar.linear_systems.linear_system import Matrix, diagonal_matrix, matrix, zero_matrix
 from spacar.linearization.user_derivatives import UserDerivatives, user_derivatives
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import UserForces
 
-NOWHERE: Index = np.zeros(0, np.int64)
+Blocks = list[tuple[Batch, Array]]
+
+
+def _sum(blocks: list[tuple[Index, Index, Array]], shape: tuple[int, int]) -> Matrix:
+    """Sum of element blocks (a, b, n) at these rows (a, n) and columns (b, n)."""
+    if not blocks:
+        return zero_matrix(shape)
+    rows = [np.broadcast_to(i[:, None], block.shape).ravel() for i, _, block in blocks]
+    columns = [np.broadcast_to(j[None], block.shape).ravel() for _, j, block in blocks]
+    values = [block.ravel() for *_, block in blocks]
+    return matrix(np.concatenate(rows), np.concatenate(columns), np.concatenate(values), shape)
 
 
 def _by_rows(sweep: ElementSweep, fill: Callable[[Batch, Array], None]) -> Matrix:
     """Sum of element blocks (n_deformations, n_coordinates, n) as (ne, nx)."""
-    rows, columns, values = [NOWHERE], [NOWHERE], [np.zeros(0)]
-    for batch in sweep.curved:
-        block = np.zeros((len(batch.e), len(batch.x), batch.family.n))
-        fill(batch, block)
-        rows.append(np.broadcast_to(batch.e[:, None, :], block.shape).ravel())
-        columns.append(np.broadcast_to(batch.x[None, :, :], block.shape).ravel())
-        values.append(block.ravel())
-    return matrix(np.concatenate(rows), np.concatenate(columns), np.concatenate(values), (sweep.ne, sweep.nx))
-
-
-def block_pattern(sweep: ElementSweep) -> Matrix:
-    """Positive numbers where H1, H2 and T may have entries, (ne, nx)."""
-    return _by_rows(sweep, lambda b, out: out.fill(1.0))
+    return _sum([(b.e, b.x, block) for b, block in gradient_blocks(sweep, fill)], (sweep.ne, sweep.nx))
 
 
 def gradient_rate(sweep: ElementSweep, v: Array) -> Matrix:
@@ -63,14 +60,9 @@ def rate_gradient(sweep: ElementSweep, v: Array) -> Matrix:
     return _by_rows(sweep, lambda b, out: b.family.rate_gradient(sweep.configuration[b.index], v[b.x], out))
 
 
-def scatter(nx: int, blocks: list[tuple[Batch, Array]]) -> Matrix:
+def scatter(nx: int, blocks: Blocks) -> Matrix:
     """Sum of square element blocks as (nx, nx)."""
-    if not blocks:
-        return zero_matrix((nx, nx))
-    rows = [np.broadcast_to(b.x[:, None, :], block.shape).ravel() for b, block in blocks]
-    columns = [np.broadcast_to(b.x[None, :, :], block.shape).ravel() for b, block in blocks]
-    values = np.concatenate([block.ravel() for _, block in blocks])
-    return matrix(np.concatenate(rows), np.concatenate(columns), values, (nx, nx))
+    return _sum([(b.x, b.x, block) for b, block in blocks], (nx, nx))
 
 
 def geometric_stiffness(sweep: ElementSweep, sigma: Array) -> Matrix:
@@ -106,22 +98,15 @@ def gradient_matrix(sweep: ElementSweep) -> Matrix:
     return matrix(sweep.v_rows, sweep.v_columns, sweep.v_entries, (sweep.ne, sweep.nx))
 
 
-def inertia_blocks(
-    sweep: ElementSweep, v: Array, a: Array
-) -> tuple[list[tuple[Batch, Array]], list[tuple[Batch, Array]]]:
+def inertia_blocks(sweep: ElementSweep, v: Array, a: Array) -> tuple[Blocks, Blocks]:
     """d(M a + h)/dx and dh/dv per batch of the configuration-dependent families."""
-    by_x, by_v = [], []
-    for b in sweep.moving:
-        dx, dv = b.family.inertia_gradient(configuration_of(sweep, b), v[b.x], a[b.x])
-        by_x.append((b, dx))
-        by_v.append((b, dv))
-    return by_x, by_v
+    found = [(b, b.family.inertia_gradient(configuration_of(sweep, b), v[b.x], a[b.x])) for b in sweep.moving]
+    return [(b, by_x) for b, (by_x, _) in found], [(b, by_v) for b, (_, by_v) in found]
 
 
 def configuration_of(sweep: ElementSweep, b: Batch) -> object:
     """Configuration of a batch at the sweep's x, also for families without deformations."""
-    family: Family = b.family
-    return sweep.configured(family, b.index)
+    return sweep.configured(b)
 
 
 @dataclass(frozen=True)
@@ -204,13 +189,11 @@ def structure(dynamics: Dynamics, moving: bool, law: StressLaw | None = None) ->
     """
     law = law or dynamics.law
     sweep, n, m = dynamics.sweep, dynamics.numbering, dynamics.mechanism
-    blocks = block_pattern(sweep) if moving else zero_matrix((n.ne, n.nx))
+    blocks = _by_rows(sweep, lambda b, out: out.fill(1.0)) if moving else zero_matrix((n.ne, n.nx))
     curved, massive = (scatter(n.nx, [(b, np.ones((len(b.x), len(b.x), b.family.n))) for b in batches])
                        for batches in (sweep.curved, sweep.moving))  # fmt: skip
-    loads = [loads.moment_rows for loads in (m.loads, m.additional) if loads is not None]
-    by_moments = np.hstack(loads)
-    square = (4, 4, by_moments.shape[1])
-    i, j = (np.broadcast_to(r, square).ravel() for r in (by_moments[:, None, :], by_moments[None, :, :]))
+    moments = [loads.moment_rows for loads in (m.loads, m.additional) if loads is not None]
+    by_moments = _sum([(rows, rows, np.ones((4, *rows.shape))) for rows in moments], (n.nx, n.nx))
     told, pushed = (getattr(m.user_signal, rows, {}) for rows in ("stresses", "forces"))  # as far as it has been asked
     by_stress, by_push = _full_rows(told.values(), (n.ne, n.nx)), _full_rows(pushed.values(), (n.nx, n.nx))
     laws = [matrix(rows, columns, np.ones(len(rows)), (n.ne, n.ne))
@@ -219,7 +202,7 @@ def structure(dynamics: Dynamics, moving: bool, law: StressLaw | None = None) ->
         V=matrix(sweep.v_rows, sweep.v_columns, np.ones(len(sweep.v_rows)), (n.ne, n.nx)),
         M=matrix(sweep.m_rows, sweep.m_columns, np.ones(len(sweep.m_rows)), (n.nx, n.nx)),
         rate_x=blocks, second_v=blocks, second_x=blocks, inertia_x=massive, inertia_v=massive, geometric=curved,
-        load_x=massive + matrix(i, j, np.ones(len(i)), (n.nx, n.nx)), user_x=by_push, user_v=by_push,
+        load_x=massive + by_moments, user_x=by_push, user_v=by_push,
         S=laws[0], Sd=laws[1], deformation_inertia=laws[2], stress_x=by_stress, stress_v=by_stress,
         sigma=np.zeros(n.ne), moving=moving,
     )  # fmt: skip
