@@ -9,8 +9,6 @@ typedef struct {
     const Foreign *foreign;
 } Batch;
 
-typedef struct { int n, *row, *column, *source; } Entries; /* (n) each; `source` is a place in `values` */
-
 /* What Python gives, in two arrays: `read_spec` of model.c. */
 typedef struct {
     int nx, ne, n_fixed_x, n_rows, n_equations, n_batches, n_stiffness, n_damping, prescribed, n_constant;
@@ -63,6 +61,7 @@ struct Model {
     Sparse position, velocity, motion;    /* `velocity` where it is not that of the position */
     real *values;                         /* V, then M of moving elements, then the constant M */
     real *factored_x;                     /* (nx) where the matrix of the position is the factored one */
+    /* next_xd and next_xdd stand behind next_x, as those of a State */
     real *h, *convected, *applied, *b, *force, *next_x, *next_xd, *next_xdd, *branch, *next_e, *given_ed, *given_edd,
         *stage, *piece;
     real *transfer, *weighted, *small;

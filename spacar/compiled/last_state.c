@@ -40,8 +40,9 @@ static real norm_of_rates(Model *m, real *of_inverse)
     const int n = s->n;
     real norm = EVERY(0.0), *sum = m->b, *y = s->work, zero = EVERY(0.0);
     memset(sum, 0, sizeof(real) * n);
-    for (int k = 0; k < s->n_entries; k++)
-        sum[s->column[k]] += lanes_larger(zero, m->values[s->source[k]] / m->s.e_scale[s->row[k]]);
+    for (int k = 0; k < s->entries.n; k++)
+        sum[s->entries.column[k]] +=
+            lanes_larger(zero, m->values[s->entries.source[k]] / m->s.e_scale[s->entries.row[k]]);
     for (int j = 0; j < n; j++) norm = lanes_larger(norm, sum[j] * m->s.scale[unknown(m, j)]);
     *of_inverse = zero;
     for (int k = 0; k < n; k++) y[k] = EVERY(1.0 / m->s.scale[unknown(m, s->column_order[k])]);

@@ -1,4 +1,4 @@
-/* Memory of one owner: cut piece by piece from blocks, given back as a whole. */
+/* Memory of one owner: cut piece by piece from blocks, given back as a whole. Lists of entries of matrices in it. */
 enum { LINE = 64, BLOCK = 1 << 15 };
 
 typedef struct Block { struct Block *before; } Block;
@@ -39,4 +39,22 @@ static void give_back(Memory *of)
         of->last = before;
     }
     *of = (Memory){0};
+}
+
+typedef struct { int n, *row, *column, *source; } Entries; /* (n) each; `source` is a place in `values` */
+
+static int entries_begin(Memory *memory, Entries *list, int capacity)
+{
+    list->n = 0;
+    list->row = taken(memory, capacity, sizeof(int));
+    list->column = taken(memory, capacity, sizeof(int));
+    list->source = taken(memory, capacity, sizeof(int));
+    return list->row && list->column && list->source ? OK : NO_MEMORY;
+}
+
+static void add(Entries *list, int row, int column, int source)
+{
+    list->row[list->n] = row;
+    list->column[list->n] = column;
+    list->source[list->n++] = source;
 }

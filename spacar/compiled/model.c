@@ -1,21 +1,5 @@
 /* The lists behind a model: which entries of V and M there are, and where they go in the two systems. */
 
-static int entries_begin(Memory *memory, Entries *list, int capacity)
-{
-    list->n = 0;
-    list->row = taken(memory, capacity, sizeof(int));
-    list->column = taken(memory, capacity, sizeof(int));
-    list->source = taken(memory, capacity, sizeof(int));
-    return list->row && list->column && list->source ? OK : NO_MEMORY;
-}
-
-static void add(Entries *list, int row, int column, int source)
-{
-    list->row[list->n] = row;
-    list->column[list->n] = column;
-    list->source[list->n++] = source;
-}
-
 /* A value that no arithmetic gives: not-a-number with a payload. */
 static const uint64_t UNTOUCHED = 0x7ff8dead00000001u;
 
@@ -38,6 +22,14 @@ static void add_foreign(Entries *list, const Batch *k, const int *rows, int n_ro
     for (int r = 0; r < n_rows; r++)
         for (int j = 0; j < k->nxe; j++)
             for (int i = 0; i < k->n; i++) add(list, rows[i * n_rows + r], k->x[i * k->nxe + j], source++);
+}
+
+/* What has been written of the matrix of an element, whose `values` begin at `source`. */
+static void add_written(Entries *list, const real *values, int source, const int *rows, int n_rows, const int *columns,
+    int n)
+{
+    for (int r = 0; r < n_rows; r++)
+        for (int j = 0; j < n; j++, source++) if (written(values[source])) add(list, rows[r], columns[j], source);
 }
 
 /* Pairs of entries of V whose product is an entry of V^T M_e V; their number. */
@@ -98,24 +90,18 @@ static void reference_values(Model *m)
 static int find_entries(Model *m, Memory *work, Entries *V)
 {
     const Spec *s = &m->s;
-    int element = 0, at = 0;
+    int element = 0, n_v = 0, n_m = 0;
     for (int b = 0; b < s->n_batches; b++) {
         const Batch *k = &s->batches[b];
         for (int i = 0; i < k->n; i++, element++) {
-            m->v_offset[element] = at;
-            at += k->nee * k->nxe;
+            m->v_offset[element] = n_v;
+            m->m_offset[element] = n_m;
+            n_v += k->nee * k->nxe;
+            if (k->inertia) n_m += k->nxe * k->nxe;
         }
     }
-    const int n_v = at;
-    element = 0;
-    for (int b = 0; b < s->n_batches; b++) {
-        const Batch *k = &s->batches[b];
-        for (int i = 0; i < k->n; i++, element++) {
-            m->m_offset[element] = at;
-            if (k->inertia) at += k->nxe * k->nxe;
-        }
-    }
-    const int n_values = at + s->n_constant;
+    for (int k = 0; k < element; k++) m->m_offset[k] += n_v;
+    const int at = n_v + n_m, n_values = at + s->n_constant;
     m->values = taken(&m->memory, n_values, sizeof(real));
     if (!m->values || entries_begin(work, V, n_v) || entries_begin(&m->memory, &m->mass, n_values - n_v))
         return NO_MEMORY;
@@ -131,17 +117,9 @@ static int find_entries(Model *m, Memory *work, Entries *V)
             continue;
         }
         for (int i = 0; i < k->n; i++, element++) {
-            const int *ix = k->x + i * k->nxe, *ie = k->e + i * k->nee;
-            const real *v = m->values + m->v_offset[element], *M = m->values + m->m_offset[element];
-            for (int r = 0; r < k->nee; r++)
-                for (int j = 0; j < k->nxe; j++)
-                    if (written(v[r * k->nxe + j]))
-                        add(V, ie[r], ix[j], m->v_offset[element] + r * k->nxe + j);
-            if (!k->inertia) continue;
-            for (int r = 0; r < k->nxe; r++)
-                for (int j = 0; j < k->nxe; j++)
-                    if (written(M[r * k->nxe + j]))
-                        add(&m->mass, ix[r], ix[j], m->m_offset[element] + r * k->nxe + j);
+            const int *x = k->x + i * k->nxe;
+            add_written(V, m->values, m->v_offset[element], k->e + i * k->nee, k->nee, x, k->nxe);
+            if (k->inertia) add_written(&m->mass, m->values, m->m_offset[element], x, k->nxe, x, k->nxe);
         }
     }
     for (int k = 0; k < at; k++) if (!written(m->values[k])) m->values[k] = EVERY(0.0);
@@ -169,22 +147,14 @@ static int sort_rows(Memory *memory, const Entries *list, int n_rows, int **star
     return OK;
 }
 
-static void put(Sparse *system, int row, int column, int source)
-{
-    const int at = system->n_entries++;
-    system->row[at] = row;
-    system->column[at] = column;
-    system->source[at] = source;
-}
-
 /* Whether the reduced form takes less time than the saddle-point form: its operations on vectors of ROW numbers
    against the entries of the factors of the saddle-point matrix, which are counted where its own entries leave it
    open (measured break-even, docs/performance.md). */
 static int takes_reduced_form(Model *m, int q)
 {
     Sparse *motion = &m->motion;
-    const double worth = LANES == 1 ? 5.0 : 9.0, sure = worth * motion->n_entries;
-    const double transfer = (double)((q + ROW) / ROW) * (m->position.n_entries + m->mass.n + m->coupling.n);
+    const double worth = LANES == 1 ? 5.0 : 9.0, sure = worth * motion->entries.n;
+    const double transfer = (double)((q + ROW) / ROW) * (m->position.entries.n + m->mass.n + m->coupling.n);
     const double operations = transfer + (double)m->s.nx * q * (1.0 + 0.5 * q / ROW);
     if (operations < 0.4 * sure || operations > 2.0 * sure) return operations < sure;
     return !plan(motion, m->values, 0, INFINITY)
@@ -196,7 +166,7 @@ static void put_free(Sparse *motion, const Entries *list, const int *place)
 {
     for (int k = 0; k < list->n; k++) {
         const int i = place[list->row[k]], j = place[list->column[k]];
-        if (i >= 0 && j >= 0) put(motion, i, j, list->source[k]);
+        if (i >= 0 && j >= 0) add(&motion->entries, i, j, list->source[k]);
     }
 }
 
@@ -225,14 +195,14 @@ static int assemble(Model *m)
     for (int i = 0; i < nc; i++)
         for (int r = s->position[i], k = m->v_start[r]; k < m->v_start[r + 1]; k++) {
             const int j = m->v_column[k] - first, d = m->v_column[k] - s->x_dynamic;
-            if (j >= 0 && j < nc) put(&m->position, i, j, m->v_place[k]);
+            if (j >= 0 && j < nc) add(&m->position.entries, i, j, m->v_place[k]);
             if (d >= 0 && d < s->n_x_dynamic) add(&m->dynamic, i, d, m->v_place[k]);
         }
     for (int r = 0; r < n && !m->holonomic; r++)
         for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) {
             const int j = m->v_column[k] - first, u = m->v_column[k] - s->x_kinematic;
-            if (j >= 0 && j < nc) put(&m->velocity, r, j, m->v_place[k]);
-            if (u >= 0 && u < s->n_x_kinematic) put(&m->velocity, r, nc + u, m->v_place[k]);
+            if (j >= 0 && j < nc) add(&m->velocity.entries, r, j, m->v_place[k]);
+            if (u >= 0 && u < s->n_x_kinematic) add(&m->velocity.entries, r, nc + u, m->v_place[k]);
         }
     if (with_motion) {
         for (int i = 0; i < s->nx; i++) place[i] = -1;
@@ -243,8 +213,8 @@ static int assemble(Model *m)
             for (int k = m->v_start[r]; k < m->v_start[r + 1]; k++) {
                 const int j = place[m->v_column[k]];
                 if (j < 0) continue;
-                put(&m->motion, nf + r, j, m->v_place[k]);
-                put(&m->motion, j, nf + r, m->v_place[k]);
+                add(&m->motion.entries, nf + r, j, m->v_place[k]);
+                add(&m->motion.entries, j, nf + r, m->v_place[k]);
             }
     }
     m->reduced = m->holonomic && !s->prescribed && (m->tree || takes_reduced_form(m, q));

@@ -15,11 +15,11 @@ enum { SEARCHED = 256 }; /* entries of columns among which a pivot is chosen */
 
 typedef struct {
     /* kept: the order stays, another one is made beside it; even: sign of the permutations */
-    int n, n_entries, planned, kept, even;
-    int *row, *column, *source;         /* (n_entries) */
+    int n, planned, kept, even;
+    Entries entries;
     double *weight;                     /* (n) row factors */
     int *row_order, *column_order;      /* (n) row and column of pivot k */
-    /* (n_entries) by pivot row: where they go in the factors, where they come from */
+    /* of the entries, by pivot row: where they go in the factors, where they come from */
     int *entry_place, *entry_source;
     double *entry_weight;
     Memory order;                       /* what has the order, and the factors in it */
@@ -62,7 +62,7 @@ static void drop(List *list, int k)
 /* Room for another order of the pivots. */
 static int order_begin(Sparse *s)
 {
-    const int n = s->n, n_entries = s->n_entries;
+    const int n = s->n, n_entries = s->entries.n;
     if (s->kept) s->order = (Memory){0};
     give_back(&s->order);
     s->planned = s->kept = 0;
@@ -83,12 +83,9 @@ static int order_begin(Sparse *s)
 static int sparse_begin(Memory *memory, Sparse *s, int n, int capacity)
 {
     s->n = n;
-    s->row = taken(memory, capacity, sizeof(int));
-    s->column = taken(memory, capacity, sizeof(int));
-    s->source = taken(memory, capacity, sizeof(int));
     s->inverse = cleared(memory, n, sizeof(real));
     s->work = cleared(memory, n, sizeof(real));
-    return s->row && s->column && s->source && s->inverse && s->work ? OK : NO_MEMORY;
+    return s->inverse && s->work ? entries_begin(memory, &s->entries, capacity) : NO_MEMORY;
 }
 
 /* The order of the first call, or that it chose none, which is kept; `first` has been cleared then. */
@@ -119,9 +116,9 @@ static int equilibrate(Memory *work, Sparse *s, const real *values, int lane)
     for (int i = 0; i < n; i++) s->weight[i] = column[i] = 1.0;
     for (int pass = 0; pass < 4; pass++) {
         for (int i = 0; i < 2 * n; i++) r[i] = 0.0;
-        for (int k = 0; k < s->n_entries; k++) {
-            const int i = s->row[k], j = s->column[k];
-            const double size = fabs(LANE(values[s->source[k]], lane)) * s->weight[i] * column[j];
+        for (int k = 0; k < s->entries.n; k++) {
+            const int i = s->entries.row[k], j = s->entries.column[k];
+            const double size = fabs(LANE(values[s->entries.source[k]], lane)) * s->weight[i] * column[j];
             if (size > r[i]) r[i] = size;
             if (size > c[j]) c[j] = size;
         }
@@ -232,6 +229,7 @@ static size_t runs_in(const Sparse *s, int above, const int *place, int *to)
 static int lay_out(Memory *work, Sparse *s, const List *lower, const List *upper, const int *step)
 {
     const int n = s->n;
+    const Entries *entries = &s->entries;
     int at = 0;
     for (int k = 0; k < n; k++) {
         s->row_at[k] = at;
@@ -242,10 +240,10 @@ static int lay_out(Memory *work, Sparse *s, const List *lower, const List *upper
     s->factor_column = cleared(&s->order, at, sizeof(int));
     s->factors = cleared(&s->order, at, sizeof(real));
     /* places of the columns of a row; entries of a row, and one behind another */
-    int *place = cleared(work, 2 * (size_t)n + s->n_entries, sizeof(int)), *first = place + n, *next = first + n;
+    int *place = cleared(work, 2 * (size_t)n + entries->n, sizeof(int)), *first = place + n, *next = first + n;
     if (!s->factor_column || !s->factors || !place) return NO_MEMORY;
     for (int i = 0; i < n; i++) first[i] = -1;
-    for (int k = s->n_entries - 1; k >= 0; k--) { next[k] = first[s->row[k]]; first[s->row[k]] = k; }
+    for (int k = entries->n - 1; k >= 0; k--) { next[k] = first[entries->row[k]]; first[entries->row[k]] = k; }
     size_t count = 0;
     for (int store = 0, entry = 0; store < 2; store++) {
         if (store && !(s->runs = cleared(&s->order, 2 * count, sizeof(int)))) return NO_MEMORY;
@@ -266,8 +264,8 @@ static int lay_out(Memory *work, Sparse *s, const List *lower, const List *upper
                 if (store) to += 2 * found; else count += found;
             }
             for (int e = first[i]; store && e >= 0; e = next[e], entry++) {
-                s->entry_place[entry] = place[step[s->column[e]]];
-                s->entry_source[entry] = s->source[e];
+                s->entry_place[entry] = place[step[entries->column[e]]];
+                s->entry_source[entry] = entries->source[e];
                 s->entry_weight[entry] = s->weight[i];
             }
         }
@@ -291,9 +289,9 @@ static int plan(Sparse *s, const real *values, int lane, double most)
     /* place: of a row in a column, plus 1; 0: none */
     int *step = cleared(&work, 2 * (size_t)n, sizeof(int)), *place = step + n;
     int status = rows && step ? equilibrate(&work, s, values, lane) : NO_MEMORY;
-    for (int k = 0; k < s->n_entries && !status; k++) {
-        const int i = s->row[k], j = s->column[k], at = place_of(&columns[j], i);
-        const double value = LANE(values[s->source[k]], lane) * s->weight[i];
+    for (int k = 0; k < s->entries.n && !status; k++) {
+        const int i = s->entries.row[k], j = s->entries.column[k], at = place_of(&columns[j], i);
+        const double value = LANE(values[s->entries.source[k]], lane) * s->weight[i];
         if (at >= 0) columns[j].value[at] += value;
         else { status = append(&work, &columns[j], i, value); if (!status) status = append(&work, &rows[i], j, 0.0); }
     }
@@ -351,7 +349,7 @@ __attribute__((optimize("no-tree-vectorize"))) static real factor_in_order(Spars
     real *f = s->factors, growth = EVERY(0.0), zero = EVERY(0.0);
     const int *run = s->runs;
     memset(f, 0, sizeof(real) * s->row_at[s->n]);
-    for (int m = 0; m < s->n_entries; m++) f[s->entry_place[m]] += values[s->entry_source[m]] * s->entry_weight[m];
+    for (int m = 0; m < s->entries.n; m++) f[s->entry_place[m]] += values[s->entry_source[m]] * s->entry_weight[m];
     for (int k = 0; k < s->n; k++) {
         const int pivot = s->upper_at[k] - 1;
         for (int m = s->row_at[k]; m < pivot; m++) {
