@@ -4,8 +4,7 @@
 static int definite_pattern(const Equilibrium *q, Own *w)
 {
     size_t squares = 0;
-    for (int k = 0; k < q->n_groups; k++)
-        squares += (size_t)q->groups[k].elements->nxe * q->groups[k].elements->nxe * q->groups[k].elements->n;
+    for (int k = 0; k < q->n_groups; k++) squares += w->pieces[k].square;
     Graph graph = {0};
     int *rows = taken(&graph.memory, 2 * squares + q->nf + 1, sizeof(int)), *columns = rows + squares,
         *rank = columns + squares, count = 0;
@@ -20,8 +19,7 @@ static int definite_pattern(const Equilibrium *q, Own *w)
         if (!w->definite_band || !w->definite_size) status = NO_MEMORY;
         count = 0;
         for (int k = 0; k < q->n_groups; k++) {
-            const int s = q->groups[k].elements->nxe * q->groups[k].elements->nxe * q->groups[k].elements->n;
-            for (int i = 0; i < s; i++, count++) { /* the lower half */
+            for (int i = 0; i < w->pieces[k].square; i++, count++) { /* the lower half */
                 const int r = rows[count] < 0 ? -1 : rank[rows[count]], c = columns[count] < 0 ? -1
                     : rank[columns[count]];
                 w->pieces[k].definite_row[i] = r < c || c < 0 ? -1 : r;

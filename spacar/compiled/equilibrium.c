@@ -45,48 +45,6 @@ static void spacar_equilibrium_end(Equilibrium *q)
     q->own = NULL;
 }
 
-/* LU in place with partial pivoting, rows one after the other; pivots[j]: the row that was exchanged with row j. */
-static int dense_factor(double *a, int n, int *pivots)
-{
-    for (int j = 0; j < n; j++) {
-        int p = j;
-        for (int i = j + 1; i < n; i++) if (fabs(a[i * n + j]) > fabs(a[p * n + j])) p = i;
-        pivots[j] = p;
-        if (a[p * n + j] == 0.0) return SINGULAR;
-        double *row = a + j * n;
-        if (p != j)
-            for (int c = 0; c < n; c++) { const double kept = row[c]; row[c] = a[p * n + c]; a[p * n + c] = kept; }
-        for (int i = j + 1; i < n; i++) {
-            double *to = a + i * n;
-            if (to[j] == 0.0) continue;
-            const double l = to[j] /= row[j];
-            for (int c = j + 1; c < n; c++) to[c] -= l * row[c];
-        }
-    }
-    return OK;
-}
-
-/* k right-hand sides, (n, k), in their place. */
-static void dense_solve(const double *a, int n, const int *pivots, double *x, int k)
-{
-    for (int j = 0; j < n; j++) {
-        double *at = x + j * k, *other = x + pivots[j] * k;
-        if (other != at) for (int c = 0; c < k; c++) { const double kept = at[c]; at[c] = other[c]; other[c] = kept; }
-    }
-    for (int i = 1; i < n; i++)
-        for (int j = 0; j < i; j++) {
-            const double l = a[i * n + j];
-            if (l != 0.0) for (int c = 0; c < k; c++) x[i * k + c] -= l * x[j * k + c];
-        }
-    for (int i = n - 1; i >= 0; i--) {
-        for (int j = i + 1; j < n; j++) {
-            const double u = a[i * n + j];
-            if (u != 0.0) for (int c = 0; c < k; c++) x[i * k + c] -= u * x[j * k + c];
-        }
-        for (int c = 0; c < k; c++) x[i * k + c] /= a[i * n + i];
-    }
-}
-
 /* The flexibility of every element, `coupled`, `size`, as flexibility.py. ANOTHER_WAY where less than six of its
    binary digits are left (more than 2^-6 of the inverse may be rounding): flexibility.py decides what is singular. */
 static int flexibility_of(Equilibrium *q, Own *w)
@@ -110,24 +68,30 @@ static int flexibility_of(Equilibrium *q, Own *w)
     for (int k = 0; k < q->n_groups; k++) {
         const Group *g = &q->groups[k];
         const int nee = g->elements->nee, n = g->elements->n;
-        double *C = w->pieces[k].C, S[MAX_E * MAX_E], inverse[MAX_E * MAX_E];
+        const int b = nee - 1, height = 3 * b + 1; /* S as a band matrix that is full */
+        double *C = w->pieces[k].C, S[MAX_E * 3 * MAX_E], diagonal[MAX_E];
+        quad inverse[MAX_E]; /* four of its columns */
         int pivots[MAX_E];
         if (g->S) w->elastic = q->size * longest * longest;
         for (int i = 0; i < n; i++) {
+            memset(S, 0, sizeof S);
             for (int r = 0; r < nee; r++) for (int c = 0; c < nee; c++) {
                 const int both = w->coupled[g->e[r * n + i]] != 0.0 && w->coupled[g->e[c * n + i]] != 0.0;
-                S[r * nee + c] = both ? g->S[(r * nee + c) * n + i] / q->size : r == c;
-                inverse[r * nee + c] = r == c;
+                const double value = both ? g->S[(r * nee + c) * n + i] / q->size : r == c;
+                S[c * height + 2 * b + r - c] = value;
+                if (r == c) diagonal[r] = value;
             }
-            double diagonal[MAX_E];
-            for (int r = 0; r < nee; r++) diagonal[r] = S[r * nee + r];
-            if (dense_factor(S, nee, pivots) != OK) return ANOTHER_WAY;
-            dense_solve(S, nee, pivots, inverse, nee);
-            for (int r = 0; r < nee; r++) {
-                if (!(fabs(inverse[r * nee + r] * diagonal[r]) * DBL_EPSILON < 1.0 / 64.0)) return ANOTHER_WAY;
-                inverse[r * nee + r] -= prescribes(q, g->e[r * n + i]);
+            if (band_factor(S, nee, b, pivots) != OK) return ANOTHER_WAY;
+            for (int c = 0; c < nee; c++) {
+                if (c % 4 == 0) {
+                    for (int r = 0; r < nee; r++) inverse[r] = (quad){ r == c, r == c + 1, r == c + 2, r == c + 3 };
+                    band_solve(S, nee, b, pivots, inverse);
+                }
+                for (int r = 0; r < nee; r++) C[(r * nee + c) * n + i] = inverse[r][c % 4];
+                double *own = &C[(c * nee + c) * n + i];
+                if (!(fabs(*own * diagonal[c]) * DBL_EPSILON < 1.0 / 64.0)) return ANOTHER_WAY;
+                *own -= prescribes(q, g->e[c * n + i]);
             }
-            for (int j = 0; j < nee * nee; j++) C[j * n + i] = inverse[j];
         }
     }
     for (int i = 0; i < q->ne; i++) if (prescribes(q, i)) w->coupled[i] = 1.0;

@@ -108,17 +108,16 @@ static int spacar_equilibrium_newton(Equilibrium *q)
         w->dx[i] = w->given_x[i] - w->x[i];
         if (w->dx[i] != 0.0) prescribed = 1;
     }
-    rest_residual(q, w, w->x, w->sigma);
-    if (!prescribed) {
-        const int met = rest_met(q);
-        if (met < 0) return NOT_A_NUMBER;
-        if (met) { give_point(q, w); return FOUND; }
-    }
     double least = 1.0;
     for (int i = 0; i < q->nx; i++) least = larger(least, w->x[i] / q->scale[i]);
     least *= q->floor;
-    for (;;) {
+    for (;; prescribed = 0) {
         double noise, size = 0.0;
+        rest_residual(q, w, w->x, w->sigma);
+        const int met = prescribed ? 0 : rest_met(q);
+        if (met < 0) return NOT_A_NUMBER;
+        if (met) { give_point(q, w); return FOUND; }
+        if (q->iterations && q->iterations >= q->limit) return NO_END;
         if (rest_factor(q, w, w->sigma) != OK || rest_correct(q, w, prescribed, &noise) != OK) {
             memcpy(q->branch, w->before, sizeof(double) * q->ne);
             return ANOTHER_WAY;
@@ -134,13 +133,7 @@ static int spacar_equilibrium_newton(Equilibrium *q)
         rest_follow(q, w);
         for (int i = 0; i < q->nx; i++) w->x[i] += w->dx[i];
         for (int i = 0; i < q->ne; i++) w->sigma[i] += q->size * w->z[w->rank[q->nf + i]][0];
-        rest_residual(q, w, w->x, w->sigma);
-        const int met = rest_met(q);
-        if (met < 0) return NOT_A_NUMBER;
-        if (met) { give_point(q, w); return FOUND; }
-        if (q->iterations >= q->limit) return NO_END;
         memset(w->dx, 0, sizeof(double) * q->nx);
-        prescribed = 0;
     }
 }
 
