@@ -38,30 +38,33 @@ static void spacar_elements_strain(const Elements *k, const double *x, const dou
     }
 }
 
+typedef void (*OfVector)(const real *x, const real *v, const real *p, real *out);
+
+/* What a function of the elements gives at x with the vector v (n_v, n): (n_out, n). */
+static void with_vector(const Elements *k, OfVector of, const double *x, const double *v, int n_v, double *out,
+    int n_out)
+{
+    real xe[MAX_X], ve[MAX_X], p[MAX_P], values[MAX_X * MAX_X];
+    for (int r = 0; r < n_out; r++) values[r] = EVERY(0.0);
+    EACH_VECTOR {
+        take(xe, x, k->nxe, i, k->n);
+        take(ve, v, n_v, i, k->n);
+        take(p, k->p, k->np, i, k->n);
+        of(xe, ve, p, values);
+        give(out, values, n_out, i, k->n);
+    }
+}
+
 /* Row 0 of `branch` (nee, n), the angle that is counted, at x, e (nee, n). */
 static void spacar_elements_angle(const Elements *k, const double *x, const double *e, double *branch)
 {
-    real xe[MAX_X], ee[MAX_E], p[MAX_P], angle;
-    EACH_VECTOR {
-        take(xe, x, k->nxe, i, k->n);
-        take(ee, e, k->nee, i, k->n);
-        take(p, k->p, k->np, i, k->n);
-        ANGLE[k->kind](xe, ee, p, &angle);
-        give(branch, &angle, 1, i, k->n);
-    }
+    with_vector(k, ANGLE[k->kind], x, e, k->nee, branch, 1);
 }
 
 /* H(v,v) (nee, n). */
 static void spacar_elements_convective(const Elements *k, const double *x, const double *v, double *h)
 {
-    real xe[MAX_X], ve[MAX_X], p[MAX_P], he[MAX_E];
-    EACH_VECTOR {
-        take(xe, x, k->nxe, i, k->n);
-        take(ve, v, k->nxe, i, k->n);
-        take(p, k->p, k->np, i, k->n);
-        CONVECTIVE[k->kind](xe, ve, p, he);
-        give(h, he, k->nee, i, k->n);
-    }
+    with_vector(k, CONVECTIVE[k->kind], x, v, k->nxe, h, k->nee);
 }
 
 /* M (nxe, nxe, n), or NULL, and M a + h (nxe, n), or NULL; a NULL: no accelerations. */
@@ -93,27 +96,13 @@ static void spacar_elements_inertia(const Elements *k, const double *x, const do
 /* Hs (nxe, nxe, n) of the stresses (nee, n). */
 static void spacar_elements_geometric(const Elements *k, const double *x, const double *sigma, double *Hs)
 {
-    real xe[MAX_X], s[MAX_E], p[MAX_P], He[MAX_X * MAX_X] = {EVERY(0.0)};
-    EACH_VECTOR {
-        take(xe, x, k->nxe, i, k->n);
-        take(s, sigma, k->nee, i, k->n);
-        take(p, k->p, k->np, i, k->n);
-        GEOMETRIC[k->kind](xe, p, s, He);
-        give(Hs, He, k->nxe * k->nxe, i, k->n);
-    }
+    with_vector(k, GEOMETRIC[k->kind], x, sigma, k->nee, Hs, k->nxe * k->nxe);
 }
 
 /* H1 (nee, nxe, n), or T where `second`. */
 static void spacar_elements_rates(const Elements *k, const double *x, const double *v, int second, double *H1)
 {
-    real xe[MAX_X], ve[MAX_X], p[MAX_P], He[MAX_E * MAX_X] = {EVERY(0.0)};
-    EACH_VECTOR {
-        take(xe, x, k->nxe, i, k->n);
-        take(ve, v, k->nxe, i, k->n);
-        take(p, k->p, k->np, i, k->n);
-        (second ? SECOND_RATES : RATES)[k->kind](xe, ve, p, He);
-        give(H1, He, k->nee * k->nxe, i, k->n);
-    }
+    with_vector(k, (second ? SECOND_RATES : RATES)[k->kind], x, v, k->nxe, H1, k->nee * k->nxe);
 }
 
 /* H2 (nee, nxe, n): of every row Hs v with its unit stress. */
@@ -127,7 +116,7 @@ static void spacar_elements_transport(const Elements *k, const double *x, const 
         take(p, k->p, k->np, i, k->n);
         for (int r = 0; r < k->nee; r++) {
             for (int other = 0; other < k->nee; other++) s[other] = EVERY((double)(other == r));
-            GEOMETRIC[k->kind](xe, p, s, He);
+            GEOMETRIC[k->kind](xe, s, p, He);
             for (int j = 0; j < n; j++) {
                 row[j] = EVERY(0.0);
                 for (int c = 0; c < n; c++) row[j] += He[j * n + c] * ve[c];

@@ -2,7 +2,7 @@
 
 What statics and linearized equations need beside kernels.c, from the same definitions (theory-system.md section 0):
 
-    NAME_geometric(x, p, s, D)             Hs[i][j] = d/dx_j sum_e s_e V[e][i]
+    NAME_geometric(x, s, p, D)             Hs[i][j] = d/dx_j sum_e s_e V[e][i]
     NAME_rates(x, v, p, D)                 H1[e][j] = d/dx_j sum_i V[e][i] v_i
     NAME_second_rates(x, v, p, D)          T[e][j] = d/dx_j H(v,v)[e]
     NAME_inertia_gradient(x, v, a, p, D)   d(M a + h)/dx, then dh/dv: 2 n_coordinates columns; types with mass only
@@ -44,7 +44,7 @@ from spacar.elements import definitions
 from spacar.elements.definition_symbolic import Definition
 
 TABLES = {  # table -> what it is made of in kernels.c, its vectors
-    "geometric": ("strain", "xps"),
+    "geometric": ("strain", "xsp"),
     "rates": ("strain", "xvp"),
     "second_rates": ("strain", "xvp"),
     "inertia_gradient": ("inertia", "xvap"),
@@ -211,9 +211,7 @@ def inertia(definition: Definition, x: list, v: list, p: dict) -> tuple[Program,
     y, C = definition.line(x, p)
     program, results = straight(y, [])
     statements, _, bends = forward(program, results, x, v, a)
-    then, force = named("f", C * sp.Matrix(bends))
-    back, total = _pulled(program, results, list(force), x)
-    return program + statements + then + back, total
+    return _pulled(program, statements, results, C * sp.Matrix(bends), x)
 
 
 def flow(definition: Definition, x: list, v: list, p: dict) -> tuple[Program, list[sp.Expr]]:
@@ -227,15 +225,16 @@ def flow(definition: Definition, x: list, v: list, p: dict) -> tuple[Program, li
     statements, along, _ = forward(program, results, x, v)
     place, tangent, far, other = (results[k * n : (k + 1) * n] for k in range(4))
     from_p = [*[sp.Integer(0)] * n, *tangent, *(b - a for a, b in zip(place, far, strict=True)), *other]
-    then, force = named("f", D * sp.Matrix(along) + A * sp.Matrix(from_p))
-    back, total = _pulled(program, results, list(force), x)
+    return _pulled(program, statements, results, D * sp.Matrix(along) + A * sp.Matrix(from_p), x)
+
+
+def _pulled(
+    program: Program, statements: Program, results: list, force: sp.Matrix, x: list
+) -> tuple[Program, list[sp.Expr]]:
+    """A program and what else a force on its results is made of, and that force on x."""
+    then, forces = named("f", force)
+    total, back = pull(program, dict(zip(results, forces, strict=True)), x, "b")
     return program + statements + then + back, total
-
-
-def _pulled(program: Program, results: list, force: list, x: list) -> tuple[Program, list[sp.Expr]]:
-    """Statements, and the force on x of forces on the results."""
-    total, statements = pull(program, dict(zip(results, force, strict=True)), x, "b")
-    return statements, total
 
 
 # -- its tangent ----------------------------------------------------------------------------------------------------
