@@ -98,7 +98,7 @@ typedef struct {
     /* rates and accelerations too, at t; 2: placed from outside, with no transfer functions */
     int known;
     double t;
-    real *x, *xd, *xdd, *e, *ed, *edd, *sigma, *given_e;
+    real *x, *xd, *xdd, *e, *ed, *edd, *sigma, *given_e; /* xd and xdd stand behind x */
     real *applied, *gravity, *total, *y;  /* forces (nx) and the state that belong to it where it is whole */
     /* number of the evaluation that gave all of it; Python sets it to 0 when it writes here */
     int64_t whole;

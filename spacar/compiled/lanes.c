@@ -54,15 +54,13 @@ static double turn(double c, int order)
     const double G1 = (c * G - 2.0) / q, G2 = (3.0 * c * G1 + G) / q;
     return order == 0 ? G : order == 1 ? G1 : order == 2 ? G2 : (5.0 * c * G2 + 4.0 * G1) / q;
 }
-#define TURN(k) static inline double turn_##k(double c) { return turn(c, k); }
+#define TURN(k) \
+    static inline double turn_##k(double c) { return turn(c, k); } \
+    LANE_BY_LANE(lanes_turn##k, turn_##k)
 TURN(0)
 TURN(1)
 TURN(2)
 TURN(3)
-LANE_BY_LANE(lanes_turn0, turn_0)
-LANE_BY_LANE(lanes_turn1, turn_1)
-LANE_BY_LANE(lanes_turn2, turn_2)
-LANE_BY_LANE(lanes_turn3, turn_3)
 
 static inline real lanes_atan2(real a, real b)
 {

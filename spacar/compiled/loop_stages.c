@@ -45,11 +45,7 @@ static int spacar_loop_stages(const Loop *l, int from, int n, const double *c, c
     double earliest, double latest, const double *given, const double *y, double *K, int stride, double *stage)
 {
     for (int i = from; i < n; i++) {
-        memset(stage, 0, sizeof(double) * stride);
-        for (int j = 0; j < i; j++)
-            if (a[i * n + j] != 0.0)
-                for (int k = 0; k < stride; k++) stage[k] += a[i * n + j] * K[j * stride + k];
-        for (int k = 0; k < stride; k++) stage[k] = y[k] + h * stage[k];
+        advance(y, h, K, stride, a + i * n, i, stride, stage);
         if (loop_rates(l, fmin(fmax(t + c[i] * h, earliest), latest), given + i * l->n_given, stage, K + i * stride))
             return i;
     }

@@ -41,19 +41,26 @@ static void weigh_elements(const Model *m, const real *a, const real *g, real *t
     }
 }
 
+/* Applied forces, gravity M g, and M xdd + h. */
+static void weigh_state(const Model *m, State *at)
+{
+    const Spec *s = &m->s;
+    memcpy(at->applied, m->applied, sizeof(real) * s->nx);
+    memset(at->gravity, 0, sizeof(real) * s->nx);
+    memcpy(at->total, m->convected, sizeof(real) * s->nx);
+    weigh_elements(m, at->xdd, s->field, at->total, at->gravity);
+}
+
 /* The rates of all deformations, forces M xdd + h + V^T sigma in all, applied forces, gravity M g. */
 static void complete(Model *m, State *at)
 {
     const Spec *s = &m->s;
     real *total = at->total;
-    memcpy(at->applied, m->applied, sizeof(real) * s->nx);
     for (int r = 0; r < s->ne; r++) {
         at->ed[r] = rate(m, r, at->xd);
         at->edd[r] = rate(m, r, at->xdd) + m->h[r];
     }
-    memset(at->gravity, 0, sizeof(real) * s->nx);
-    memcpy(total, m->convected, sizeof(real) * s->nx);
-    weigh_elements(m, at->xdd, s->field, total, at->gravity);
+    weigh_state(m, at);
     for (int k = 0; k < m->coupling.n; k++)
         total[m->coupling.row[k]] += m->values[m->coupling.source[k]] * at->xdd[m->coupling.column[k]];
     for (int r = 0; r < s->ne; r++) subtract_transposed(m, r, -at->sigma[r], total);
@@ -159,10 +166,7 @@ static int evaluate_tree(Model *m, State *at, double t, const real *y)
     memcpy(at->ed, m->given_ed, sizeof(real) * s->ne);
     memcpy(at->edd, m->given_edd, sizeof(real) * s->ne);
     memcpy(at->edd + s->e_dynamic, rates + 2 * a + b, sizeof(real) * b);
-    memcpy(at->applied, m->applied, sizeof(real) * s->nx);
-    memset(at->gravity, 0, sizeof(real) * s->nx);
-    memcpy(at->total, m->convected, sizeof(real) * s->nx);
-    weigh_elements(m, at->xdd, s->field, at->total, at->gravity);
+    weigh_state(m, at);
     tree_stresses(m, at);
     return OK;
 }

@@ -39,6 +39,14 @@ static void solve_complex(const double *lu, const int *pivots, int n, double *x,
     }
 }
 
+/* A row of s numbers times a column, whose numbers are `stride` apart. */
+static inline double product(const double *row, const double *column, int s, int stride)
+{
+    double sum = 0.0;
+    for (int l = 0; l < s; l++) sum += row[l] * column[l * stride];
+    return sum;
+}
+
 /* The stages Z from their guess. */
 static int spacar_newton(Model *m, State *at, Newton *r)
 {
@@ -59,27 +67,16 @@ static int spacar_newton(Model *m, State *at, Newton *r)
         }
         double *left = r->change; /* F - a^-1 Z / h, nu of each row of n */
         for (int i = 0; i < s; i++)
-            for (int j = 0; j < nu; j++) {
-                double sum = 0.0;
-                for (int l = 0; l < s; l++) sum += r->inverse[i * s + l] * r->Z[l * n + nq + j];
-                left[i * n + j] = r->F[i * n + nq + j] - sum / h;
-            }
+            for (int j = 0; j < nu; j++)
+                left[i * n + j] = r->F[i * n + nq + j] - product(r->inverse + i * s, r->Z + nq + j, s, n) / h;
         for (int i = 0; i < s; i++)
-            for (int j = 0; j < nu; j++) {
-                double sum = 0.0;
-                for (int l = 0; l < s; l++) sum += r->to[i * s + l] * left[l * n + j];
-                r->right[i * nu + j] = sum;
-            }
+            for (int j = 0; j < nu; j++) r->right[i * nu + j] = product(r->to + i * s, left + j, s, n);
         solve_real(r->lu, r->pivots, nu, r->right);
         for (int p = 0; 2 * p + 2 < s; p++)
             solve_complex(r->pair_lu[p], r->pair_pivots[p], nu, r->right + (2 * p + 1) * nu,
                 r->right + (2 * p + 2) * nu);
         for (int i = 0; i < s; i++)
-            for (int j = 0; j < nu; j++) {
-                double sum = 0.0;
-                for (int l = 0; l < s; l++) sum += r->back[i * s + l] * r->right[l * nu + j];
-                r->change[i * n + nq + j] = sum;
-            }
+            for (int j = 0; j < nu; j++) r->change[i * n + nq + j] = product(r->back + i * s, r->right + j, s, nu);
         for (int i = 0; i < s; i++) /* the positions follow the velocities, whatever they were before */
             for (int j = 0; j < nq; j++) {
                 double sum = 0.0;

@@ -1,14 +1,5 @@
 /* Explicit Runge-Kutta codes with variable steps, as spacar/integrators/runge_kutta.py and the step loop of
    drive.py. */
-/* sum_j w_j K_j over the first `count` rows, into out. */
-static void combine(const RungeKutta *p, int n, int count, const double *w, double *out)
-{
-    for (int i = 0; i < n; i++) out[i] = 0.0;
-    for (int j = 0; j < count; j++)
-        if (w[j] != 0.0)
-            for (int i = 0; i < n; i++) out[i] += w[j] * p->K[j * n + i];
-}
-
 /* A trial step; its error over the tolerance is in `error`. 0, 1, 2 as AskRate. */
 static int rk_trial(Stepper *r, RungeKutta *p)
 {
@@ -17,16 +8,14 @@ static int rk_trial(Stepper *r, RungeKutta *p)
     double square[2][LANES] = {{0.0}}, *stage = p->scaled;
     p->h = h;
     for (int k = 1; k < p->rows; k++) {
-        combine(p, n, k, p->a + k * p->rows, stage);
-        for (int i = 0; i < n; i++) stage[i] = p->y[i] + h * stage[i];
+        advance(p->y, h, p->K, n, p->a + k * p->rows, k, n, stage);
         const int status = derivative(r, r->t + p->c[k] * h, stage, p->K + k * n);
         if (status) return status;
         leave_motion(r->model);
     }
-    combine(p, n, p->stages, p->b, p->y_new);
-    for (int i = 0; i < n; i++) p->y_new[i] = p->y[i] + h * p->y_new[i];
+    advance(p->y, h, p->K, n, p->b, p->stages, n, p->y_new);
     for (int k = p->two; k >= 0; k--) { /* the first one stays in `scaled` */
-        combine(p, n, p->estimated, p->errors + k * p->estimated, p->scaled);
+        combine(p->K, n, p->errors + k * p->estimated, p->estimated, n, p->scaled);
         for (int i = 0; i < n; i++) {
             p->scaled[i] /= r->atol[i] + r->rtol * fmax(fabs(p->y[i]), fabs(p->y_new[i]));
             square[k][i % LANES] += p->scaled[i] * p->scaled[i] * LANES / n;

@@ -89,19 +89,12 @@ static int spacar_start(Model *m, State *at, const real *y, real *out, double co
 static void spacar_state(const Model *m, State *at, real *memory)
 {
     const int nx = m->s.nx, ne = m->s.ne;
-    at->x = memory;
-    at->xd = at->x + nx;
-    at->xdd = at->xd + nx;
-    at->e = memory + 6 * nx;
-    at->ed = at->e + ne;
-    at->edd = at->ed + ne;
-    at->sigma = at->edd + ne;
-    at->given_e = at->sigma + ne;
-    at->applied = at->xdd + nx;
-    at->gravity = at->applied + nx;
-    at->total = at->gravity + nx;
-    at->y = at->given_e + ne;
     memset(memory, 0, sizeof(real) * (6 * nx + 5 * ne + n_of_state(&m->s)));
+    real **of_x[] = {&at->x, &at->xd, &at->xdd, &at->applied, &at->gravity, &at->total};
+    for (int k = 0; k < 6; k++, memory += nx) *of_x[k] = memory;
+    real **of_e[] = {&at->e, &at->ed, &at->edd, &at->sigma, &at->given_e};
+    for (int k = 0; k < 5; k++, memory += ne) *of_e[k] = memory;
+    at->y = memory;
     at->known = at->whole = 0;
     at->t = 0.0;
     clear_samples(at);

@@ -138,15 +138,11 @@ static void keep(Model *m, State *at, double t, const real *y, const real *rates
         }
         trace->degrees[0] = degrees;
         trace->before[0] = before;
-        memcpy(before, at->x, sizeof(real) * nx);
-        memcpy(before + nx, at->xd, sizeof(real) * nx);
-        memcpy(before + 2 * nx, at->xdd, sizeof(real) * nx);
+        memcpy(before, at->x, sizeof(real) * 3 * nx);
         if (trace->n < STATES) trace->n++;
     }
     memcpy(at->e, m->next_e, sizeof(real) * s->ne);
-    memcpy(at->x, m->next_x, sizeof(real) * nx);
-    memcpy(at->xd, m->next_xd, sizeof(real) * nx);
-    memcpy(at->xdd, m->next_xdd, sizeof(real) * nx);
+    memcpy(at->x, m->next_x, sizeof(real) * 3 * nx);
     trace->of = at;
     at->t = trace->t[0] = t;
     at->known = 1;
@@ -302,20 +298,33 @@ static int spacar_rhs(Model *m, State *at, double t, const real *y, real *out, d
     return m->tree ? tree_rates(m, at, t, y, out) : rates_of_elements(m, at, t, y, out, converged, jump);
 }
 
+/* sum_j w_j K_j over the first `count` rows, `stride` apart, into out (n). */
+static void combine(const double *K, int stride, const double *w, int count, int n, double *out)
+{
+    for (int i = 0; i < n; i++) out[i] = 0.0;
+    for (int j = 0; j < count; j++)
+        if (w[j] != 0.0)
+            for (int i = 0; i < n; i++) out[i] += w[j] * K[j * stride + i];
+}
+
+/* y + h times the same. */
+static void advance(const double *y, double h, const double *K, int stride, const double *w, int count, int n,
+    double *out)
+{
+    combine(K, stride, w, count, n, out);
+    for (int i = 0; i < n; i++) out[i] = y[i] + h * out[i];
+}
+
 /* Stages `from` ... n - 1 of an explicit Runge-Kutta step from (t, y): K_i = F(t + c_i h, y + h sum_j a_ij K_j), at
    times not outside of [earliest, latest]. Rows of K are `stride` apart. The number of the first stage that could
    not be evaluated, n when all could. */
 static int spacar_stages(Model *m, State *at, int from, int n, const double *c, const double *a, double t, double h,
     double earliest, double latest, const real *y, real *K, int stride, double converged, double jump)
 {
-    const int size = n_of_state(&m->s);
+    const int size = n_of_state(&m->s) * LANES;
+    real *stage = m->stage;
     for (int i = from; i < n; i++) {
-        real *stage = m->stage;
-        memset(stage, 0, sizeof(real) * size);
-        for (int j = 0; j < i; j++)
-            if (a[i * n + j] != 0.0)
-                for (int k = 0; k < size; k++) stage[k] += a[i * n + j] * K[j * stride + k];
-        for (int k = 0; k < size; k++) stage[k] = y[k] + h * stage[k];
+        advance((const double *)y, h, (const double *)K, stride * LANES, a + i * n, i, size, (double *)stage);
         const double time = fmin(fmax(t + c[i] * h, earliest), latest);
         if (spacar_rhs(m, at, time, stage, K + i * stride, converged, jump) < 0) return i;
         leave_motion(m);

@@ -82,9 +82,7 @@ static double *recorded(Stepper *r, const double *y)
     now[3] = s->known;
     memcpy(now + 4, y, sizeof(double) * r->n);
     double *x = now + 4 + r->n;
-    memcpy(x, s->x, sizeof(double) * nx);
-    memcpy(x + nx, s->xd, sizeof(double) * nx);
-    memcpy(x + 2 * nx, s->xdd, sizeof(double) * nx);
+    memcpy(x, s->x, sizeof(double) * 3 * nx);
     memcpy(x + 3 * nx, s->e, sizeof(real) * r->model->s.ne);
     return now;
 }
@@ -147,9 +145,7 @@ static void stand_at(const Stepper *r, const double *record, State *s, int known
 {
     const double *x = record + 4 + r->n;
     const int nx = r->model->s.nx * LANES;
-    memcpy(s->x, x, sizeof(double) * nx);
-    memcpy(s->xd, x + nx, sizeof(double) * nx);
-    memcpy(s->xdd, x + 2 * nx, sizeof(double) * nx);
+    memcpy(s->x, x, sizeof(double) * 3 * nx);
     memcpy(s->e, x + 3 * nx, sizeof(real) * r->model->s.ne);
     s->t = record[0];
     s->known = known;

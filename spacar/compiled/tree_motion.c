@@ -294,9 +294,7 @@ static int tree_rates(Model *m, State *at, double t, const real *y, real *out)
     if (!isfinite(largest_lane(sum))) return NOT_FINITE;
     memcpy(out, y + q, sizeof(real) * q);
     memcpy(at->e, at->given_e, sizeof(real) * s->ne);
-    memcpy(at->x, x, sizeof(real) * nx);
-    memcpy(at->xd, xd, sizeof(real) * nx);
-    memcpy(at->xdd, xdd, sizeof(real) * nx);
+    memcpy(at->x, x, sizeof(real) * 3 * nx);
     at->t = t;
     at->known = 1;
     m->transfer_of = NULL;
