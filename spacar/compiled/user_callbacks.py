@@ -24,8 +24,8 @@ from spacar.compiled.library import WIDTH, address_of
 from spacar.compiled.numbers import Elements
 from spacar.compiled.python_callbacks import PythonCallbacks
 from spacar.elements.family import Configuration, Family
-from spacar.mechanism.mechanism import Drive, Polynomial, UserSignal
-from spacar.mechanism.placed_vectors import PlacedVector, placed
+from spacar.mechanism.mechanism import Drive, Polynomial
+from spacar.mechanism.placed_vectors import placed
 
 MOTION, STRESS, STRAIN, CONVECTIVE, INERTIA, OUTPUT = constants(
     "ASK_MOTION", "ASK_STRESS", "ASK_STRAIN", "ASK_CONVECTIVE", "ASK_INERTIA", "ASK_OUTPUT"
@@ -60,36 +60,16 @@ class ForeignBatch:
         self.h[:] = self.family.inertia_force(self.configuration, self.v, None)
 
 
-def law(
-    user: UserSignal, told: tuple[PlacedVector, ...], sigma: Array, force: Array
-) -> Callable[[float], dict[int, str]]:
-    """What calls the user function of one case for a time and gives the sentences about stresses that cannot act.
-
-    told           e, ed, x, xd, which C writes;  sigma, force   one lane of arrays that C has cleared, for the answer
-    """
-    answering = getattr(user, "answering", None)  # USERSIG: numbers, no arrays
-    if answering is not None:
-        written: Callable[[float], dict[int, str]] = answering(told, sigma, force)
-        return written
-
-    def answer(t: float) -> dict[int, str]:
-        given = user(t, *told)
-        sigma[:], force[:] = given.sigma, given.force
-        return given.lost
-
-    return answer
-
-
 class UserCallbacks:
     """The answers for one model. `motions` are the arrays (n, 3, lanes) of prescribed coordinates and deformations.
 
-    drives, users   of every case; with fewer cases than lanes, the last one has the others too
+    drives, users   (`UserLaw`) of every case; with fewer cases than lanes, the last one has the others too
     sizes           nx, ne, lanes
     """
 
     def __init__(
         self, elements: Sequence[Elements], drives: Sequence[Drive], motions: tuple[Array, Array],
-        users: Sequence[UserSignal], sizes: tuple[int, int, int],
+        users: Sequence[Any], sizes: tuple[int, int, int],
     ) -> None:  # fmt: skip
         nx, ne, lanes = sizes
         self.lanes = lanes
@@ -118,18 +98,14 @@ class UserCallbacks:
             self.user_c = structure("User")(*[first + row * begin for begin in parts[:-1]])
             x, xd, self.force, e, ed, self.sigma = [shared[i:k] for i, k in pairwise(parts)]
             guarded = (e, "e"), (ed, "ep"), (x, "x"), (xd, "xp")
+            told = [[placed(of[:, lane], name) for of, name in guarded] for lane in range(len(users))]
             self.laws = tuple([
-                law(
-                    user,
-                    tuple([placed(values[:, lane], name) for values, name in guarded]),
-                    self.sigma[:, lane],
-                    self.force[:, lane],
-                )
+                user.answering(tuple(told[lane]), self.sigma[:, lane], self.force[:, lane])
                 for lane, user in enumerate(users)
             ])  # fmt: skip
         self.asking: PythonCallbacks | None = None
         if users or self.foreign or not self.polynomial:
-            alone = self.laws[0] if lanes == 1 and users and hasattr(users[0], "answering") else None
+            alone = self.laws[0] if lanes == 1 and users else None
             self.asking = PythonCallbacks(alone, self.user_c, self.lost)
 
     def answer(self, what: int, batch: int, t: float) -> bool:
