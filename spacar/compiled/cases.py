@@ -65,7 +65,6 @@ class InLanes:
         self._accepted: tuple[Array, Array] | None = None  # its x and e
         self._out = np.zeros_like(self.y0)
         self.output_block = BatchOutputBlock(self.solver, self.state, self.shown, size * lanes)
-        self.has_wheels = bool(len(Wheels(model).rows))
 
     def renew(self, values: Array, start: Array) -> None:
         """Other cases: see `CompiledModel.renew`. Not with functions of their own."""
@@ -176,8 +175,8 @@ class InLanes:
         """Warnings of every lane, by wheel, after all outputs (rows as for `into`)."""
         lanes = self.by_case[2]
         said: list[dict[int, str]] = [{} for _ in range(lanes)]
-        if self.has_wheels:
-            wheels = Wheels(self.model, lanes)
+        wheels = Wheels(self.model, lanes)
+        if len(wheels.rows):
             stresses = rows[:, 6 * self.numbering.nx + 3 * self.numbering.ne + wheels.rows]
             for t, normal in zip(times.tolist(), stresses, strict=True):
                 for lane, wheel, text in wheels.lifted(t, normal):

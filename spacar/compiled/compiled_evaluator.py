@@ -9,6 +9,7 @@ shared between both: a `Placement` goes from the state in C to the general evalu
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from functools import cached_property
 from math import log
 from typing import TypeVar
@@ -187,14 +188,11 @@ class CompiledDynamics:
         if independent:
             model = self.model
             other = type(self)(model.mechanism, loads=model.loads, drive=model.drive)
+            other.stand(self.placement())
         else:
-            other = object.__new__(type(self))
-            vars(other).update(vars(self))
-            other.state = State(self.solver)
-            other._iterating = None
+            other = copy(self)
+            other.state, other._iterating = State(self.solver), None
             other.state.follow(self.state)
-            return other
-        other.stand(self.placement())
         return other
 
     def sample(self) -> None:

@@ -15,14 +15,8 @@ from spacar.compiled.library import WIDTH, address_of, engine, level, why_off
 from spacar.compiled.numbers import Numbers, without_form
 from spacar.compiled.user_callbacks import UserCallbacks
 from spacar.elements.family import GUARD
-from spacar.kinematics.constraint_matrices import ROUNDING
-from spacar.kinematics.kinematics import (
-    CONVERGED,
-    FARTHEST_GUESS,
-    GROWN,
-    LARGEST_JUMP,
-    MAX_ITERATIONS,
-)
+from spacar.kinematics.constraint_matrices import ROUNDING, Entries
+from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS, GROWN, LARGEST_JUMP, MAX_ITERATIONS
 from spacar.mechanism.mechanism import Drive, Mechanism, UserSignal
 from spacar.mechanism.numbering import Numbering
 from spacar.stream import Run
@@ -54,9 +48,6 @@ EXACT = 1e-15
 CRITERIA = np.array([CONVERGED, ROUNDING, GROWN])
 PLACED = 2  # `known` of a state that was placed with its accelerations: transfer functions are not its own
 FAR_AWAY, DOUBTFUL_MASS, NOT_ANSWERED = constants("FAR_AWAY", "DOUBTFUL_MASS", "NOT_ANSWERED")
-
-
-Gradient = tuple[NDArray[np.int32], NDArray[np.int32], Array]  # rows, columns, values (n, cases)
 
 
 class State:
@@ -223,7 +214,7 @@ class CompiledModel:
             self.slots.interrupted()
         return reached
 
-    def gradient(self) -> Gradient:
+    def gradient(self) -> Entries:
         """The n entries of V at the last evaluated state: rows (n,), columns (n,), values (n, cases)."""
         most = sum([b.e.size * b.x.shape[1] for b in self.numbers.elements])
         memory = np.empty(most * (self.cases + 1))

@@ -149,9 +149,8 @@ class CompiledStepper:
                 known, failed = counted.counts(), status in (TOO_SMALL, NOT_EVALUATED, INTERRUPTED)
                 if failed and (output_block is None or not output_block.c.done):
                     self._failed(status, method)
-                made = (c.n_steps, c.n_rhs, 0, c.n_rejected)
-                if failed and output_block is not None:
-                    made = output_block.c.counted
+                here = (c.n_steps, c.n_rhs, 0, c.n_rejected)
+                made = output_block.c.counted if failed and output_block is not None else here
                 c.n_steps = c.n_rhs = c.n_rejected = 0
                 counted.n_steps += made[0]
                 counted.n_rhs += made[1]

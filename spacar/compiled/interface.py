@@ -23,20 +23,6 @@ def _type(base: str, declarator: str) -> Any:
     return POINTER if "*" in declarator else SCALARS.get(base, POINTER)
 
 
-def fields(structure: str) -> list[tuple[str, Any]]:
-    """`_fields_` of a structure."""
-    found = []
-    for declaration in filter(str.strip, _bodies[structure].split(";")):
-        base, members = declaration.replace("const ", "").split(None, 1)
-        for member in members.split(","):
-            name, *sizes = re.findall(r"\w+", member)
-            kind = _type(base, member)
-            for count in sizes:
-                kind *= _constants.get(count) or int(count)
-            found.append((name, kind))
-    return found
-
-
 def constants(*names: str) -> tuple[int, ...]:
     """Values of names."""
     return tuple(_constants[name] for name in names)
@@ -45,7 +31,16 @@ def constants(*names: str) -> tuple[int, ...]:
 @cache
 def structure(name: str) -> Any:
     """As ctypes has it."""
-    return type(name, (ctypes.Structure,), {"_fields_": fields(name)})
+    found = []
+    for declaration in filter(str.strip, _bodies[name].split(";")):
+        base, members = declaration.replace("const ", "").split(None, 1)
+        for member in members.split(","):
+            field, *sizes = re.findall(r"\w+", member)
+            kind = _type(base, member)
+            for count in sizes:
+                kind *= _constants.get(count) or int(count)
+            found.append((field, kind))
+    return type(name, (ctypes.Structure,), {"_fields_": found})
 
 
 def functions(table: str) -> dict[str, tuple[Any, ...]]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -96,7 +97,7 @@ class RungeKuttaInC:
         return int(self.engine.runge_kutta(self.to, self.at))
 
     def take_steps_through(self, output_block: OutputBlock | BatchOutputBlock) -> int:
-        call = VALUE(self._value)
+        call = VALUE(partial(self.answered, self._interpolated))
         output_block.c.value = address_of_call(call)
         status = int(self.engine.pass_runge_kutta(self.to, self.at, output_block.address))
         output_block.c.value = None
@@ -109,11 +110,8 @@ class RungeKuttaInC:
             self.known = step
             self.method.taken(self.of.begin, self.c.h)
 
-    def _value(self, t: float, y: int) -> int:
-        """Answer C with the state inside the last step."""
-        return self.answered(self._interpolated, t, y)
-
     def _interpolated(self, t: float, y: int) -> None:
+        """Answer C with the state inside the last step."""
         self.taken(ARRIVED)
         vector(y, len(self.y))[:] = self.method.interpolate(t)
 

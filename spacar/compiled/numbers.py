@@ -61,15 +61,12 @@ class Numbers(NamedTuple):
     def each(self, make: Callable[..., Array], *others: Numbers) -> Numbers:
         """Every array is what `make` makes of it and of those of the others; rows and columns of entries stay."""
         everyone = self, *others
-
-        def entries(name: str) -> Entries:
-            rows, columns, _ = getattr(self, name)
-            return rows, columns, make(*[getattr(one, name)[2] for one in everyone])
-
         parameters = zip(*[[batch.parameters for batch in one.elements] for one in everyone], strict=True)
         elements = [batch._replace(parameters=make(*p)) for batch, p in zip(self.elements, parameters, strict=True)]
         found: dict[str, Any] = {name: make(*[getattr(one, name) for one in everyone]) for name in ARRAYS}
-        found |= {name: entries(name) for name in ENTRIES}
+        for name in ENTRIES:
+            rows, columns, _ = getattr(self, name)
+            found[name] = rows, columns, make(*[getattr(one, name)[2] for one in everyone])
         return Numbers(tuple(elements), **found)
 
     def take(self, cases: slice | Index) -> Numbers:
@@ -184,7 +181,14 @@ def _sorted(entries: tuple[Index, Index, Array], places: Index) -> Entries:
     cases, n = places.shape
     case_of, index_of = np.zeros((2, places.max(initial=0) + 1), np.int64)
     case_of[places], index_of[places] = np.arange(cases)[:, None], np.arange(n)
-    keys, inverse = np.unique(index_of[rows] * n + index_of[columns], return_inverse=True)
+    return summed(index_of[rows], index_of[columns], n, values, cases, case_of[rows])
+
+
+def summed(
+    rows: Index, columns: Index, n: int, values: Array, cases: int, case: Index | slice = slice(None)
+) -> Entries:
+    """Entries with columns below n, each place once: values (entries, cases), or (entries,) of a `case` each."""
+    keys, inverse = np.unique(rows * n + columns, return_inverse=True)
     out = np.zeros((len(keys), cases))
-    np.add.at(out, (inverse, case_of[rows]), values)
+    np.add.at(out, (inverse, case), values)  # type: ignore[arg-type]
     return keys // n, keys % n, out

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import Array, Index
-from spacar.compiled.numbers import ENTRIES, FOREIGN, Elements, Entries, Numbers, elements_of, of_one
+from spacar.compiled.numbers import ENTRIES, FOREIGN, Elements, Entries, Numbers, elements_of, of_one, summed
 from spacar.dynamics.loaded_mechanism import LoadedMechanism, active_entries
 from spacar.elements import Family, GeometryError
 from spacar.mechanism.element_batches import PlacedGroup, element_groups
@@ -58,12 +58,8 @@ def _close(one: Array, other: Array) -> bool:
 
 
 def _same_entries(a: Entries, b: Entries) -> bool:
-    size = max(int(of[1].max(initial=0)) for of in (a, b)) + 1
-    keys = np.unique(np.concatenate([of[0] * size + of[1] for of in (a, b)]))
-    one, other = np.zeros((2, len(keys)))
-    for values, of in ((one, a), (other, b)):
-        np.add.at(values, np.searchsorted(keys, of[0] * size + of[1]), of[2][:, 0])
-    return _close(one, other)
+    parts = [(of[0], of[1], of[2] * side) for of, side in ((a, (1.0, 0.0)), (b, (0.0, 1.0)))]
+    return _close(*_merged(parts, 2)[2].T)
 
 
 def affine(arrays: Sequence[Array], weights: Array) -> Array:
@@ -216,8 +212,4 @@ def _merged(parts: Sequence[Entries], cases: int) -> Entries:
     """All entries, each place once."""
     rows, columns = (np.concatenate([np.zeros(0, np.int64), *(p[i] for p in parts)]) for i in (0, 1))
     values = np.concatenate([np.zeros((0, cases)), *(p[2] for p in parts)])
-    size = int(columns.max(initial=0)) + 1
-    keys, inverse = np.unique(rows * size + columns, return_inverse=True)
-    out = np.zeros((len(keys), cases))
-    np.add.at(out, inverse, values)
-    return keys // size, keys % size, out
+    return summed(rows, columns, int(columns.max(initial=0)) + 1, values, cases)
