@@ -106,6 +106,7 @@ def diagnose(mechanism: Mechanism, sweep: ElementSweep, x: Array | None = None) 
     null_rows, null_columns, s, condition = _decomposed(mechanism, sweep, rows, columns)
     over, under = null_rows.shape[1], null_columns.shape[1]
     regular = not over and not under
+    allowed = ~np.isin(columns, numbering.euler[0])  # lambda0 is no degree of freedom: the normalization determines it
     parts, advice, paste = _advice(mechanism, rows, null_rows, x) if over else ((), (), ())
     return Diagnosis(
         n_rows=len(rows),
@@ -115,7 +116,7 @@ def diagnose(mechanism: Mechanism, sweep: ElementSweep, x: Array | None = None) 
         deformations=tuple((p.share, p.name) for p in parts),
         coordinates=_ranked(null_columns, [numbering.x_name(int(i)) for i in columns] if under else []),
         releases=tuple(p.name for p in advice),
-        freedoms=tuple(numbering.x_name(int(columns[i])) for i in pick(null_columns, _independent(mechanism, columns))),
+        freedoms=tuple(numbering.x_name(int(columns[i])) for i in pick(null_columns, allowed)),
         singular=s,
         condition=condition if regular else float("inf"),
         parts=parts,
@@ -239,9 +240,3 @@ def _ranked(null: Array, names: list[str]) -> tuple[tuple[float, str], ...]:
 def _shares(null: Array) -> Array:
     """Share of every row in a null space, sum 1."""
     return np.asarray((np.sum(null**2, axis=1) / null.shape[1]).round(TIE))
-
-
-def _independent(mechanism: Mechanism, columns: Index) -> Array:
-    """Coordinates that may be chosen as degrees of freedom: not lambda0, which the normalization determines."""
-    numbering = mechanism.numbering
-    return np.ones(len(columns), bool) if numbering.planar else ~np.isin(columns, numbering.euler[0])

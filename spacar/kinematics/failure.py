@@ -72,19 +72,17 @@ def position_failure(
     values = np.where(np.isfinite(residual), np.abs(residual), np.inf) / kinematics.h_scale
     norm = float(values.max(initial=0.0))
     worst = int(kinematics.h[int(np.argmax(values))]) if len(values) else 0
-    where = ""
-    smallest = float("nan")
-    D = np.zeros((0, 0))
+    where, smallest, largest, D = "", np.nan, np.nan, np.zeros((0, 0))
     if len(kinematics.c) <= LARGEST_DIAGNOSED:
         entries = entries_of(kinematics.sweep)
         D = scaled_difference_matrix(kinematics.mechanism, entries, kinematics.h, kinematics.c)
     if np.isfinite(D).all() and D.size:
         _, s, right = np.linalg.svd(D)
-        smallest = float(s[-1])
+        smallest, largest = float(s[-1]), float(s[0])
         hardest = int(kinematics.c[int(np.argmax(np.abs(right[-1])))])
         where = f", motion that is hardest to determine: {numbering.x_name(hardest)}"
     # An iterate that met the constraints to rounding r and was left had a correction r/s that bends them by more than
-    # r: the root is not a single one (kinematics/constraint_condition.py).
+    # r: the root is not a single one (kinematics/constraint_matrices.py).
     given = kinematics.target[kinematics.h]
     left = min(history, default=np.inf) <= kinematics.rounding(kinematics.x, given)  # iterates may be far from there
     if left or norm <= kinematics.rounding(x, given):
@@ -93,7 +91,7 @@ def position_failure(
             f" singular value {smallest:.3g}{where}); a dead point: choose other degrees of freedom"
         )
         return AnalysisError(text, "position.singular", iterations=iteration, history=history)
-    if D.size and np.isfinite(D).all() and smallest < NEARLY * s[0]:
+    if smallest < NEARLY * largest:
         found = _singular_choice(kinematics, x)
         if found:
             return AnalysisError(found, "position.singular", iterations=iteration, history=history)
@@ -136,8 +134,10 @@ def collapse(kinematics: ConstraintMatrices) -> str:
     sweep = kinematics.sweep
     for batch in sweep.strained:
         family = batch.family
-        kind = ELEMENT_TYPES.get(family.keyword)  # None of normalizations
-        if kind is not None and kind.axial:
+        kind = ELEMENT_TYPES.get(family.keyword)
+        if kind is None:  # normalizations
+            continue
+        if kind.axial:
             wanted = kinematics.target[batch.e[0]] + family.length
             asked = np.isin(batch.e[0], kinematics.h) & (wanted <= SHORT * family.length)
             for k in np.flatnonzero(asked):
@@ -146,10 +146,7 @@ def collapse(kinematics: ConstraintMatrices) -> str:
                     f" {wanted[k]:.3g} m, undeformed {family.length[k]:.3g} m; limit the motion of its ends or its"
                     " prescribed elongation"
                 )
-        undefined = ~np.isfinite(sweep.e[batch.e]).all(axis=0)
-        for k in np.flatnonzero(undefined):
-            if family.keyword == "normalization":
-                continue
+        for k in np.flatnonzero(~np.isfinite(sweep.e[batch.e]).all(axis=0)):
             return (
                 f"element {family.numbers[k]} ({family.keyword}) has collapsed: its end nodes have met and its"
                 " deformations are undefined; limit the motion, or release the element (RLSE)"

@@ -18,7 +18,7 @@ residual is known to delta = 64 eps s (a few dozen operations make a deformation
 follows one below 1e-11 or delta is as small as rounding allows and passes always. With an ill-conditioned matrix D' a
 residual of delta makes corrections up to |D'^-1| delta, which may stay above both: two residuals below delta one after
 the other are therefore accepted as well, if the position is determined. It is not near a double root (a dead point),
-where the residual is eps while the position is wrong by sqrt(eps): `spacar.kinematics.constraint_condition`.
+where the residual is eps while the position is wrong by sqrt(eps): `spacar.kinematics.constraint_matrices`.
 
 D(x) = e has several solutions (a rigid beam may point to either side), so a target is reached continuously: when an
 iteration fails, or ends farther than 0.8 model lengths or rad from where it began, the way to the target is halved, at
