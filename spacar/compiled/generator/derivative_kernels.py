@@ -36,6 +36,7 @@ from spacar.compiled.generator.generate import (
     pull,
     shared,
     slope,
+    stated,
     straight,
     symbols_of,
     table_of,
@@ -248,13 +249,8 @@ class TangentProgram:
 
     def extend(self, symbol: sp.Symbol, expression: sp.Expr) -> None:
         value = self.along(expression)
-        if value == 0:
-            return
-        if not value.is_Atom:
-            name = sp.Symbol(f"D_{symbol.name}", real=True)
-            self.statements.append((name, value))
-            value = name
-        self.of[symbol] = value
+        if value != 0:
+            self.of[symbol] = stated(self.statements, f"D_{symbol.name}", value)
 
     def along(self, expression: sp.Expr) -> sp.Expr:
         return rate_of(expression, self.of, self._factor)

@@ -215,6 +215,15 @@ def straight(expressions: list, first: Program) -> tuple[Program, list[sp.Expr]]
     return program, named
 
 
+def stated(program: Program, name: str, value: sp.Expr) -> sp.Expr:
+    """What stands for a value: itself, or the name of a new statement of the program where it is an expression."""
+    if value.is_Atom:
+        return value
+    symbol = sp.Symbol(name, real=True)
+    program.append((symbol, value))
+    return symbol
+
+
 def reverse(program: Program, results: list, x: list) -> tuple[list[list[sp.Expr]], Program]:
     """Rows of the gradient and the program of adjoints they need."""
     rows, statements = [], []
@@ -227,15 +236,13 @@ def reverse(program: Program, results: list, x: list) -> tuple[list[list[sp.Expr
 
 def pull(program: Program, seeds: dict[sp.Symbol, sp.Expr], x: list, prefix: str) -> tuple[list[sp.Expr], Program]:
     """Gradient of the sum of seeds times what they are of, and the program of adjoints it needs."""
-    adjoint, statements = dict(seeds), []
+    adjoint = dict(seeds)
+    statements: Program = []
     for symbol, expression in reversed(program):
         bar = adjoint.pop(symbol, sp.Integer(0))
         if bar == 0:
             continue
-        if not bar.is_Atom:
-            name = sp.Symbol(f"{prefix}_{symbol.name}", real=True)
-            statements.append((name, bar))
-            bar = name
+        bar = stated(statements, f"{prefix}_{symbol.name}", bar)
         for argument in sorted(expression.free_symbols, key=str):
             if not argument.name.startswith("p"):
                 adjoint[argument] = adjoint.get(argument, sp.Integer(0)) + bar * slope(expression, argument)
@@ -268,17 +275,7 @@ def forward(
     """Program of first and second derivatives along x + s v + s^2 a/2 at s = 0, and those of the results."""
     first: dict[sp.Symbol, sp.Expr] = dict(zip(x, v, strict=True))
     second: dict[sp.Symbol, sp.Expr] = dict(zip(x, a, strict=False))
-    statements = []
-
-    def keep(prefix: str, symbol: sp.Symbol, value: sp.Expr, table: dict) -> None:
-        if value == 0:
-            return
-        if not value.is_Atom:
-            name = sp.Symbol(f"{prefix}_{symbol.name}", real=True)
-            statements.append((name, value))
-            value = name
-        table[symbol] = value
-
+    statements: Program = []
     for symbol, expression in program:
         moving = [a for a in sorted(expression.free_symbols, key=str) if a in first]
         rate, bend = sp.Integer(0), sp.Integer(0)
@@ -287,8 +284,9 @@ def forward(
             rate += by_a * first[a]
             bend += by_a * second.get(a, sp.Integer(0)) + slope(by_a, a) * first[a] ** 2
             bend += sum(2 * slope(by_a, b) * first[a] * first[b] for b in moving[:k])
-        keep("d", symbol, rate, first)
-        keep("dd", symbol, bend, second)
+        for prefix, value, table in (("d", rate, first), ("dd", bend, second)):
+            if value != 0:
+                table[symbol] = stated(statements, f"{prefix}_{symbol.name}", value)
     along, bends = ([table.get(r, sp.Integer(0)) for r in results] for table in (first, second))
     return statements, along, bends
 
@@ -330,12 +328,7 @@ def named(prefix: str, matrix: sp.Matrix) -> tuple[Program, sp.Matrix]:
     out = sp.zeros(*matrix.shape)
     for i in range(matrix.rows):
         for j in range(matrix.cols):
-            value = matrix[i, j]
-            if not (value.is_Number or value.is_Symbol):
-                symbol = sp.Symbol(f"{prefix}{i}_{j}", real=True)
-                program.append((symbol, value))
-                value = symbol
-            out[i, j] = value
+            out[i, j] = stated(program, f"{prefix}{i}_{j}", matrix[i, j])
     return program, out
 
 
