@@ -167,12 +167,8 @@ class InLanes:
             self.state.resume(at.t, at.x, at.xd, at.xdd, at.e)
 
     # -- outputs --------------------------------------------------------------------------------------------------
-    def into(self, times: Array, rows: Array, far: int) -> None:
-        """See `BatchOutputBlock`."""
-        self.output_block.into(times, rows, far)
-
     def wheels_lifted(self, times: Array, rows: Array) -> list[dict[int, str]]:
-        """Warnings of every lane, by wheel, after all outputs (rows as for `into`)."""
+        """Warnings of every lane, by wheel, after all outputs (rows as for `output_block`)."""
         lanes = self.by_case[2]
         said: list[dict[int, str]] = [{} for _ in range(lanes)]
         wheels = Wheels(self.model, lanes)

@@ -219,10 +219,6 @@ class CompiledDynamics:
         return result
 
     # -- inputs of a simulation -----------------------------------------------------------------------------------
-    def push(self, sigma: Array, force: Array) -> None:
-        """Stresses (ne,) on active rows and forces (nx,) besides those of the model; `general` is not told."""
-        self.solver.push(sigma, force)
-
     def reach(self, t: float, y: Array, whole: bool) -> bool:
         """Whether C could evaluate the state; then x, e and their derivatives are in `state`, and everything else when
         `whole`: of e only the derivatives of degrees of freedom are there without it."""

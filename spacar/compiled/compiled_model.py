@@ -163,35 +163,29 @@ class CompiledModel:
             self.engine.state(self.handle, state.address, state.x_address)
 
     def push(self, sigma: Array, force: Array) -> None:
-        """Stresses (ne,) on active rows and forces (nx,) besides those of the model."""
+        """Stresses (ne,) on active rows and forces (nx,) besides those of the model; no NumPy evaluator is told."""
         first = self.numbering.e_class["input"].stop
         np.add(self.numbers.force, force[:, None], self.force)
         np.add(self.numbers.preload[first:], sigma[first:, None], self.preload[first:])
         self.engine.forget(self.handle)
 
-    # -- calls; y, out, K are C-contiguous with the cases last ----------------------------------------------------
+    # -- calls; y, out, K are C-contiguous with the cases last. Raise what a user function raised ------------------
     def rhs(self, state: State, t: float, y: int, out: int, converged: float) -> int:
-        """Time derivative of the state at the address y into out; a negative number when that is not possible.
-
-        Raises what a user function raised.
-        """
+        """Time derivative of the state at the address y into out; a negative number where that is not possible."""
         return self._answered(self.engine.rhs(self.handle, state.address, t, y, out, converged, LARGEST_JUMP))
 
     def start(self, state: State, y: int, out: int, checked: bool) -> int:
         """Evaluate the start state at the address y from the configuration of `state`, its time derivative into out.
 
         Negative when that is not possible, FAR_AWAY where the path there has to be followed, DOUBTFUL_MASS when the
-        mass matrix is `checked` and has to be looked at closely. Raises what a user function raised.
+        mass matrix is `checked` and has to be looked at closely.
         """
         return self._answered(
             self.engine.start(self.handle, state.address, y, out, EXACT, LARGEST_JUMP, FARTHEST_GUESS, checked)
         )
 
     def evaluate(self, state: State, t: float, y: int, converged: float) -> int:
-        """Everything that a frame has of the state at the address y, forces too.
-
-        Negative when that is not possible.
-        """
+        """Everything that a frame has of the state at the address y, forces too; negative where it is not possible."""
         return self._answered(self.engine.evaluate(self.handle, state.address, t, y, converged, LARGEST_JUMP))
 
     def _answered(self, status: int) -> int:

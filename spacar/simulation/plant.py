@@ -136,7 +136,7 @@ class CompiledPlant(ArrayPlant):
             return
         self._known, self._pushed = False, u.tobytes()
         super().push(u)
-        self.evaluator.push(self.sigma, self.force)
+        self.evaluator.solver.push(self.sigma, self.force)
 
     def place(self, t: float, y: Array) -> None:
         self._at = t, y.copy()

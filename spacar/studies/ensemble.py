@@ -286,7 +286,7 @@ class Follower:
                     said[case] = (f"warning: {looked_at.doubt}",)
         settings = of.single.settings
         each = None if of.g is None else np.broadcast_to(of.g, block.by_case[1:]).ravel()
-        block.into(of.times, rows, FAR)
+        block.output_block.into(of.times, rows, FAR)
         stepper = self.stepper
         if stepper is None or stepper.evaluator is not block:
             self.stepper = stepper = block.stepper()

@@ -264,7 +264,7 @@ def test_a_state_that_is_there_is_not_evaluated_again(grow, seed, links):
             )
     force = np.zeros(len(frames[0].x))
     force[compiled.numbering.x_class["calculable"]] = 1.0
-    compiled.push(np.zeros(len(frames[0].e)), force)
+    compiled.solver.push(np.zeros(len(frames[0].e)), force)
     np.testing.assert_allclose(compiled.frame(0.0, y).fx, frames[0].fx + force, atol=1e-13, rtol=1e-13)
 
 
