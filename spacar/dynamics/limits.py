@@ -81,10 +81,9 @@ class Wheels:
     def __init__(self, model: LoadedMechanism, cases: int = 1) -> None:
         n = model.mechanism.numbering
         self.gravity = model.loads.gravity
-        rolling = [rows for rows in n.types if rows.kind.normal_mode]
-        self.found = sorted([(number, rows.kind.keyword) for rows in rolling for number in rows.numbers.tolist()])
-        normal = {rows.kind.keyword: rows.kind.normal_mode for rows in rolling}
-        self.rows = np.array([n.e_index(w, normal[keyword]) for w, keyword in self.found], np.int64)
+        rolling = [(rows.numbers.tolist(), rows.kind) for rows in n.types if rows.kind.normal_mode]
+        self.found = sorted([(w, kind.keyword, kind.normal_mode) for numbers, kind in rolling for w in numbers])
+        self.rows = np.array([n.e_index(w, mode) for w, _, mode in self.found], np.int64)
         self.compression = np.zeros((len(self.found), cases))
 
     def press(self, normal: Array) -> None:
@@ -102,7 +101,7 @@ class Wheels:
         if not pulled.any():
             return
         for k, case in np.argwhere(pulled):
-            wheel, keyword = self.found[k]
+            wheel, keyword, _ = self.found[k]
             text = (
                 f"element {wheel} ({keyword}) at t = {t:.9g}: the wheel leaves the ground,"
                 f" its normal force would be a pull of {normal[k, case]:.6g} N; reduce speed or steering,"
