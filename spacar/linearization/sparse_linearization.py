@@ -41,15 +41,11 @@ class _Places:
         self.given_x = np.r_[0 : xs["fixed"].stop, xs["input"].start : xs["input"].stop]
         self.moving_x = np.setdiff1d(np.arange(nx), self.given_x)
         self.given_e = np.arange(es["input"].stop)
-        self.dynamic_x = np.arange(xs["dynamic"].start, xs["dynamic"].stop)
-        self.dynamic_e = np.arange(es["dynamic"].start, es["dynamic"].stop)
-        self.kinematic_x = np.arange(xs["kinematic"].start, xs["kinematic"].stop)
-        self.kinematic_e = np.arange(es["kinematic"].start, es["kinematic"].stop)
-        # columns of the state: dynamic x, dynamic e, kinematic x, kinematic e; rates of the dynamic ones
-        m, k = len(self.dynamic_x), len(self.dynamic_x) + len(self.dynamic_e)
-        self.q_x, self.q_e = np.arange(m), np.arange(m, k)
-        self.k_x = k + np.arange(len(self.kinematic_x))
-        self.k_e = k + len(self.kinematic_x) + np.arange(len(self.kinematic_e))
+        # in the order of the state; behind its columns, rates of the dynamic ones
+        parts = xs["dynamic"], es["dynamic"], xs["kinematic"], es["kinematic"]
+        self.dynamic_x, self.dynamic_e, self.kinematic_x, self.kinematic_e = (np.arange(p.start, p.stop) for p in parts)
+        ends = np.cumsum([p.stop - p.start for p in parts])
+        self.q_x, self.q_e, self.k_x, self.k_e = np.split(np.arange(ends[-1]), ends[:-1])
         self.rate_x, self.rate_e = n.nkddof + self.q_x, n.nkddof + self.q_e
 
 
