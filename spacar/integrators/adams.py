@@ -6,8 +6,6 @@ is kept as modified divided differences phi_1 ... phi_{k+1}, rows of one array, 
 predicted differences of all components come from a single small matrix product.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import pairwise
 from math import sqrt

@@ -15,8 +15,6 @@ trusses, planar and spatial beams; benchmarks/default_method.py): with equations
 factors grow with n^3; with those of NumPy 3.3 to 4.9, whatever n. A Jacobian takes 1.5 to 3.9 ms, n = 2 to 64.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from math import sqrt
 

@@ -6,8 +6,6 @@ II.10. Sparse rows are written as {column: value}. The tests check the row sums,
 order 8 and the measured orders of the step and of the extension.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from .tableaus import Tableau

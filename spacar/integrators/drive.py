@@ -18,8 +18,6 @@ the interpolation (a vibration that the method passes over), and only more than 
 on, so that smooth motions are located a few times at most. Steps of Adams in C are compared there (output_block.c).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from math import ceil, isfinite, sqrt

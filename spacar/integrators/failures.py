@@ -1,7 +1,5 @@
 """The ways in which an integration can fail, as errors that say when, how far, which component and what to try."""
 
-from __future__ import annotations
-
 from spacar.errors import AnalysisError
 
 from .problem import Evaluation

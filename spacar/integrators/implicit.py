@@ -5,8 +5,6 @@ the three-stage method ROS3 of A. Sandu et al., Atmos. Environ. 31 (1997) 3459. 
 SIAM J. Numer. Anal. 14 (1977) 1006. The Jacobian J = dF/dy and F_t = dF/dt come from the exact linearization.
 """
 
-from __future__ import annotations
-
 from math import sqrt
 from typing import Any
 

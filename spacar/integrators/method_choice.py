@@ -16,8 +16,6 @@ than the part LOST: what trials have cost and TRIAL more steps of 595, over LOST
 SEEN.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ error of a result adds up over the steps, more or less, as the motion decides:
 `spacar.studies.policies.accuracy` estimates and keeps it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial

@@ -17,8 +17,6 @@ The error of a step falls with h^3, that of the result with h^2. A result to the
 steps to the part p^(3/2): the tolerance w of a component, from ERROR, is w sqrt(w/S) for a step, S its largest value.
 """
 
-from __future__ import annotations
-
 from math import sqrt
 
 import numpy as np

@@ -4,8 +4,6 @@ Step control: theory-system.md section 9. The first step follows Hairer, Norsett
 Equations I", section II.4.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any

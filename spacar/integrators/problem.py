@@ -1,7 +1,5 @@
 """What an integrator needs from a problem and what it gives back: protocol, records and the counted evaluation."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite
@@ -47,7 +45,7 @@ class Stepper(Protocol):
     @property
     def output_block(self) -> Any: ...
 
-    def steps(self, method: Any, t: float, t_end: float, h: float, longest: float, within: float) -> Iterator[Step]:
+    def steps(self, method: Any, t: float, t_end: float, h: float, longest: float, within: float) -> "Iterator[Step]":
         """Yields the steps with an output, or the last of many with the outputs in all of them."""
 
 

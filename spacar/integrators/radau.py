@@ -27,8 +27,6 @@ Between the points the state follows the polynomial through 0, c_1 ... c_s. Wher
 the integral of the polynomial of the velocities is one order better and meets the end of the step as well.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 from math import sqrt

@@ -9,8 +9,6 @@ With y = (q, u), q' = v, v the last part of u, and b alike, the rows q of an arr
 which is half the size for a mechanism without kinematic coordinates.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

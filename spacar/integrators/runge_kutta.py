@@ -4,8 +4,6 @@ A step is y+ = y + h b K with the stages K_i = F(t + c_i h, y + h sum_j a_ij K_j
 a last row F(t + h, y+), which is the first stage of the next step.
 """
 
-from __future__ import annotations
-
 from math import sqrt
 
 import numpy as np

@@ -5,8 +5,6 @@ Sources: P. Bogacki, L. F. Shampine, Appl. Math. Letters 2 (1989) 321 (130, 135)
 S. P. Norsett, G. Wanner, "Solving Ordinary Differential Equations I", Springer 1993, section II.6.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """Output times that are computed when they are asked for: a billion of them need no memory."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

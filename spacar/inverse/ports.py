@@ -16,8 +16,6 @@ stress (a preload ESIG, or S e when it rests away from zero). It is this differe
 it is free (24).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -52,7 +50,7 @@ class Ports:
     outputs: tuple[Signal, ...]
 
     @classmethod
-    def of(cls, mechanism: Mechanism) -> Ports:
+    def of(cls, mechanism: Mechanism) -> "Ports":
         """Signals of the third block of a deck of mode 2 or 3."""
         return cls(tuple(signals(mechanism, NOMINAL_KINDS)), tuple(signals(mechanism, REFERENCE_KINDS)))
 

@@ -5,8 +5,6 @@ path rest. The set-point where two of them meet is the end of the earlier one: i
 Extra masses (TRM) and forces (TRF) act during their own trajectory only.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -66,7 +64,7 @@ class TrajectoryDrive:
     breaks: tuple[float, ...]
 
     @classmethod
-    def of(cls, legs: list[Leg]) -> TrajectoryDrive:
+    def of(cls, legs: list[Leg]) -> "TrajectoryDrive":
         breaks = {leg.start + b for leg in legs for profile, _ in leg.moves for b in profile.breaks}
         starts = tuple(leg.start for leg in legs)
         return cls(tuple(legs), starts, tuple(sorted({*breaks, *starts[1:], legs[-1].start + legs[-1].duration})))

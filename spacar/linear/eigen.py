@@ -9,8 +9,6 @@ imaginary part first.
 Every returned pair is checked (`spacar.linear.backward_error`); a doubtful one is kept, with a warning.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -57,7 +55,7 @@ class Modes:
                 found |= {f"{name}re": vectors.real, f"{name}im": vectors.imag}
         return found
 
-    def lowest(self, pairs: int) -> Modes:
+    def lowest(self, pairs: int) -> "Modes":
         """The last `pairs` pairs, conjugates never divided."""
         first = max(len(self.values) - 2 * pairs, 0)
         if first and self.values[first].imag < 0.0 and self.values[first - 1] == self.values[first].conj():

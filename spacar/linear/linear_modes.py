@@ -1,7 +1,5 @@
 """Modes 4, 7, 8, 9, 10 as streams of frames."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 

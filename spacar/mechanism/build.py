@@ -1,7 +1,5 @@
 """Assemble the Mechanism: number, read the start configuration from the deck, and gather the parts."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import hypot
 from typing import Any

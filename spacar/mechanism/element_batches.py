@@ -1,7 +1,5 @@
 """Element statements to batches: one family object per keyword with its indices into x and e."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Loads, prescribed motion, start values and settings of the dynamics block."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

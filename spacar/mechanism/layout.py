@@ -5,8 +5,6 @@ The entries of V (ne x nx) come first, batch by batch, (n_deformations, n_coordi
 shape.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -42,7 +40,7 @@ class Layout:
     turning: tuple[Batch, ...]  # with a branch of their own
 
     @classmethod
-    def of(cls, batches: Sequence[Batch]) -> Layout:
+    def of(cls, batches: Sequence[Batch]) -> "Layout":
         strained = tuple(b for b in batches if b.family.n_deformations)
         massive = tuple(b for b in batches if b.family.has_mass)
         moving = tuple(b for b in massive if not b.family.constant_mass)

@@ -4,8 +4,6 @@ A lumped mass is an entry m of M per coordinate [kg or kg m^2], constant, withou
 spatial orientation node are summed first: the node is then one rigid body (theory-spatial.md section 1).
 """
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 import numpy as np

@@ -4,8 +4,6 @@ NumPy would read the last entry for -1, a wrong number without a word. The check
 and holds for the vector itself only: results of arithmetic and slices are ordinary arrays. Slices may be negative.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -4,8 +4,6 @@
 Tables have a row for every node or element number up to the highest, zero where the number is not used.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

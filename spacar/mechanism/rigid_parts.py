@@ -15,8 +15,6 @@ their order are those of the whole. What is left out follows from the motion of 
 (`spacar.dynamics.left_out`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property

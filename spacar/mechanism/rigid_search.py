@@ -1,7 +1,5 @@
 """Finds the rigid parts of a mechanism (`spacar.mechanism.rigid_parts`)."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple

@@ -6,8 +6,6 @@ A file is read for every model. The code made of its text is kept in the process
 the very same bytes at the same place are not compiled again. They are executed again, in a module of its own.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Callable
@@ -118,10 +116,10 @@ class Loaded:
     def __call__(self, *arguments: Any) -> Any:
         return self.function(*arguments)
 
-    def __reduce__(self) -> tuple[Callable[..., Loaded], tuple[Any, ...]]:
+    def __reduce__(self) -> "tuple[Callable[..., Loaded], tuple[Any, ...]]":
         return load_function, (self.deck, self.statement)
 
-    def anew(self) -> Loaded:
+    def anew(self) -> "Loaded":
         """It once more, from the text that was read, in a module of its own. Raises as `load_function`."""
         return _made(self.deck, self.statement, self.path, self.code)
 

@@ -15,8 +15,6 @@ at once, with bounds a little narrower, MARGIN for rounding. A case that does no
 of its own decide and say what is wrong.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -141,8 +139,8 @@ class _Table:
         return change(self.deck, self.settings, where.tolist())
 
     def _combined(
-        self, way: Way, mechanisms: Sequence[Mechanism], starts: Sequence[Array], kept: Array
-    ) -> tuple[Numbers, Array, Array] | None:
+        self, way: "Way", mechanisms: Sequence[Mechanism], starts: Sequence[Array], kept: Array
+    ) -> "tuple[Numbers, Array, Array] | None":
         """Numbers, starts and places of the cases, without those that cannot be; None where a case would be wrong."""
         from spacar.compiled.numbers import of_one
         from spacar.compiled.numbers_of_cases import ImpossibleCase, affine, same

@@ -4,8 +4,6 @@ Case k has the nodes and elements of the first one, their numbers raised by k ti
 coordinates are numbered by class, then node, case k holds the same places of every class as the single mechanism.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -34,7 +32,7 @@ class Cases:
     """
 
     single: Mechanism
-    numbers: Numbers
+    numbers: "Numbers"
     start: Array
     deck: Callable[[int], Deck]
     chosen: Sequence[int] = ()

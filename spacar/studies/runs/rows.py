@@ -9,8 +9,6 @@ A file that was edited, or saved by another program, goes on when its rows can b
 lines, short rows, a last line without an end. One that is not of this study is not touched.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import json
@@ -42,7 +40,7 @@ class Rows:
         self._synced = 0.0
         self._release: locks.Release | None = None
 
-    def __enter__(self) -> Rows:
+    def __enter__(self) -> "Rows":
         """Read what is there; nothing of the file changes before all of it was understood."""
         if self.path.exists() and not self.path.is_file():
             raise UsageError(f"{self.path} is no file: rows are read before others are added", "study.rows")
