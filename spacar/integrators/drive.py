@@ -133,14 +133,10 @@ def _segments(first: float, last: float, breaks: Sequence[float]) -> list[Segmen
     """(start, end, first time, last time of evaluation) of the smooth pieces of the interval."""
     shift = 4.0 * EPS * max(abs(first), abs(last), last - first)
     inner: list[float] = []
-    at_first = at_last = False
-    for b in sorted(float(b) for b in breaks):
-        if abs(b - first) <= 2.0 * shift:
-            at_first = True
-        elif abs(b - last) <= 2.0 * shift:
-            at_last = True
-        elif first < b < last and (not inner or b - inner[-1] > 4.0 * shift):
+    for b in sorted(map(float, breaks)):
+        if min(b - first, last - b) > 2.0 * shift and (not inner or b - inner[-1] > 4.0 * shift):
             inner.append(b)
+    at_first, at_last = (any(abs(b - t) <= 2.0 * shift for b in breaks) for t in (first, last))
     ends = [first, *inner, last]
     return [
         (a, b, a + shift if i or at_first else a, b - shift if i < len(inner) or at_last else b)

@@ -24,16 +24,14 @@ import numpy as np
 from spacar.errors import AnalysisError
 
 from .problem import Evaluation, Tolerance
-from .runge_kutta import hermite, weights
+from .runge_kutta import OneStepMethod, weights
 
 
-class RungeKuttaNystrom:
-    """Fixed (220) and variable (225) steps for y = (q, v); same duties as ExplicitRungeKutta.
+class RungeKuttaNystrom(OneStepMethod):
+    """Fixed (220) and variable (225) steps for y = (q, v).
 
     Raises AnalysisError `integrator.second-order` when there are not as many velocities as positions.
     """
-
-    controller = (3.0, 0.3, 3.0)
 
     def __init__(self, code: int, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
         self.n = evaluation.problem.n_positions
@@ -43,43 +41,30 @@ class RungeKuttaNystrom:
                 "(kinematic coordinates of non-holonomic constraints): use INTEGRAT 0, 155 or 140",
                 "integrator.second-order", n_positions=self.n, n_velocities=n - self.n,
             )  # fmt: skip
-        self.evaluation, self.tolerance = evaluation, tolerance
-        self.y, self.y_new, self.f, self.f_new, self.scaled = np.zeros((5, n))
+        super().__init__(evaluation, n, tolerance, (3.0, 0.3, 3.0), 2)
+        self.f, self.f_new = self.stages
         self.size = np.zeros(n)  # largest value of each component so far
         self.a1, self.before = np.zeros((2, self.n))
-        self.t = self.h = self.h_before = 0.0
+        self.h_before = 0.0
 
     def start(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Sets the state and returns F there."""
-        self.t, self.h = t, 0.0
-        self.y_new[:] = y
-        self.f_new[:] = self.evaluation.rhs(t, self.y_new)
-        return self.f_new
+        self.h = 0.0  # there is no step before
+        return super().start(t, y)
 
     def begin(self, t: float) -> None:
-        """Makes the end of the last step the start of the next one."""
-        self.t, self.h_before = t, self.h
+        self.h_before = self.h
         self.before[:] = self.f[self.n :]
-        self.y[:] = self.y_new
+        super().begin(t)
         np.maximum(self.size, np.abs(self.y), out=self.size)
-        self.f[:] = self.f_new
 
     def _step(self, t: float, h: float) -> None:
-        """y_new from y and f."""
         n, a0 = self.n, self.f[self.n :]
         q, v = self.y[:n], self.y[n:]
         self.a1[:] = a1 = self.evaluation.rhs(t + h, np.append(q + h * (v + (0.5 * h) * a0), v + h * a0))[n:]
         self.y_new[n:] = v + (0.5 * h) * (a0 + a1)
         self.y_new[:n] = q + h * v + (h * h / 6.0) * (2.0 * a0 + a1)
 
-    def fixed(self, t: float, h: float, y: np.ndarray) -> None:
-        """One step from (t, y) into y_new."""
-        self.y[:] = y
-        self.f[:] = self.evaluation.rhs(t, self.y)
-        self._step(t, h)
-
     def attempt(self, h: float) -> float:
-        """A trial step; returns the error estimate as a multiple of the tolerance, `scaled` holds its components."""
         self.h = h
         self._step(self.t, h)
         n = self.n
@@ -98,10 +83,3 @@ class RungeKuttaNystrom:
             return ((a2 - a0) / h - (a0 - self.before) / self.h_before) / (h + self.h_before)
         middle = self.evaluation.rhs(self.t + 0.5 * h, self.interpolate(self.t + 0.5 * h))[n:]
         return np.asarray((a0 - 2.0 * middle + a2) * (2.0 / (h * h)))
-
-    def finish(self) -> None:
-        """Nothing left to evaluate: F at the step end is there."""
-
-    def interpolate(self, t: float) -> np.ndarray:
-        """y(t) in the last step, shape (n,)."""
-        return hermite(t - self.t, self.h, self.y, self.f, self.y_new, self.f_new)

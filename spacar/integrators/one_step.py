@@ -5,8 +5,6 @@ Equations I", section II.4.
 """
 
 from collections.abc import Callable, Iterator
-from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -14,19 +12,17 @@ from spacar.errors import AnalysisError
 
 from .failures import LAST_STRETCH, MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
 from .problem import Evaluation, Step
-from .runge_kutta import ExplicitRungeKutta
+from .runge_kutta import ExplicitRungeKutta, OneStepMethod
 
 EPS = float(np.finfo(float).eps)
 
 
 def one_step(
-    integrator: Any, estimate: bool, longest: float = float("inf")
+    integrator: OneStepMethod, estimate: bool, longest: float = float("inf")
 ) -> Callable[[float, np.ndarray, float, float], Iterator[Step]]:
     """The loop of a one-step code, in the form of Adams.steps; `estimate` the first step; `longest` [s]."""
     exponent, smallest, largest = integrator.controller
     evaluation: Evaluation = integrator.evaluation
-    # Next step over the last one; a code that looks at more than its last error has its own rule.
-    factor: Callable[[float], float] = getattr(integrator, "factor", partial(_factor, integrator.controller))
 
     def run(t: float, y: np.ndarray, t_end: float, h: float) -> Iterator[Step]:
         h_min = 4.0 * EPS * max(abs(t), abs(t_end), t_end - t)
@@ -68,18 +64,12 @@ def one_step(
             t = t_end if final else t + h
             evaluation.step_accepted(t, integrator.y_new)
             yield Step(t, integrator.y_new, integrator.interpolate)
-            h = max(min(h * min(growth, factor(error)), longest), h_min)
+            h = max(min(h * min(growth, integrator.factor(error)), longest), h_min)
 
     return run
 
 
-def _factor(controller: tuple[float, float, float], error: float) -> float:
-    """Next step over the last one, from the error of the last one."""
-    exponent, smallest, largest = controller
-    return min(largest, max(smallest, 0.9 * error ** (-1.0 / exponent))) if error > 0.0 else largest
-
-
-def _first_step(evaluation: Evaluation, integrator: Any, t: float, y: np.ndarray, f: np.ndarray) -> float:
+def _first_step(evaluation: Evaluation, integrator: OneStepMethod, t: float, y: np.ndarray, f: np.ndarray) -> float:
     """Step with a local error of about a hundredth of the tolerance, from |y|, |F| and one Euler step."""
     weight = integrator.tolerance.absolute + integrator.tolerance.relative * np.abs(y)
 

@@ -39,7 +39,7 @@ from spacar.errors import AnalysisError
 from .failures import slow_newton
 from .problem import Evaluation, Tolerance
 from .resolvent import DenseResolvent, Resolvent, eliminated, resolvent
-from .runge_kutta import weights
+from .runge_kutta import OneStepMethod, weights
 
 MAX_NEWTON = 10
 EPS = float(np.finfo(float).eps)
@@ -125,20 +125,17 @@ def _integrals(c: np.ndarray) -> np.ndarray:
     return out
 
 
-class Radau:
+class Radau(OneStepMethod):
     """`attempt` leaves y_new and the stages; the Jacobian and its factors are kept as long as they do."""
 
     def __init__(self, stages: int, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
-        self.evaluation, self.tolerance = evaluation, tolerance
+        super().__init__(evaluation, n, tolerance, (stages + 1.0, 0.2, 8.0), 1)
         self.method = radau(stages)
-        self.controller = (stages + 1.0, 0.2, 8.0)
         # q, the positions whose rates are the last components of y, and u, the others.
         self.n, self.nq = n, eliminated(n, evaluation.problem.n_positions)
-        self.y, self.y_new, self.scaled, self.f = np.zeros((4, n))
         self.Z, self.F = np.zeros((2, stages, n))
         self.change, self.right = np.zeros((stages, n)), np.zeros((stages, n - self.nq))  # of an iteration
         self.weight = np.zeros(n)
-        self.t = self.h = 0.0
         self._forget()
 
     def _forget(self) -> None:
@@ -153,28 +150,18 @@ class Radau:
         self.refused = False
 
     def start(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Sets the state and returns F there."""
         self._forget()
-        self.t = t
-        self.y_new[:] = y
-        self.f[:] = self.evaluation.rhs(t, self.y_new)
-        return self.f
+        return super().start(t, y)
 
     def begin(self, t: float) -> None:
-        """Makes the end of the last step the start of the next one."""
         if self.predicted:
             self.slope = (self.Z[-1] - self.Z[-2]) / (self.h * (1.0 - self.method.c[-2]))
-        self.t = t
-        self.y[:] = self.y_new
-        self.fresh = False
-        self.refused = False
+        super().begin(t)
+        self.fresh = self.refused = False
 
     # -- one step -------------------------------------------------------------------------------------------------
     def attempt(self, h: float) -> float:
-        """A trial step; returns the error estimate as a multiple of the tolerance, `scaled` holds its components.
-
-        Raises AnalysisError `integrator.newton` when the iteration does not converge with a new Jacobian.
-        """
+        """Raises AnalysisError `integrator.newton` when the iteration does not converge with a new Jacobian."""
         self.h = h
         if self.J is None or (self.contraction > KEEP and not self.fresh):
             self._linearize()
@@ -187,7 +174,7 @@ class Radau:
         if failure is not None:
             raise failure
         self.y_new[:] = self.y + self.Z[-1]
-        error = self._error(h, self.f)
+        error = self._error(h, self.stages[0])
         if error > 1.0 and (self.refused or not self.predicted):
             # The estimate of a stiff component is F there, not damped enough by one solve (IV.8.20).
             error = self._error(h, self.evaluation.rhs(self.t, self.y + self.estimate))
@@ -307,7 +294,7 @@ class Radau:
     # -- between steps --------------------------------------------------------------------------------------------
     def finish(self) -> None:
         """F at the step end, for the error estimate of the next step, whose stages this one predicts."""
-        self.f[:] = self.evaluation.rhs(self.t + self.h, self.y_new)
+        self.stages[0] = self.evaluation.rhs(self.t + self.h, self.y_new)
         self.predicted = True
 
     def factor(self, error: float) -> float:

@@ -31,13 +31,18 @@ def _largest(value: float | np.ndarray) -> float:
     return value if isinstance(value, float) else float(value.max())
 
 
-class ExplicitRungeKutta:
-    """Fixed and variable steps with a tableau. `attempt` leaves y_new; `finish` leaves F(t + h, y_new)."""
+class OneStepMethod:
+    """State y at the start of a step with F there, the first of the `stages`; y_new at its end with F, the last one.
 
-    def __init__(self, tableau: Tableau, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
-        self.tableau, self.evaluation, self.tolerance = tableau, evaluation, tolerance
-        self.controller = tableau.controller
-        self.stages = np.zeros((len(tableau.c) + 1, n))
+    controller   exponent denominator, smallest and largest factor of the step
+    scaled       components of the error estimate, as multiples of the tolerance
+    """
+
+    def __init__(
+        self, evaluation: Evaluation, n: int, tolerance: Tolerance, controller: tuple[float, float, float], stages: int
+    ) -> None:
+        self.evaluation, self.tolerance, self.controller = evaluation, tolerance, controller
+        self.stages = np.zeros((stages, n))
         self.y, self.y_new, self.scaled = np.zeros((3, n))
         self.t = self.h = 0.0
 
@@ -48,7 +53,47 @@ class ExplicitRungeKutta:
         self.stages[-1] = self.evaluation.rhs(t, self.y_new)
         return self.stages[-1]
 
-    def _stages(self, t: float, h: float, end: bool = False) -> bool:
+    def begin(self, t: float) -> None:
+        """Makes the end of the last step the start of the next one."""
+        self.t = t
+        self.y[:] = self.y_new
+        self.stages[0] = self.stages[-1]
+
+    def fixed(self, t: float, h: float, y: np.ndarray) -> None:
+        """One step from (t, y) into y_new."""
+        self.y[:] = y
+        self.stages[0] = self.evaluation.rhs(t, self.y)
+        self._step(t, h)
+
+    def _step(self, t: float, h: float) -> bool | None:
+        """y_new from y and the first stage."""
+        raise NotImplementedError
+
+    def attempt(self, h: float) -> float:
+        """A trial step; returns the error estimate as a multiple of the tolerance, `scaled` holds its components."""
+        raise NotImplementedError
+
+    def finish(self) -> None:
+        """Nothing left to evaluate: the last stage is F at the step end."""
+
+    def factor(self, error: float) -> float:
+        """Next step over the last one, from the error of the last one."""
+        exponent, smallest, largest = self.controller
+        return min(largest, max(smallest, 0.9 * error ** (-1.0 / exponent))) if error > 0.0 else largest
+
+    def interpolate(self, t: float) -> np.ndarray:
+        """y(t) in the last step, shape (n,): cubic Hermite."""
+        return hermite(t - self.t, self.h, self.y, self.stages[0], self.y_new, self.stages[-1])
+
+
+class ExplicitRungeKutta(OneStepMethod):
+    """Fixed and variable steps with a tableau. `attempt` leaves y_new; `finish` leaves F(t + h, y_new)."""
+
+    def __init__(self, tableau: Tableau, evaluation: Evaluation, n: int, tolerance: Tolerance) -> None:
+        super().__init__(evaluation, n, tolerance, tableau.controller, len(tableau.c) + 1)
+        self.tableau = tableau
+
+    def _step(self, t: float, h: float, end: bool = False) -> bool:
         """All stages and y_new; whether F at the `end`, which is wanted next, is there too."""
         stages, rhs, c = self.stages, self.evaluation.rhs, self.tableau.c
         i = 1
@@ -72,12 +117,6 @@ class ExplicitRungeKutta:
         evaluation.statistics.n_rhs += reached - done
         return reached
 
-    def fixed(self, t: float, h: float, y: np.ndarray) -> None:
-        """One step from (t, y) into y_new."""
-        self.y[:] = y
-        self.stages[0] = self.evaluation.rhs(t, self.y)
-        self._stages(t, h)
-
     def coefficients(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
         """c and A of the stages of a trial step, rows of its error estimates, by how much that is enlarged."""
         assert self.tableau.error is not None
@@ -87,16 +126,9 @@ class ExplicitRungeKutta:
         """A step of size h from t has been taken elsewhere; its stages and states are in place."""
         self.t, self.h = t, h
 
-    def begin(self, t: float) -> None:
-        """Makes the end of the last step the start of the next one."""
-        self.t = t
-        self.y[:] = self.y_new
-        self.stages[0] = self.stages[-1]
-
     def attempt(self, h: float) -> float:
-        """A trial step; returns the error estimate as a multiple of the tolerance, `scaled` holds its components."""
         self.h = h
-        if not self._stages(self.t, h, end=True):
+        if not self._step(self.t, h, end=True):
             self.stages[-1] = self.evaluation.rhs(self.t + h, self.y_new)
         np.matmul(self.tableau.error, self.stages, self.scaled)  # type: ignore[arg-type]
         np.divide(self.scaled, weights(self.tolerance, self.y, self.y_new), self.scaled)
@@ -109,16 +141,12 @@ class ExplicitRungeKutta:
         cases = v.reshape(by_case)
         return np.einsum("bcl,bcl->bl", cases, cases) / cases.shape[1]
 
-    def finish(self) -> None:
-        """Nothing left to evaluate: the last stage is F at the step end."""
-
     def interpolate(self, t: float) -> np.ndarray:
         """y(t) in the last step, shape (n,): quartic extension of 155, cubic Hermite otherwise."""
-        theta = t - self.t
-        first, last, h = self.stages[0], self.stages[-1], self.h
         if self.tableau.dense is None:
-            return hermite(theta, h, self.y, first, self.y_new, last)
-        s = theta / h
+            return super().interpolate(t)
+        first, last, h = self.stages[0], self.stages[-1], self.h
+        s = (t - self.t) / h
         r = 1.0 - s
         rise = self.y_new - self.y
         bend = h * first - rise
@@ -149,9 +177,9 @@ class DormandPrince853(ExplicitRungeKutta):
         self.dense = None
 
     def attempt(self, h: float) -> float:
-        """A trial step; the two estimates e5, e3 combine to h e5^2 / sqrt(e5^2 + 0.01 e3^2)."""
+        """The two estimates e5, e3 combine to h e5^2 / sqrt(e5^2 + 0.01 e3^2)."""
         self.h = h
-        self._stages(self.t, h)
+        self._step(self.t, h)
         weight = weights(self.tolerance, self.y, self.y_new)
         low = (dop853.ERROR_3 @ self.stages[:-1]) / weight
         np.divide(dop853.ERROR_5 @ self.stages[:-1], weight, self.scaled)
