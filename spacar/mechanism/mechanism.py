@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -113,11 +113,8 @@ class UserForces:
 
     def scaled(self, part: float) -> UserForces:
         """A part of all stresses and forces."""
-        if part == 1.0:
-            return self
-        numbers = self.sigma, self.force, self.sigma_k, self.sigma_d, self.force_k, self.force_d
-        sigma, force, sigma_k, sigma_d, force_k, force_d = (part * values for values in numbers)
-        return UserForces(sigma, force, sigma_k, sigma_d, force_k, force_d, self.lost)
+        numbers = {name: part * values for name, values in vars(self).items() if name != "lost"}
+        return self if part == 1.0 else replace(self, **numbers)
 
 
 Rows = list[tuple[int, Sequence[float]]]  # place in e or x, and a row of 3 or 5 numbers that a user function returned

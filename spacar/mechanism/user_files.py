@@ -8,7 +8,8 @@ the very same bytes at the same place are not compiled again. They are executed 
 
 import ast
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from hashlib import sha256
@@ -110,7 +111,7 @@ class Loaded:
     breaks: tuple[float, ...]
     deck: Deck
     statement: Statement
-    path: str
+    path: Path
     code: CodeType
 
     def __call__(self, *arguments: Any) -> Any:
@@ -127,29 +128,21 @@ class Loaded:
 def load_function(deck: Deck, statement: Statement) -> Loaded:
     """The function `name` of `name.py` in the directory of the input file."""
     refuse = partial(_refusal, deck, statement)
-    path = str(function_file(deck, statement))
-    return _made(deck, statement, path, _compiled(path, _text(path, refuse), refuse))
+    path = function_file(deck, statement)
+    return _made(deck, statement, path, _compiled(path, refuse))
 
 
-def _made(deck: Deck, statement: Statement, path: str, code: CodeType) -> Loaded:
-    refuse = partial(_refusal, deck, statement)
-    name, stem = str(statement.values[0]), Path(path).stem
-    own = vars(_executed(code, path, stem, refuse))
-    function = own.get(stem) or own.get(name)
+def _made(deck: Deck, statement: Statement, path: Path, code: CodeType) -> Loaded:
+    refuse, name = partial(_refusal, deck, statement), str(statement.values[0])
+    own = vars(_executed(code, path, refuse))
+    function = own.get(path.stem) or own.get(name)
     if not callable(function):
         raise refuse(f"{path} does not define a function {name}")
     breaks = _breaks(own["breaks"], path, refuse) if "breaks" in own else ()
     return Loaded(function, breaks, deck, statement, path, code)
 
 
-def _text(path: str, refuse: Callable[[str], Exception]) -> bytes:
-    try:
-        return Path(path).read_bytes()
-    except BY_USERS as error:
-        raise refuse(f"{path} cannot be loaded: {type_and_text(error)}") from error
-
-
-def _breaks(given: Any, path: str, refuse: Callable[[str], Exception]) -> tuple[float, ...]:
+def _breaks(given: Any, path: Path, refuse: Callable[[str], Exception]) -> tuple[float, ...]:
     try:
         times = np.asarray(given, dtype=float)
     except (TypeError, ValueError):
@@ -168,15 +161,21 @@ def one_line_of(value: object) -> str:
 def import_file(path: Path, refuse: Callable[[str], Exception]) -> ModuleType:
     """The module in a user's Python file, from its text as it stands now: no bytecode is kept beside a model. Raises
     what `refuse` makes of the reason why it cannot be loaded."""
-    name = str(path)
-    return _executed(_compiled(name, _text(name, refuse), refuse), name, path.stem, refuse)
+    return _executed(_compiled(path, refuse), path, refuse)
 
 
-def _compiled(path: str, text: bytes, refuse: Callable[[str], Exception]) -> CodeType:
+@contextmanager
+def _loading(path: Path, refuse: Callable[[str], Exception]) -> Iterator[None]:
+    """A user's file may fail in any way."""
     try:
-        return _code(path, text)
-    except BY_USERS as error:  # a user's file may fail in any way
+        yield
+    except BY_USERS as error:
         raise refuse(f"{path} cannot be loaded: {type_and_text(error)}") from error
+
+
+def _compiled(path: Path, refuse: Callable[[str], Exception]) -> CodeType:
+    with _loading(path, refuse):
+        return _code(str(path), path.read_bytes())
 
 
 @lru_cache(16)
@@ -184,11 +183,9 @@ def _code(path: str, text: bytes) -> CodeType:
     return compile(text, path, "exec", dont_inherit=True)
 
 
-def _executed(code: CodeType, path: str, stem: str, refuse: Callable[[str], Exception]) -> ModuleType:
-    module = ModuleType(f"spacar_user_{stem}")
-    module.__file__ = path
-    try:
+def _executed(code: CodeType, path: Path, refuse: Callable[[str], Exception]) -> ModuleType:
+    module = ModuleType(f"spacar_user_{path.stem}")
+    module.__file__ = str(path)
+    with _loading(path, refuse):
         exec(code, vars(module))
-    except BY_USERS as error:
-        raise refuse(f"{path} cannot be loaded: {type_and_text(error)}") from error
     return module
