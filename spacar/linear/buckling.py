@@ -26,7 +26,6 @@ from spacar.linear_systems import LinearSystem, SingularMatrixError
 from spacar.linearization.matrices import Linearization, selected
 from spacar.stationary.solution import StationarySolver
 from spacar.stationary.stationary_equations import require_digits
-from spacar.stationary.tangent import STATIC, SparseTangent
 
 if TYPE_CHECKING:
     from spacar.linear_systems.banded import BandedSystem
@@ -206,32 +205,22 @@ def directional_compliances(L: Linearization, dynamic: Index, report: Report) ->
 
 
 # -- of large models: the diagonal of the inverse of the tangent, without dense matrices ------------------------------
-def compliances_at_rest(tangent: SparseTangent) -> Array:
+def sparse_compliances(dynamics: Dynamics, factored: Callable[[], LinearSystem]) -> Array:
     """(nx,) directional compliances: the diagonal of the inverse of the tangent, infinite where K is singular."""
-    n = tangent.dynamics.numbering
-    out = np.zeros(n.nx)
+    n = dynamics.numbering
+    out, free = np.zeros(n.nx), np.r_[n.x_class["calculable"], n.x_class["dynamic"]]
     try:
-        system = tangent.factor(STATIC)
+        out[free] = _leading_inverse_diagonal(factored(), len(free), dynamics)
     except SingularMatrixError:
-        out[tangent.F] = np.inf
-        return out
-    out[tangent.F] = _leading_inverse_diagonal(system, tangent.nf, tangent.dynamics)
+        out[free] = np.inf
     return out
 
 
-def compliances_in_motion(solver: StationarySolver) -> Array:
-    """(nx,) the same of a state that moves or has user functions, by the exact tangent of the equilibrium."""
-    d = solver.dynamics
-    n = d.numbering
-    out = np.zeros(n.nx)
-    try:
-        q, tangent = solver.factorized()
-        require_digits(tangent.solve, tangent.rounding, tangent.solve(q.probe), q.nf)
-    except SingularMatrixError:
-        out[np.r_[n.x_class["calculable"], n.x_class["dynamic"]]] = np.inf
-        return out
-    out[q.F] = _leading_inverse_diagonal(tangent.system, q.nf, d)
-    return out
+def factored_in_motion(solver: StationarySolver) -> LinearSystem:
+    """The exact tangent of an equilibrium that moves or has user functions. Raises SingularMatrixError."""
+    q, tangent = solver.factorized()
+    require_digits(tangent.solve, tangent.rounding, tangent.solve(q.probe), q.nf)
+    return tangent.system
 
 
 def _leading_inverse_diagonal(system: LinearSystem, n: int, dynamics: Dynamics) -> Array:

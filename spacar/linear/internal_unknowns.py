@@ -59,13 +59,8 @@ def element_unknowns(dynamics: Dynamics, sigma: Array, other: Array | None = Non
     return found
 
 
-def internal_unknowns(dynamics: Dynamics, sigma: Array, other: Array | None = None) -> tuple[Array, Array, Array]:
-    """Couplings (nx, m), stiffnesses, which are eliminated (m,) of `element_unknowns`."""
-    return joined(element_unknowns(dynamics, sigma, other), dynamics.numbering.nx)
-
-
-def joined(unknowns: list[ElementUnknowns], nx: int) -> tuple[Array, Array, Array]:
-    """Those of several batches."""
+def _joined(unknowns: list[ElementUnknowns], nx: int) -> tuple[Array, Array, Array]:
+    """Couplings (nx, m), stiffnesses, which are eliminated (m,) of several batches."""
     parts: list[tuple[Array, Array, Array]] = [(np.zeros((nx, 0)), np.zeros(0), np.zeros(0, bool))]
     for u in unknowns:
         coupling = np.zeros((nx, len(u.stiffness)))
@@ -83,13 +78,8 @@ def buckling_matrices(dynamics: Dynamics, L: Linearization, dynamic: Index) -> t
         G0 = np.zeros_like(G0)
     if not unknowns:
         return K0, G0
-    coupling, k, eliminated = joined(unknowns, len(W))
-    return bordered_pencil(K0, G0, W.T @ coupling, k, eliminated)
-
-
-def bordered_pencil(K0: Array, G0: Array, c: Array, k: Array, eliminated: Array) -> tuple[Array, Array]:
-    """K0 and G0 (n, n), real or complex, with the unknowns of couplings c (n, m) and stiffnesses k (m,)."""
-    part = eliminated / k
+    coupling, k, eliminated = _joined(unknowns, len(W))
+    c, part = W.T @ coupling, eliminated / k
     return _bordered(K0, np.zeros_like(c), part, k), _bordered(G0, c, part, np.zeros(len(k)))
 
 
@@ -98,8 +88,8 @@ def extra_load_matrices(
 ) -> tuple[Array, Array]:
     """K of the present state and G1 of the extra stresses s1 (ne,), both (n, n) over the degrees of freedom `rows`,
     with the unknowns inside elements."""
-    c0, k, eliminated = internal_unknowns(dynamics, L.c.sigma, s1)
-    c1 = internal_unknowns(dynamics, s1, L.c.sigma)[0]
+    pairs, nx = ((L.c.sigma, s1), (s1, L.c.sigma)), dynamics.numbering.nx
+    (c0, k, eliminated), (c1, _, _) = (_joined(element_unknowns(dynamics, *pair), nx) for pair in pairs)
     W, part = L.W[:, rows].T, eliminated / k
     return _bordered(K, W @ c0, part, k), _bordered(G1, W @ c1, part, np.zeros(len(k)))
 

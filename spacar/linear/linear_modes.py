@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -20,9 +21,9 @@ from spacar.linear.buckling import (
     NO_STRESS,
     BucklingModes,
     buckling_modes,
-    compliances_at_rest,
-    compliances_in_motion,
     directional_compliances,
+    factored_in_motion,
+    sparse_compliances,
 )
 from spacar.linear.eigen import Modes, vibration_modes
 from spacar.linear.internal_unknowns import buckling_matrices
@@ -35,7 +36,7 @@ from spacar.linearization.coefficients import Coefficients, coefficients
 from spacar.linearization.matrices import Linearization, chosen_rows, linearize, selected
 from spacar.linearization.sparse_linearization import SparseLinearization
 from spacar.stationary import LoadLevel, LoadProgram, StationarySolver
-from spacar.stationary.tangent import SparseTangent
+from spacar.stationary.tangent import STATIC, SparseTangent
 from spacar.stream import Run
 
 MASS_AND_DAMPING, STIFFNESS = ("m0", "c0", "d0"), ("k0", "n0", "g0")
@@ -305,11 +306,11 @@ def _sparse_vibration(run: Run, tangent: SparseTangent, wanted: int) -> Modes:
 
 
 def _store_compliances(run: Run, solution: LinearizedSolution) -> None:
-    frame, numbering = solution.frame, run.mechanism.numbering
+    frame, numbering, tangent = solution.frame, run.mechanism.numbering, solution.tangent
     if solution.solver is not None:
-        frame.xcompl = compliances_in_motion(solution.solver)
-    elif solution.tangent is not None and numbering.nddof:
-        frame.xcompl = compliances_at_rest(solution.tangent)
+        frame.xcompl = sparse_compliances(solution.dynamics, partial(factored_in_motion, solution.solver))
+    elif tangent is not None and numbering.nddof:
+        frame.xcompl = sparse_compliances(solution.dynamics, partial(tangent.factor, STATIC))
     elif solution.L is not None:
         frame.xcompl = directional_compliances(solution.L, numbering.dynamic, run.report)
     else:
