@@ -23,7 +23,7 @@ import numpy as np
 from spacar.errors import AnalysisError
 
 from .adams import Adams
-from .method_choice import Costs, MethodChoice
+from .method_choice import MethodChoice
 from .one_step import one_step
 from .problem import Evaluation, Step, Tolerance
 from .radau import Radau
@@ -48,7 +48,7 @@ class Automatic:
         in_blocks = evaluation.stepper is not None
         self.of_jacobian = JACOBIAN[in_blocks]
         gain = max(LEAST_C_GAIN, C_GAIN / sqrt(n)) if in_blocks else NUMPY_GAIN
-        self.choice = MethodChoice(Costs(gain, LOOK / n if in_blocks else OF_PYTHON, FAST), self._largest)
+        self.choice = MethodChoice(gain, LOOK / n if in_blocks else OF_PYTHON, FAST, self._largest)
         self.done = 0  # accepted steps of Adams
         self.seen, self.seen_at = np.zeros(n), 0.0  # state and time of the last look
 
@@ -95,7 +95,7 @@ class Automatic:
     def _work(self) -> float:
         """Of all steps of Radau, in steps of Adams."""
         counted = self.evaluation.statistics
-        return self.choice.costs.gain * (counted.n_steps - self.done + self.of_jacobian * counted.n_jacobian)
+        return self.choice.gain * (counted.n_steps - self.done + self.of_jacobian * counted.n_jacobian)
 
     def _try(self, t: float) -> None:
         """Go on with Radau."""
@@ -105,7 +105,7 @@ class Automatic:
     def _implicit(self, t: float, y: np.ndarray, t_end: float, h: float) -> Iterator[Step]:
         """Steps of 595 up to the end, or back to Adams."""
         choice = self.choice
-        for step in one_step(Radau(5, self.evaluation, self.n, self.tolerance), True)(t, y, t_end, h):
+        for step in one_step(Radau(5, self.evaluation, self.n, self.tolerance), t, y, t_end, h, True):
             t, stood = step.t, choice.stays
             if t >= t_end and not stood:  # the trial was enough; nobody asks for more after the last step
                 choice.stays = True

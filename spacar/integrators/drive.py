@@ -19,6 +19,7 @@ on, so that smooth motions are located a few times at most. Steps of Adams in C 
 """
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from itertools import pairwise
 from math import ceil, isfinite, sqrt
 from operator import sub
@@ -104,7 +105,7 @@ def steps(
         raise UsageError(f"method {code} cannot be used here; choose {known}", "integrator.code")
     integrator = row.build(Evaluation(problem, *window), len(y), tolerance)
     size = end - start if first is None else min(first, end - start)
-    return one_step(integrator, first is None, longest)(start, y, end, size)
+    return one_step(integrator, start, y, end, size, first is None, longest)
 
 
 def _check(
@@ -183,7 +184,7 @@ def _variable(
     step: float | None,
 ) -> Iterator[Step]:  # fmt: skip
     """Steps of a variable-step code through all segments."""
-    run = integrator.steps if hasattr(integrator, "steps") else one_step(integrator, step is None)
+    run = integrator.steps if hasattr(integrator, "steps") else partial(one_step, integrator, estimate=step is None)
     y = y0.copy()
     # Nothing is known beyond the first output: a longer first step could jump over a short pulse of an input.
     h = step if step is not None else float(times[1]) - evaluation.first

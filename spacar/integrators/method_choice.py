@@ -18,7 +18,6 @@ SEEN.
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -32,26 +31,18 @@ WATCHED, LEFT = 100, 0.5  # steps of 595 over which their mean is watched, and t
 SEEN = 0.03  # the part of the steps ahead that looks may cost
 
 
-@dataclass(frozen=True)
-class Costs:
-    """What is counted, in steps of the explicit method: a step of 595, and a look at omega; and `fast`, the h omega
-    above which a vibration may limit its steps."""
-
-    gain: float
-    look: float
-    fast: float
-
-
 class MethodChoice:
     """The choice in one integration, which is told of the accepted steps. `largest(t, y)` gives omega [1/s], 0 where
     nothing is faster than the motion.
 
+    gain, cost      of a step of 595, and of a look at omega, in steps of the explicit method
+    fast            h omega above which a vibration may limit its steps
     trying, stays   whether 595 goes on, and whether it was kept;  tried_at [s]
     omega           found in the last look [1/s];  size   mean of the explicit steps before it [s]
     """
 
-    def __init__(self, costs: Costs, largest: Callable[[float, np.ndarray], float]) -> None:
-        self.costs, self.largest = costs, largest
+    def __init__(self, gain: float, cost: float, fast: float, largest: Callable[[float, np.ndarray], float]) -> None:
+        self.gain, self.cost, self.fast, self.largest = gain, cost, fast, largest
         self.look = FIRST_LOOK
         self.looks, self.lost = 0, 0.0  # lost by trials in vain, in steps of the explicit method
         self.omega = self.size = self.tried_at = 0.0
@@ -70,15 +61,14 @@ class MethodChoice:
         self.size = (t - self.last) / (steps - self.counted)
         self.last, self.counted = t, steps
         ahead = (end - t) / self.size
-        costs = self.costs
-        if LOST * ahead < self.lost + TRIAL * costs.gain or SEEN * ahead < (self.looks + 1) * costs.look:
+        if LOST * ahead < self.lost + TRIAL * self.gain or SEEN * ahead < (self.looks + 1) * self.cost:
             return False
         self.looks += 1
         try:
             self.omega = self.largest(t, y)
         except AnalysisError:
             return False  # next to a place that cannot be evaluated: no time to change
-        return self.size * self.omega > costs.fast
+        return self.size * self.omega > self.fast
 
     def attempt(self, t: float, work: float = 0.0) -> None:
         """Go on with 595, at this count of work."""

@@ -23,7 +23,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import AnalysisError
 from spacar.integrators import AUTOMATIC, METHODS, Problem, Step, Tolerance, steps
-from spacar.integrators.method_choice import FIRST_LOOK, Costs, MethodChoice
+from spacar.integrators.method_choice import FIRST_LOOK, MethodChoice
 from spacar.simulation.affine_blocks import AffineRun, Plan
 from spacar.simulation.blocks import NONE
 from spacar.simulation.diagram import Schedule
@@ -178,7 +178,7 @@ class Stepping:
         self.last: Step | None = None
         self.notes: list[str] = []
         look = self.problem.of_jacobian / EVALUATIONS
-        self.choice = MethodChoice(Costs(ITERATED / EVALUATIONS + look, look, FAST), self._largest)
+        self.choice = MethodChoice(ITERATED / EVALUATIONS + look, look, FAST, self._largest)
         self.choice.begin(self.begun, 0)
         self.explicit = 0  # steps of 155
 
