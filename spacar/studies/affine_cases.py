@@ -79,6 +79,9 @@ class _Table:
         self.built = built
 
     def cases(self) -> Cases | None:
+        from spacar.compiled.numbers import of_one
+        from spacar.compiled.numbers_of_cases import combined, corner_of, numbers_of_cases
+
         kept = self._kept() if len(self.moved) else np.arange(len(self.table))
         if not len(kept):
             return None
@@ -94,8 +97,10 @@ class _Table:
         for k in self.moved:
             mechanisms.append(build(self._moved(k, passed[:, k], mechanisms[0].length), 1, **self.options))
         starts = [start_of(m) for m in mechanisms]
-        for way in (of_elements,) if len(self.moved) else (of_everything, of_elements):
-            found = self._combined(way, mechanisms, starts, kept)
+        # combinations of the numbers of the corners, or of what their elements are made from
+        ways: list[Any] = [(lambda m: of_one(LoadedMechanism.of(m)), combined), (corner_of, numbers_of_cases)]
+        for corner, combine in ways[1:] if len(self.moved) else ways:
+            found = self._combined(partial(combine, [corner(m) for m in mechanisms]), starts, kept)
             if found is not None:
                 numbers, start, own = found
                 return Cases(mechanisms[0], numbers, start, partial(self._deck, own), own.tolist())
@@ -139,13 +144,12 @@ class _Table:
         return change(self.deck, self.settings, where.tolist())
 
     def _combined(
-        self, way: "Way", mechanisms: Sequence[Mechanism], starts: Sequence[Array], kept: Array
+        self, make: Callable[[Array], "Numbers | None"], starts: Sequence[Array], kept: Array
     ) -> "tuple[Numbers, Array, Array] | None":
         """Numbers, starts and places of the cases, without those that cannot be; None where a case would be wrong."""
         from spacar.compiled.numbers import of_one
         from spacar.compiled.numbers_of_cases import ImpossibleCase, affine, same
 
-        make = way(mechanisms)
         while len(kept):
             try:
                 weights = self._weights(self.table[kept])
@@ -172,27 +176,6 @@ class _Table:
             if not np.allclose(start_of(exact), begun, 1e-13, 1e-14):
                 return None
         return numbers, start, kept
-
-
-Make = Callable[[Array], "Numbers | None"]
-Way = Callable[[Sequence[Mechanism]], Make]
-
-
-def of_everything(mechanisms: Sequence[Mechanism]) -> Make:
-    """All numbers are combinations of those of the corners."""
-    from spacar.compiled.numbers import of_one
-    from spacar.compiled.numbers_of_cases import combined
-
-    corners = [of_one(LoadedMechanism.of(m)) for m in mechanisms]
-    return lambda weights: combined(corners, weights)
-
-
-def of_elements(mechanisms: Sequence[Mechanism]) -> Make:
-    """What the elements are made from is a combination, and so are all other numbers."""
-    from spacar.compiled.numbers_of_cases import corner_of, numbers_of_cases
-
-    corners = [corner_of(m) for m in mechanisms]
-    return lambda weights: numbers_of_cases(corners, weights)
 
 
 def _subsets(varied: Array) -> list[list[int]]:
