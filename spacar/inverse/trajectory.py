@@ -139,16 +139,12 @@ def groups(deck: Deck) -> list[tuple[int, tuple[Statement, ...]]]:
 
 
 def _user_drive(mechanism: Mechanism, statement: Statement, leg: Leg) -> Drive:
-    from spacar.mechanism.user_files import load_function
-    from spacar.mechanism.user_functions import UserDrive, divided_inputs
+    from spacar.mechanism.user_functions import UserDrive
 
     x, e = np.zeros((len(leg.x), 3)), np.zeros((len(leg.e), 3))
     x[:, 0], e[:, 0] = leg.x, leg.e
-    name = str(statement.values[0])
-    function = load_function(mechanism.deck, statement)
-    numbering, interval = mechanism.numbering, leg.duration / leg.steps
-    divided = divided_inputs(mechanism.deck, numbering)
-    return UserDrive(function, name, numbering, Polynomial(x, e), interval, divided=divided)
+    interval = leg.duration / leg.steps
+    return UserDrive.load(mechanism.deck, statement, mechanism.numbering, Polynomial(x, e), interval)
 
 
 def _leg(

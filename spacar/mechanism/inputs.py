@@ -71,7 +71,9 @@ def drive(deck: Deck, numbering: Numbering, x0: Array) -> Drive:
         return polynomial
     from spacar.mechanism.user_functions import UserDrive
 
-    return UserDrive.load(deck, given[-1], numbering, polynomial, settings(deck))
+    run = settings(deck)
+    interval = run.duration / run.n_steps if run.duration and run.n_steps else 1.0
+    return UserDrive.load(deck, given[-1], numbering, polynomial, interval)
 
 
 def user_signal(deck: Deck, numbering: Numbering) -> UserSignal | None:

@@ -24,7 +24,7 @@ from spacar.arrays import Array, Index
 from spacar.deck import Deck, Statement
 from spacar.deck.rewrite.divide import split_motion
 from spacar.errors import BY_USERS, AnalysisError, type_and_text
-from spacar.mechanism.mechanism import DriveState, Polynomial, Rows, SolverSettings, UserForces, UserSignal
+from spacar.mechanism.mechanism import DriveState, Polynomial, Rows, UserForces, UserSignal
 from spacar.mechanism.numbering import Numbering
 from spacar.mechanism.placed_vectors import PlacedVector, placed
 from spacar.mechanism.user_files import Loaded, load_function
@@ -331,9 +331,8 @@ class UserDrive:
 
     @classmethod
     def load(
-        cls, deck: Deck, statement: Statement, numbering: Numbering, base: Polynomial, settings: SolverSettings
+        cls, deck: Deck, statement: Statement, numbering: Numbering, base: Polynomial, interval: float
     ) -> UserDrive:
-        interval = settings.duration / settings.n_steps if settings.duration and settings.n_steps else 1.0
         function = load_function(deck, statement)
         divided = divided_inputs(deck, numbering)
         return cls(function, str(statement.values[0]), numbering, base, interval, function.breaks, divided)
