@@ -230,7 +230,10 @@ def _leading_inverse_diagonal(system: LinearSystem, n: int, dynamics: Dynamics) 
     if system.kind == "banded" and (band := cast("BandedSystem", system)).is_ordered_alike:
         from spacar.linear_systems.selected_inverse import inverse_diagonal
 
-        return inverse_diagonal(band, _in_c(dynamics))[:n]
+        by = None
+        if any(b.family.compiled for b in dynamics.mechanism.batches):  # in C, where elements are
+            from spacar.compiled.compiled_elements import band_inverse as by  # type: ignore[assignment]
+        return inverse_diagonal(band, by)[:n]
     found = cast("CondensedSystem", system).inverse_diagonal() if system.kind == "condensed" else None
     if found is not None:
         return found
@@ -241,12 +244,3 @@ def _leading_inverse_diagonal(system: LinearSystem, n: int, dynamics: Dynamics) 
         unit[rows, rows - first] = 1.0
         out[rows] = system.solve(unit)[rows, rows - first]
     return out
-
-
-def _in_c(dynamics: Dynamics) -> Callable[[BandedSystem], Array] | None:
-    """The inverse of band storage in C, where elements are."""
-    if not any(b.family.compiled for b in dynamics.mechanism.batches):
-        return None
-    from spacar.compiled.compiled_elements import band_inverse
-
-    return band_inverse

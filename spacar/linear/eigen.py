@@ -62,11 +62,6 @@ class Modes:
             first -= 1
         return Modes(self.values[first:], self.vectors[:, first:], self.n_positions)
 
-    @property
-    def zero(self) -> NDArray[np.bool_]:
-        """Eigenvalues that are zero to working precision: below sqrt(eps) times the largest."""
-        return is_zero(self.values)
-
 
 def is_zero(values: Complex) -> NDArray[np.bool_]:
     """Below sqrt(eps) times the largest modulus: a multiple zero eigenvalue cannot be computed more accurately."""

@@ -16,7 +16,7 @@ Appl. 439, 2013). Its limit is the rounding of P, row and column scaled, at z it
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,11 +41,11 @@ TEN_DIGITS = 1e-10
 MANY, WORK = 40, 1e8  # degrees of freedom; eigenvalues times n^3: all of MANY (80 ms) are 5e6
 
 
-class Factors:
+class Factors(NamedTuple):
     """A (m, n) and B (k, n) of K = A^T A + G, M = B^T B for the degrees of freedom q."""
 
-    def __init__(self, A: Array, B: Array) -> None:
-        self.A, self.B = A, B
+    A: Array
+    B: Array
 
     @classmethod
     def of_linearization(cls, L: Linearization, q: Index) -> Factors | None:
@@ -98,8 +98,7 @@ def _is_product(A: Array, S: Array) -> bool:
 
 def graded_modes(factors: Factors, K: Array) -> tuple[Array, Array] | None:
     """omega^2 (n,) ascending and shapes (n, n) with Phi^T M Phi = 1, K (n, n) symmetric. None where M is singular."""
-    A, B = factors.A, factors.B
-    n = len(K)
+    (A, B), n = factors, len(K)
     size = np.sqrt(np.einsum("ij,ij->j", B, B))
     if len(B) < n or not (size > 0.0).all():
         return None

@@ -32,15 +32,7 @@ from spacar.linear.lowest import (
     rayleigh,
     start_block,
 )
-from spacar.linear.subspace import (
-    NOTHING,
-    SUFFICIENT,
-    Complex,
-    Operator,
-    RefinedOperator,
-    dominant,
-    real_vectors,
-)
+from spacar.linear.subspace import NOTHING, SUFFICIENT, Complex, Operator, RefinedOperator, dominant, real_vectors
 from spacar.linear_systems import SingularMatrixError
 from spacar.linear_systems.linear_system import zero_matrix
 from spacar.linearization.coefficients import Coefficients

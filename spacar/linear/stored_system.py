@@ -137,7 +137,7 @@ class IdleInputs:
     def see_sparse(self, linearization: SparseLinearization, system: DescriptorSystem) -> None:
         """The same for a large model: B of the values, rates and accelerations compared with the rounding in it."""
         self.has_states = True
-        if self.all_acted:
+        if not any(map(self._idle, range(len(self.inputs)))):
             return
         tried = [(j, k, Signal(kind, signal.index, signal.name)) for j, signal in enumerate(self.inputs)
                  for k, kind in enumerate(SERIES.get(signal.kind[:3], (signal.kind,)))]  # fmt: skip
@@ -146,10 +146,6 @@ class IdleInputs:
         acts = np.any(np.abs(effect) > NOISE * rounding, axis=0)
         for (j, k, _), acting in zip(tried, acts.tolist(), strict=True):
             self.acting[j, k] |= acting
-
-    @property
-    def all_acted(self) -> bool:
-        return not any(self._idle(j) for j in range(len(self.inputs)))
 
     def lines(self) -> list[str]:
         return [self._line(j) for j in range(len(self.inputs)) if self._idle(j)] if self.has_states else []

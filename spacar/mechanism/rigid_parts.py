@@ -173,7 +173,10 @@ class RigidParts:
         tensors: dict[int, Statement] = {}
         for s in [s for s in kept if s.keyword == "XM"] + [s for s in renumbered(more, int, node) if s.keyword == "XM"]:
             of = s.integer(0)
-            tensors[of] = s._replace(values=(of, *_sum(tensors[of].values[1:], s.values[1:]))) if of in tensors else s
+            if of in tensors:
+                pairs = zip_longest(tensors[of].values[1:], s.values[1:], fillvalue=0.0)
+                s = s._replace(values=(of, *(float(a) + float(b) for a, b in pairs)))
+            tensors[of] = s
         others = [s for s in (*kept, *renumbered(more, int, node)) if s.keyword != "XM"]
         return _deck(self.deck, others, tensors.values())
 
@@ -200,10 +203,6 @@ def _element(kind: ElementType, number: int, nodes: tuple[int, ...]) -> Statemen
     """Hinges of space have an axis, about which nothing turns."""
     axis: tuple[Value, ...] = (0.0, 0.0, 1.0) if kind.geometry and "position" not in kind.nodes else ()
     return Statement(kind.keyword, (number, *nodes, *axis), 1, 0)
-
-
-def _sum(a: Sequence[Value], b: Sequence[Value]) -> tuple[Value, ...]:
-    return tuple(float(u) + float(v) for u, v in zip_longest(a, b, fillvalue=0.0))
 
 
 def fixed_nodes(n: Numbering) -> NDArray[np.bool_]:

@@ -54,7 +54,7 @@ class Target:
         if not self.everywhere:
             statements = [s for s in statements if _small(s.values[: len(self.numbers)]) == self.numbers]
         found = [(s, p) for s in statements if (p := _position(deck, s, self)) is not None]
-        real = [(s, p) for s, p in found if _parameter(deck, s, p).kind == "real"]
+        real = [(s, p) for s, p in found if parameters_of(deck, s)[p - 1].kind == "real"]
         found = real or found  # a declaration (INPUTX in the first block) has integers only
         name = " ".join([self.keyword, *map(str, self.numbers)])
         if not found:
@@ -137,7 +137,8 @@ def changed_arguments(deck: Deck, given: Setting) -> list[tuple[str, int, int]]:
 def _places(deck: Deck, settings: tuple[Setting, ...]) -> list[list[tuple[Target, Statement, int, str]]]:
     """Of every setting the targets, the statements and argument numbers that they mean, and what these are."""
     return [
-        [(t, s, k, _parameter(deck, s, k).kind) for t in given.targets for s, k in t.places(deck)] for given in settings
+        [(t, s, k, parameters_of(deck, s)[k - 1].kind) for t in given.targets for s, k in t.places(deck)]
+        for given in settings
     ]
 
 
@@ -314,10 +315,6 @@ def _of_shape(s: Statement, parameters: tuple[Parameter, ...]) -> tuple[Paramete
 
 def _small(values: tuple[Value, ...]) -> tuple[Value, ...]:
     return tuple(v.casefold() if isinstance(v, str) else v for v in values)
-
-
-def _parameter(deck: Deck, s: Statement, position: int) -> Parameter:
-    return parameters_of(deck, s)[position - 1]
 
 
 def _position(deck: Deck, s: Statement, target: Target) -> int | None:

@@ -7,7 +7,7 @@ import numpy as np
 
 from spacar.errors import UsageError, shown
 from spacar.expressions import Variables, evaluate, evaluate_cases, parse
-from spacar.expressions.grammar import NOTHING_MORE, Expression, More
+from spacar.expressions.grammar import NOTHING_MORE, More
 from spacar.result import Result
 
 
@@ -46,10 +46,7 @@ class Quantity:
         return complex(value[0]) if np.iscomplexobj(value) else float(value[0])
 
 
-@lru_cache(maxsize=256)
-def _parsed(text: str) -> Expression:
-    """The expression of a quantity, read once for all cases."""
-    return parse(text)
+_parsed = lru_cache(maxsize=256)(parse)  # once for all cases
 
 
 def quantity(text: str, more: More = NOTHING_MORE) -> Quantity:
