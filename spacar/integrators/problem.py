@@ -1,7 +1,6 @@
 """What an integrator needs from a problem and what it gives back: protocol, records and the counted evaluation."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from math import isfinite
 from typing import Any, NamedTuple, Protocol
 
@@ -96,18 +95,14 @@ class Problem:
         """The automatic method goes on with another code; omega is given when 595 is kept."""
 
 
-@dataclass(slots=True)
 class IntegrationStatistics:
     """The `Counts` so far."""
 
-    n_steps: int = 0
-    n_rhs: int = 0
-    n_jacobian: int = 0
-    n_rejected: int = 0
-    newton_iterations: int = 0
+    def __init__(self) -> None:
+        self.n_steps = self.n_rhs = self.n_jacobian = self.n_rejected = self.newton_iterations = 0
 
     def counts(self) -> Counts:
-        return Counts(self.n_steps, self.n_rhs, self.n_jacobian, self.n_rejected, self.newton_iterations)
+        return Counts(**vars(self))
 
 
 class BlockOfOutputs(NamedTuple):

@@ -9,6 +9,7 @@ from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -60,18 +61,11 @@ class TrajectoryDrive:
     """All trajectories one after the other; before the first and after the last one everything rests."""
 
     legs: tuple[Leg, ...]
-    starts: tuple[float, ...]
-    breaks: tuple[float, ...]
-
-    @classmethod
-    def of(cls, legs: list[Leg]) -> "TrajectoryDrive":
-        breaks = {leg.start + b for leg in legs for profile, _ in leg.moves for b in profile.breaks}
-        starts = tuple(leg.start for leg in legs)
-        return cls(tuple(legs), starts, tuple(sorted({*breaks, *starts[1:], legs[-1].start + legs[-1].duration})))
+    breaks: tuple[float, ...] = ()  # nothing is integrated along them
 
     def at(self, t: float) -> DriveState:
-        k = max(bisect_left(self.starts, t) - 1, 0)
-        return self.legs[k].at(t - self.starts[k])
+        leg = self.legs[max(bisect_left(self.legs, t, key=attrgetter("start")) - 1, 0)]
+        return leg.at(t - leg.start)
 
 
 @dataclass(frozen=True)
@@ -120,10 +114,8 @@ def program(mechanism: Mechanism, report: Report) -> TrajectoryProgram:
         legs.append(leg)
         end = leg.at(leg.duration)
         x, e, begin = end.x, end.e, begin + leg.duration
-    drive: Drive = TrajectoryDrive.of(legs)
     user = deck.last("USERTRAJ", block=3)
-    if user is not None:
-        drive = _user_drive(mechanism, user, legs[0])
+    drive: Drive = TrajectoryDrive(tuple(legs)) if user is None else _user_drive(mechanism, user, legs[0])
     return TrajectoryProgram(drive, tuple(legs))
 
 

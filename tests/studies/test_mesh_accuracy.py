@@ -234,10 +234,10 @@ def test_meshes_without_stress_have_infinite_multipliers():
     assert np.isinf(result["lmult"][-1]).all()
     assert np.isfinite(result["eigval"][-1]).all()
     given = spacar.run(10, parse_deck(text, mode=10))
-    found = UserNodes(given.mechanism, given.mechanism, {})
+    found = UserNodes(given.mechanism, given.mechanism, {}, given.frames)
     fine = replace(given.frames[-1], matrices=dict(given.frames[-1].matrices))
     fine.matrices |= {"lmult": np.zeros(0), "bmode": np.zeros((6, 0))}
-    view = found.frame(fine, given.frames[-1])
+    view = found.frame(fine, -1)
     assert view.matrices["lmult"].tolist() == [np.inf] * 6
     assert view.matrices["bmode"].shape == (6, 6)
 

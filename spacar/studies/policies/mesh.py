@@ -15,19 +15,17 @@ the same rod. In motions the mesh of the user is integrated to a part of the tar
 """
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from functools import partial
 
 import numpy as np
 
 from spacar.deck.rewrite.refine import divisible_beams, with_pieces
 from spacar.errors import AnalysisError
-from spacar.frame import Frame
 from spacar.integrators.methods import AUTOMATIC
 from spacar.mechanism import Mechanism, build
 from spacar.stream import Run
-from spacar.studies.runs.mesh_ladder import Found, difference, extrapolated, stalled
+from spacar.studies.runs.mesh_ladder import Found, extrapolated, stalled
 from spacar.studies.runs.quantities import Quantity
 from spacar.studies.runs.result_quantities import distance
 from spacar.studies.runs.tolerance_ladder import TIGHTEST, Attempt, Computed, ToleranceLadder, compute
@@ -84,7 +82,7 @@ class MeshSearch:
         mechanism, parts = self._mechanism(pieces, measure)
         own = self.meshes[0] if self.meshes else None
         given = mechanism if own is None else own.run.mechanism
-        view = None if own is None else partial(_view, UserNodes(given, mechanism, parts), own.frames or ())
+        view = None if own is None else UserNodes(given, mechanism, parts, own.frames or ()).frame
         run = Run(self.run.mode, mechanism)
         if self.run.mode.stationary:
             found = compute(run, Attempt(0, None), self.variables, view=view, shown=given, end=self.end)
@@ -168,7 +166,7 @@ class MeshSearch:
         """The beams that must be refined further, and the error that the mesh of the others leaves."""
         parts = np.array_split(np.array(self.beams), min(GROUPS[self.run.mode.stationary], len(self.beams)))
         groups = [tuple(part.tolist()) for part in parts]
-        errors = np.array([difference(self._divided(group, 2), self.meshes[0]) for group in groups])
+        errors = np.array([self._divided(group, 2).distance(self.meshes[0]) for group in groups])
         order = np.argsort(errors)
         still = order[REST * np.cumsum(errors[order]) <= LEFT * target]
         active = tuple(b for i, group in enumerate(groups) if i not in still for b in group)
@@ -193,7 +191,3 @@ class MeshSearch:
         bars = np.abs(own.x - np.array([f.x for f in found.frames]))
         way = f"the mesh of the model against {found.way}"
         return Found(own.frames or (), bars, float(away + found.estimate), way, self.meshes[-1])
-
-
-def _view(nodes: UserNodes, own: Sequence[Frame], frame: Frame, i: int) -> Frame:
-    return nodes.frame(frame, own[i])

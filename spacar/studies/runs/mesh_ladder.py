@@ -25,7 +25,6 @@ from spacar.arrays import Array
 from spacar.frame import Frame
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.mechanism import Mechanism
-from spacar.studies.runs.result_quantities import distance
 from spacar.studies.runs.tolerance_ladder import SMALL, STALLED, Computed
 from spacar.studies.runs.user_nodes import deform
 
@@ -112,13 +111,9 @@ class Found:
     rows: Extrapolation | None = None
 
 
-def difference(a: Computed, b: Computed) -> float:
-    return distance(a.found.values, b.found.values, a.found.amplitude)
-
-
 def stalled(chain: list[Computed]) -> bool:
     """Do the differences not fall any more although they are small?"""
-    now, before = difference(chain[-1], chain[-2]), difference(chain[-2], chain[-3])
+    now, before = chain[-1].distance(chain[-2]), chain[-2].distance(chain[-3])
     return now < SMALL and now > STALLED * before
 
 
@@ -130,7 +125,7 @@ def extrapolated(given: Mechanism, chain: list[Computed], left: float, active: S
     way = f"meshes of {which} beams in the place of {_list(active)}"
     amplitude = fine.found.amplitude
     rows = extrapolate([m.found.values for m in chain], amplitude)
-    error, size, frames = rows.error + left + in_time, difference(fine, other), fine.frames or []
+    error, size, frames = rows.error + left + in_time, fine.distance(other), fine.frames or []
     if len(chain) == 2:
         way += ", not extrapolated"
     else:

@@ -80,6 +80,10 @@ class Computed:
     error: float = 0.0
     implicit: bool = False
 
+    def distance(self, other: "Computed") -> float:
+        """In the norm of the study."""
+        return distance(self.found.values, other.found.values, self.found.amplitude)
+
 
 def compute(
     run: Run, attempt: Attempt, variables: tuple[Quantity, ...], *, view: View | None = None,
@@ -154,12 +158,6 @@ class ToleranceLadder:
             self.coarse, self.ratio = SMALLEST * ratio > least, min(least, ratio)
         return found
 
-    def difference(self, now: Computed, before: Computed) -> float:
-        """Of two runs in the norm, noted with the later one."""
-        d = distance(now.found.values, before.found.values, now.found.amplitude)
-        now.attempt.difference = d
-        return d
-
     def measured(self) -> tuple[Computed, Computed]:
         """The run of the file's settings with its estimated error, and the one that checks it."""
         settings = self.run.mechanism.settings
@@ -167,7 +165,7 @@ class ToleranceLadder:
         shown = self.compute(row.code, None)
         tolerance = settings.rtol / GAIN if row.variable_step and settings.rtol > 0.0 else UNRESOLVED
         check = self.compute(AUTOMATIC, max(tolerance, TIGHTEST))
-        shown.error = self.difference(shown, check)
+        shown.error = shown.attempt.difference = shown.distance(check)
         return shown, check
 
     def climb(self, target: float) -> tuple[Computed, Computed]:
@@ -197,7 +195,7 @@ class ToleranceLadder:
                     continue
                 before, tolerance = now, max(tolerance / GAIN, TIGHTEST)
                 continue
-            now.error = d = self.difference(now, before)
+            now.error = now.attempt.difference = d = now.distance(before)
             gained = (now.attempt.tolerance or 1.0) / (before.attempt.tolerance or 1.0)
             if d < last:
                 now.error = d * max(TRUSTED, gained ** (0.25 if now.implicit else 0.5))

@@ -25,18 +25,21 @@ from spacar.mechanism.numbering import Numbering
 
 
 class UserNodes:
-    """From frames of `fine`, in which `parts[beam]` elements stand for a beam, to frames of `given`."""
+    """From frames of `fine`, in which `parts[beam]` elements stand for a beam, to frames of `given`, whose run gave the
+    frames `own`."""
 
-    def __init__(self, given: Mechanism, fine: Mechanism, parts: Mapping[int, Sequence[int]]) -> None:
-        self.given, self.fine = given, fine
+    def __init__(
+        self, given: Mechanism, fine: Mechanism, parts: Mapping[int, Sequence[int]], own: Sequence[Frame]
+    ) -> None:
+        self.given, self.fine, self.own = given, fine, own
         n, m = given.numbering, fine.numbering
         self.sweep = ElementSweep(given)
         self.at = np.array([m.x_index(*n.x_owner(i)) for i in range(n.nx)], np.int64)
         self.rows, self.columns, self.factors = _stresses(n, m, parts)
 
-    def frame(self, frame: Frame, own: Frame) -> Frame:
-        """The frame of the divided model on the nodes of the user; `own` is that of the user's mesh at this step."""
-        at = self.at
+    def frame(self, frame: Frame, i: int) -> Frame:
+        """The frame of the divided model at step i on the nodes of the user."""
+        at, own = self.at, self.own[i]
         sig = np.bincount(self.rows, self.factors * frame.sig[self.columns], self.given.numbering.ne)
         # The weight of the parts at inner nodes is contained in that of the user's elements, `own.fxgrav`.
         reaction = (frame.fxtot - frame.fx - frame.fxgrav)[at]
