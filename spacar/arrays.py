@@ -1,4 +1,4 @@
-"""Types of arrays in annotations; places in arrays."""
+"""Types of arrays in annotations, the rounding of their numbers, places in them."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]  # of float64; NumPy annotates some float results too widely
 Index = NDArray[np.int64]
+Complex = NDArray[np.complex128]
+EPS = float(np.finfo(float).eps)
 
 
 def places_in(n: int, of: Index, to: Index | int | None = None) -> Index:

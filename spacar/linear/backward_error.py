@@ -16,14 +16,11 @@ move by eta |A| |B^-1|, whatever they are worth.
 
 import numpy as np
 from numpy.linalg import norm  # of matrices that of Frobenius: at most sqrt(n) above the spectral one, and cheap
-from numpy.typing import NDArray
 
-from spacar.arrays import Array
+from spacar.arrays import EPS, Array, Complex
 from spacar.errors import Report
 
-Complex = NDArray[np.complex128]
 LOST = 1e3  # digits that a reduction may lose, as a factor of n eps
-EPS = float(np.finfo(float).eps)
 
 
 def rounding(n: int) -> float:

@@ -8,8 +8,6 @@ belong to the reversed load. Every pair is checked (`spacar.linear.backward_erro
 warning. The compliance of coordinate i is W_i K^-1 W_i^T with K = K0 + N0 + G0 of the dynamic degrees of freedom.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -17,7 +15,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
@@ -57,7 +55,7 @@ class BucklingModes:
         """The margin against the loads as they act; infinite when no multiplier is positive."""
         return float(self.multipliers[self.multipliers > 0.0].min(initial=np.inf))
 
-    def filled(self, n: int) -> BucklingModes:
+    def filled(self, n: int) -> "BucklingModes":
         """n of them at every load step: where fewer loads have an effect infinite multipliers, their modes nan."""
         more = max(n - len(self.multipliers), 0)
 
@@ -67,7 +65,7 @@ class BucklingModes:
         motions = None if self.motions is None else wider(self.motions)
         return BucklingModes(np.append(self.multipliers, np.full(more, np.inf)), wider(self.modes), motions)
 
-    def first(self, n: int) -> BucklingModes:
+    def first(self, n: int) -> "BucklingModes":
         """The n lowest multipliers with the first n rows of their modes, of norm 1 again.
 
         The rows that are left out belong to unknowns inside elements.
@@ -86,7 +84,7 @@ def buckling_modes(K0: Array, G0: Array, report: Report) -> BucklingModes:
         report.add(NO_STRESS)
         return BucklingModes(np.full(n, np.inf), np.eye(n))
     scale = _scale(K0)
-    load, least = -G0, n * backward_error.EPS  # a pivot that is rounding
+    load, least = -G0, n * EPS  # a pivot that is rounding
     product = scale[:, None] * scale
     K, load = K0 * product, load * product
     lower = np.zeros((0, 0))
@@ -227,7 +225,8 @@ def _leading_inverse_diagonal(system: LinearSystem, n: int, dynamics: Dynamics) 
     """(n,) of the inverse: the first n unknowns and equations. By selected inversion of band storage with one order of
     rows and columns, and of a condensed matrix, of which these are the coordinates; else one solution for every column.
     """
-    if system.kind == "banded" and (band := cast("BandedSystem", system)).is_ordered_alike:
+    band = cast("BandedSystem", system)
+    if system.kind == "banded" and np.array_equal(band.row_rank, band.column_rank):
         from spacar.linear_systems.selected_inverse import inverse_diagonal
 
         by = None

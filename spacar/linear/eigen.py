@@ -16,14 +16,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Complex, Index
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
-from spacar.linear.graded import EPS, TEN_DIGITS, Factors, eigenvalues, graded_modes, keeps_digits
+from spacar.linear.graded import TEN_DIGITS, Factors, eigenvalues, graded_modes, keeps_digits
 from spacar.linear_systems import DENSE_LIMIT
 from spacar.linearization.matrices import MASSLESS, Linearization, assembled_state_matrix, require_mass, selected
 
-Complex = NDArray[np.complex128]
 FindFactors = Callable[[], Factors | None]
 SYMMETRIC = 1e-9  # relative asymmetry below which a matrix counts as symmetric (rounding of assembled sums)
 POLISHED = 1e-2  # modes with omega^2 below this fraction of the largest are improved; the others have n eps/POLISHED
@@ -66,7 +65,7 @@ class Modes:
 def is_zero(values: Complex) -> NDArray[np.bool_]:
     """Below sqrt(eps) times the largest modulus: a multiple zero eigenvalue cannot be computed more accurately."""
     largest = float(np.max(np.abs(values), initial=0.0))
-    return np.asarray(np.abs(values) <= np.sqrt(np.finfo(float).eps) * largest)
+    return np.asarray(np.abs(values) <= np.sqrt(EPS) * largest)
 
 
 def arranged(values: Complex, vectors: Complex, n_positions: int, motions: Complex | None = None) -> Modes:
@@ -174,7 +173,7 @@ def _with_low_modes_of_the_inverse(
     ascending = np.argsort(size, kind="stable")
     first = np.argsort(-np.abs(reciprocal), kind="stable")
     count = int(np.sum(size < np.sqrt(high * low)))
-    same = 1.0 - np.sqrt(np.finfo(float).eps)
+    same = 1.0 - np.sqrt(EPS)
     while 0 < count < 2 * n and size[ascending[count - 1]] > same * size[ascending[count]]:
         count -= 1  # a pair stays together
     kept: Complex = np.concatenate((1.0 / reciprocal[first[:count]], values[ascending[count:]]))

@@ -14,21 +14,17 @@ begins at those of QR, or at the roots of every undamped mode or coordinate alon
 Appl. 439, 2013). Its limit is the rounding of P, row and column scaled, at z itself.
 """
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Complex, Index
 from spacar.linear_systems.linear_system import dense
 
 if TYPE_CHECKING:
     from spacar.linearization.matrices import Linearization
 
-Complex = NDArray[np.complex128]
-EPS = float(np.finfo(float).eps)
 SAME = 1e-12  # part of the sum of sizes by which factors may differ from the matrix that they stand for
 JACOBI = 2e-6  # ratio of singular values below which those of NumPy have fewer than ten digits
 SORTED = 1e-3  # ratio of the diagonal of R below which rows are sorted and columns exchanged
@@ -48,7 +44,7 @@ class Factors(NamedTuple):
     B: Array
 
     @classmethod
-    def of_linearization(cls, L: Linearization, q: Index) -> Factors | None:
+    def of_linearization(cls, L: "Linearization", q: Index) -> "Factors | None":
         """None where stiffness or mass contain more than elements and nodes give, or one is not definite."""
         A, B = factor(dense(L.c.S)), factor(dense(L.c.M))
         if A is None or B is None:
@@ -58,7 +54,7 @@ class Factors(NamedTuple):
         return cls(A, B) if same else None
 
     @classmethod
-    def of_matrices(cls, K: Array, M: Array) -> Factors | None:
+    def of_matrices(cls, K: Array, M: Array) -> "Factors | None":
         """Factors of the matrices themselves; a K that is not definite is all remainder."""
         A, B = factor(K, falling(K, M)), factor(M)
         return None if B is None else cls(np.zeros((0, len(M))) if A is None else A, B)

@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from spacar.arrays import EPS
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.dynamics.mass_check import linearized_doubt, require_regular_mass
@@ -40,14 +41,13 @@ from spacar.stationary.tangent import STATIC, SparseTangent
 from spacar.stream import Run
 
 MASS_AND_DAMPING, STIFFNESS = ("m0", "c0", "d0"), ("k0", "n0", "g0")
-EPS = float(np.finfo(float).eps)
 LOST = 1e-6  # chosen: relative error of the matrices above which there is a warning
 
 
 def forward(run: Run) -> Iterator[Sequence[Frame]]:
     """Mode 4: forward dynamics, linearized at every output step."""
     output = TransferOutput(run)
-    store = _stored_system(run, may_move=True)
+    store = StoredSystem(run, may_move=True)
     for evaluator, (frame,) in motion(run):
         dynamics = evaluator.numpy_evaluator()
         if store.sparse:
@@ -82,7 +82,7 @@ def vibration_and_buckling(run: Run) -> Iterator[Sequence[Frame]]:
 def state_space_matrices(run: Run) -> Iterator[Sequence[Frame]]:
     """Mode 9: stationary solution, state space matrices."""
     n = run.mechanism.numbering
-    store = _stored_system(run, may_move=bool(n.nk or len(n.rheonomic)))
+    store = StoredSystem(run, may_move=bool(n.nk or len(n.rheonomic)))
     for solution in stationary(run, store=store):
         if solution.L is not None:
             _say_doubtful_inertia(run, solution)
@@ -107,21 +107,6 @@ class LinearizedSolution:
     reduced: bool
     sparse: Coefficients | None = None
     solver: StationarySolver | None = None
-
-
-def _stored_system(run: Run, may_move: bool) -> StoredSystem:
-    """What modes 4 and 9 store, by the size of the model and what is asked for."""
-    settings, n = run.mechanism.settings, run.mechanism.numbering.nddof
-    wanted = settings.modes or 0
-    sparse = form.stores_sparse(n, settings, wanted)
-    if sparse:
-        lowest = f"the {wanted} lowest modes with their motions and " if wanted else ""
-        run.report.add(
-            f"{n} dynamic degrees of freedom (more than {form.LARGE}): {lowest}sparse linearized equations are"
-            " computed, no reduced matrices, no A, B, C, D and no transfer functions; --modes N or MODES N asks for"
-            " the N lowest modes, 0 for everything"
-        )
-    return StoredSystem(run, sparse, wanted, may_move)
 
 
 def stationary(
@@ -162,38 +147,34 @@ def stationary(
         limits.check_elements(dynamics, frame)
         singular = _is_dead_point(run, solver, level, frame.t, store is None)
         frame.statistics = {"iterations": iterations, "residual": state.norm}
+        tangent = None
+        if reduced or singular or (descriptor and solver.sparse):
+            tangent = solver.sparse_tangent()
+            tangent.sigma = state.sigma
         if store is not None and descriptor:
-            tangent = solver.sparse_tangent() if solver.sparse else None
             if tangent is not None:
-                tangent.sigma = state.sigma
                 frame.matrices.update(sparse_matrices(tangent))
             modes = _sparse_vibration(run, tangent, wanted) if tangent is not None and store.wanted else None
             store.add_sparse(frame, dynamics, state.xdd, state.sigma, 0.0, modes)
             yield LinearizedSolution(frame, dynamics, None, None, wanted, True)
-            continue
-        if moving:
-            linear = coefficients(dynamics, state.xdd, state.sigma)
-            tangent = solver.sparse_tangent()
-            tangent.sigma = state.sigma
-            of_stiffness = None if solver.resting else solver
+        elif moving:
+            linear, of_stiffness = coefficients(dynamics, state.xdd, state.sigma), None if solver.resting else solver
             yield LinearizedSolution(frame, dynamics, None, tangent, wanted, True, linear, of_stiffness)
-            continue
-        if reduced or singular:
-            tangent = solver.sparse_tangent()
-            tangent.sigma, tangent.last_step = state.sigma, stored + 1 == settings.stored_levels
+        elif tangent is not None:
+            tangent.last_step = stored + 1 == settings.stored_levels
             if not reduced:
                 _store_matrices(frame, None, dynamics)
                 sizes = [(rows, columns) for columns in (n.ndof, n.nkdof) for rows in (n.nx, n.ne)]
                 frame = output.add(frame, dynamics.kinematics, Transfer(*(np.full(size, np.nan) for size in sizes)))
             yield LinearizedSolution(frame, dynamics, None, tangent, wanted, reduced)
-            continue
-        L = linearize(dynamics, state.xdd, state.sigma)
-        if solver.moving and n.holonomic:
-            require_steady(L, dynamics, solver.y, level, run.report)
-        frame.lost = {**frame.lost, **_doubts(L)}
-        _store_matrices(frame, L, dynamics)
-        frame = output.add(frame, dynamics.kinematics, L.transfer)
-        yield LinearizedSolution(frame, dynamics, L, None, wanted, reduced)
+        else:
+            L = linearize(dynamics, state.xdd, state.sigma)
+            if solver.moving and n.holonomic:
+                require_steady(L, dynamics, solver.y, level, run.report)
+            frame.lost = {**frame.lost, **_doubts(L)}
+            _store_matrices(frame, L, dynamics)
+            frame = output.add(frame, dynamics.kinematics, L.transfer)
+            yield LinearizedSolution(frame, dynamics, L, None, wanted, reduced)
     if reduced and not moving:
         run.report.add(f"storage of the sparse tangent: {solver.sparse_tangent().storage}")
 

@@ -21,14 +21,13 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import Array
+from spacar.arrays import Array, Complex
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
 from spacar.linear.eigen import Modes, arranged
 from spacar.linear.subspace import (
     SPARE,
     SUFFICIENT,
-    Complex,
     Operator,
     RefinedOperator,
     dominant,
@@ -217,7 +216,7 @@ def lowest_modes(system: DescriptorSystem, n_positions: int, nx: int, report: Re
     count = min(2 * wanted, n)
     start = np.random.default_rng(1).standard_normal((n, min(count + SPARE, n)))
 
-    def better(theta: NDArray[np.complex128], shift: float) -> float:
+    def better(theta: Complex, shift: float) -> float:
         modulus = np.max(np.abs(shift + 1.0 / np.where(theta != 0.0, theta, 1e-300)))
         return max(OF_MODULUS * float(modulus), 1e-12)
 
@@ -251,7 +250,7 @@ class _Inverse:
     def __call__(self, z: Array) -> Array:
         return self.scale[:, None] * self.everything(z)[: len(z)]
 
-    def motions(self, z: NDArray[np.complex128], nx: int) -> NDArray[np.complex128]:
+    def motions(self, z: Complex, nx: int) -> Complex:
         """dx (nx, k) of the vectors z (scaled) with op z = theta z, norm of z without the scale kept."""
         n = self.system.n_states
         image = self.everything(z.real) + 1j * self.everything(z.imag)

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Complex, Index
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
 from spacar.linear.buckling import SINGULAR_K0, BucklingModes, order_of
@@ -32,7 +32,7 @@ from spacar.linear.lowest import (
     rayleigh,
     start_block,
 )
-from spacar.linear.subspace import NOTHING, SUFFICIENT, Complex, Operator, RefinedOperator, dominant, real_vectors
+from spacar.linear.subspace import NOTHING, SUFFICIENT, Operator, RefinedOperator, dominant, real_vectors
 from spacar.linear_systems import SingularMatrixError
 from spacar.linear_systems.linear_system import zero_matrix
 from spacar.linearization.coefficients import Coefficients
@@ -122,7 +122,7 @@ def _stiffness_in_motion(tangent: SparseTangent, c: Coefficients, shift: float) 
         return np.asarray(factors.solve(b[:, None])[order, 0])
 
     def rounding(z: Array) -> Array:
-        return np.asarray(backward_error.EPS * (abs(A[:, order]) @ np.abs(z)))
+        return np.asarray(EPS * (abs(A[:, order]) @ np.abs(z)))
 
     require_digits(solve, rounding, solve(probe), len(moved))
     return displacement

@@ -27,11 +27,11 @@ from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Index
 from spacar.deck.rewrite.divide import stiffness_modes
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.frame import Frame
-from spacar.linear.backward_error import EPS
+from spacar.linear import form
 from spacar.linear.eigen import Modes
 from spacar.linear.lowest import lowest_modes
 from spacar.linear.state_space import state_space
@@ -51,18 +51,26 @@ SERIES = {"INX": ("INX", "INXP", "INXDP"), "INE": ("INE", "INEP", "INEDP")}
 class StoredSystem:
     """Adds the linearized equations to the frames of one run, and announces the signals in its header.
 
-    sparse  in the sparse form, with the `wanted` lowest modes (0: none);  may_move  whether states have velocities
+    sparse  in the sparse form, with the `wanted` lowest modes (0: none), by the size of the model and what is asked for
+    may_move  whether states have velocities
     """
 
-    def __init__(self, run: Run, sparse: bool, wanted: int, may_move: bool) -> None:
-        self.run, self.sparse, self.wanted, self.may_move = run, sparse, wanted, may_move
+    def __init__(self, run: Run, may_move: bool) -> None:
+        n, settings = run.mechanism.numbering, run.mechanism.settings
+        self.run, self.may_move, self.wanted = run, may_move, settings.modes or 0
+        self.sparse = form.stores_sparse(n.nddof, settings, self.wanted)
         self.inputs, self.outputs = linearization_signals(run.mechanism)
-        n = run.mechanism.numbering
         run.header.update(NNOM=len(self.inputs), NX=n.nkddof + n.nddof, NU=len(self.inputs), NY=len(self.outputs))
         run.header.update(NRBM=n.nddof - _elastic(run.mechanism), X0=np.zeros(n.nkddof + n.nddof))
         run.header.update(inputs=[s.name for s in self.inputs], outputs=[s.name for s in self.outputs])
-        if sparse:
+        if self.sparse:
             run.header["DFT"] = int(has_feedthrough(self.inputs, self.outputs))
+            lowest = f"the {self.wanted} lowest modes with their motions and " if self.wanted else ""
+            run.report.add(
+                f"{n.nddof} dynamic degrees of freedom (more than {form.LARGE}): {lowest}sparse linearized equations"
+                " are computed, no reduced matrices, no A, B, C, D and no transfer functions; --modes N or MODES N asks"
+                " for the N lowest modes, 0 for everything"
+            )
         self.idle = IdleInputs(self.inputs)
         self._linearization: SparseLinearization | None = None
 

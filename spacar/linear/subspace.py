@@ -14,11 +14,9 @@ from collections.abc import Callable
 from typing import Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from spacar.arrays import Array
+from spacar.arrays import Array, Complex
 
-Complex = NDArray[np.complex128]
 Operator = Callable[[Array], Array]
 
 

@@ -28,10 +28,6 @@ class BandedSystem:
         self.row_rank, self.column_rank = row_rank, column_rank
         self._parity = 0.0  # of both orders; 0: not needed yet
 
-    @property
-    def is_ordered_alike(self) -> bool:
-        return np.array_equal(self.row_rank, self.column_rank)
-
     def factor(self, entries: Array) -> None:
         self.entries, self._A = entries, None
         band = np.bincount(self.flat, entries, self.height * self.n).reshape(self.n, self.height).T

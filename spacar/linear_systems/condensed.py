@@ -27,12 +27,11 @@ from scipy.sparse import block_diag, coo_array, csc_matrix, csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Index
 from spacar.linear_systems.linear_system import SingularMatrixError
 from spacar.linear_systems.sparse import SparseSystem
 from spacar.linear_systems.sparse_factors import SUFFICIENT, diagonal, refined
 
-EPS = float(np.finfo(float).eps)
 LOCAL = 60  # unknowns of a group of constraints up to which it has a dense basis,
 LOCAL_MOTIONS, LARGEST = 24, 600  # and motions and unknowns of one that is a few rigid bodies
 SPRING = 1e5  # of a constraint without a basis, over the largest stiffness of its unknowns

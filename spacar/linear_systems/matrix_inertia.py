@@ -15,9 +15,8 @@ no more directions wait than a block has columns. What is left behind the last b
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Index
 
-EPS = float(np.finfo(float).eps)
 SINGLE = 60  # unknowns up to which one block is faster
 SMALLEST_BLOCK = 16  # unknowns; below, the call of the eigenvalue solver costs more than its work
 FACTORED_BLOCK = 48  # the same for L D L^T

@@ -15,12 +15,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Index
 from spacar.linear_systems.linear_system import LinearSystem, SingularMatrixError
 
 ITERATIONS = 10
 SETTLED = 1.1  # growth of the estimate in one iteration below which it is good enough: a factor of two does not matter
-EPS = float(np.finfo(float).eps)
 
 
 def reciprocal_condition(system: LinearSystem, norm: float, row_scale: Array, column_scale: Array) -> float:

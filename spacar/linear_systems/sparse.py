@@ -11,9 +11,9 @@ import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Index
 from spacar.linear_systems.linear_system import SingularMatrixError, parity
-from spacar.linear_systems.sparse_factors import EPS, SAFE, SYMMETRIC
+from spacar.linear_systems.sparse_factors import SAFE, SYMMETRIC
 
 PIVOT = 0.1
 

@@ -17,9 +17,8 @@ from scipy.sparse import coo_array, csc_matrix, csr_array, csr_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra, maximum_flow
 from scipy.sparse.linalg import splu
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Index
 
-EPS = float(np.finfo(float).eps)
 EQUILIBRATIONS = 5  # passes
 ALIKE = 0.01  # of the terms of an equation that is substituted, both scaled
 DEPTH = 8  # unknowns that follow from one another

@@ -22,11 +22,10 @@ from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import EPS, Array
 from spacar.kinematics.kinematics import largest
 from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
 from spacar.linear_systems.linear_system import DENSE_LIMIT, Matrix, dense, diagonal_matrix, matrix, zero_matrix
-from spacar.linear_systems.reciprocal_condition import EPS
 from spacar.linearization.coefficients import (
     geometric_stiffness,
     gradient_matrix,
