@@ -32,7 +32,6 @@ class _FixedStep:
         """Nothing to prepare."""
 
     def end(self, t: float, y: np.ndarray) -> None:
-        """The end of the step."""
         self.y_new = y
         self.evaluation.settle(t, y)
 

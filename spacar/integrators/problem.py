@@ -210,6 +210,5 @@ class Evaluation:
         self.problem.rejected()
 
     def name(self, i: int) -> str:
-        """State component `i` in words."""
         number, name = f"state component {i}", self.problem.component_name(i)
         return f"{name} ({number})" if name else number

@@ -5,8 +5,6 @@ Nodes and elements must be the same; the classes may differ (RLSE in mode 2 beco
 is looked up by node and coordinate, element and mode.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -66,7 +64,7 @@ class Nominal:
         return MODES[self.mode].stationary
 
     @classmethod
-    def of(cls, result: Result) -> Nominal:
+    def of(cls, result: "Result") -> "Nominal":
         """From a run in memory. Raises UsageError when it is of a mode other than 2 and 7 to 10."""
         mode = MODES.get(getattr(result, "mode", -1))
         if mode is None or not mode.nominal:
@@ -86,7 +84,7 @@ class Nominal:
     def __str__(self) -> str:
         return self.name
 
-    def with_warning(self, text: str) -> Nominal:
+    def with_warning(self, text: str) -> "Nominal":
         return replace(self, warnings=(*self.warnings, text))
 
     # -- in the numbering of another mechanism -----------------------------------------------------------------------

@@ -77,7 +77,6 @@ def drive(deck: Deck, numbering: Numbering, x0: Array) -> Drive:
 
 
 def user_signal(deck: Deck, numbering: Numbering) -> UserSignal | None:
-    """The function of USERSIG, wrapped."""
     given = deck.block(2).get("USERSIG")
     if not given:
         return None

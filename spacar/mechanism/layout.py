@@ -6,7 +6,6 @@ shape.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from math import prod
 from typing import NamedTuple
@@ -28,25 +27,16 @@ class Batch(NamedTuple):
     index: int = 0  # type: ignore[assignment]  # set by the Mechanism; arrays of an evaluation are kept under it
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Layout:
     """Batches by what they have. The index arrays of all of them together are made when an evaluation asks for them."""
 
-    batches: tuple[Batch, ...]
-    strained: tuple[Batch, ...]
-    massive: tuple[Batch, ...]
-    moving: tuple[Batch, ...]  # mass matrix depends on the configuration
-    curved: tuple[Batch, ...]  # V depends on the configuration
-    turning: tuple[Batch, ...]  # with a branch of their own
-
-    @classmethod
-    def of(cls, batches: Sequence[Batch]) -> "Layout":
-        strained = tuple(b for b in batches if b.family.n_deformations)
-        massive = tuple(b for b in batches if b.family.has_mass)
-        moving = tuple(b for b in massive if not b.family.constant_mass)
-        curved = tuple(b for b in strained if not b.family.constant_gradient)
-        turning = tuple(b for b in strained if b.family.has_own_branch)
-        return cls(tuple(batches), strained, massive, moving, curved, turning)
+    def __init__(self, batches: tuple[Batch, ...]) -> None:
+        self.batches = batches
+        self.strained = tuple(b for b in batches if b.family.n_deformations)
+        self.massive = tuple(b for b in batches if b.family.has_mass)
+        self.moving = tuple(b for b in self.massive if not b.family.constant_mass)  # it depends on the configuration
+        self.curved = tuple(b for b in self.strained if not b.family.constant_gradient)  # V depends on it
+        self.turning = tuple(b for b in self.strained if b.family.has_own_branch)
 
     def branch(self, x: Array, e: Array) -> Array:
         """What the branch of states after x (nx,), e (ne,) is chosen by, (ne,): deformations, or what families say."""

@@ -207,7 +207,7 @@ class Mechanism:
 
     @cached_property
     def layout(self) -> Layout:
-        return Layout.of(self.batches)
+        return Layout(self.batches)
 
     @cached_property
     def scale(self) -> Array:

@@ -182,7 +182,6 @@ class RigidParts:
 
     @cached_property
     def fixed(self) -> frozenset[int]:
-        """Nodes that cannot move."""
         return frozenset(np.flatnonzero(fixed_nodes(self.numbering)).tolist())
 
 

@@ -148,14 +148,10 @@ def _breaks(given: Any, path: Path, refuse: Callable[[str], Exception]) -> tuple
     except (TypeError, ValueError):
         times = np.full((1, 1), np.nan)
     if times.ndim != 1 or not np.isfinite(times).all():
-        raise refuse(f"breaks of {path} must be a list of times [s], numbers, not {one_line_of(given)}")
+        text = repr(given).splitlines()[0]
+        text = text if len(text) < 80 else f"{text[:77]}..."
+        raise refuse(f"breaks of {path} must be a list of times [s], numbers, not {text}")
     return tuple(float(t) for t in times)
-
-
-def one_line_of(value: object) -> str:
-    """A value as a message shows it, on one line and shortened."""
-    text = repr(value).splitlines()[0]
-    return text if len(text) < 80 else f"{text[:77]}..."
 
 
 def import_file(path: Path, refuse: Callable[[str], Exception]) -> ModuleType:
@@ -175,12 +171,10 @@ def _loading(path: Path, refuse: Callable[[str], Exception]) -> Iterator[None]:
 
 def _compiled(path: Path, refuse: Callable[[str], Exception]) -> CodeType:
     with _loading(path, refuse):
-        return _code(str(path), path.read_bytes())
+        return _code(path.read_bytes(), str(path))
 
 
-@lru_cache(16)
-def _code(path: str, text: bytes) -> CodeType:
-    return compile(text, path, "exec", dont_inherit=True)
+_code = lru_cache(16)(partial(compile, mode="exec", dont_inherit=True))
 
 
 def _executed(code: CodeType, path: Path, refuse: Callable[[str], Exception]) -> ModuleType:

@@ -11,8 +11,6 @@ exception, a wrong shape or a non-finite value during the run raises AnalysisErr
 fixed or prescribed deformation cannot act, because equilibrium alone determines it there: a warning of the run.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from math import isfinite
@@ -128,7 +126,6 @@ def _taken(rows: Any, places: dict[tuple[Any, Any], int], values: Any) -> Form |
 
 
 def load_user_signal(deck: Deck, statement: Statement, numbering: Numbering) -> UserSignal:
-    """USERSIG as a function (t, e, ed, x, xd) -> UserForces."""
     function, name = load_function(deck, statement), str(statement.values[0])
     le, lnp = numbering.e_places[1:].copy(), numbering.x_places[1:].copy()
     along = isinstance(deck.mode, int) and find_mode(deck.mode).takes_setpoints
@@ -181,12 +178,12 @@ class UserLaw:
                 values[i] += row[2]
         return None, found, lost
 
-    def answering(self, told: tuple[PlacedVector, ...], sigma: Array, force: Array) -> Answering:
+    def answering(self, told: tuple[PlacedVector, ...], sigma: Array, force: Array) -> "Answering":
         """What asks the function at the guarded vectors e, ed, x, xd and writes what it returns into sigma and force,
         which are zero then."""
         return Answering(self, told, sigma, force)
 
-    def anew(self) -> UserLaw:
+    def anew(self) -> "UserLaw":
         """The same for another case: a function that remembers something remembers it for each. Raises InputError."""
         return _anew(self)  # places that were looked up are those of all
 
@@ -332,12 +329,12 @@ class UserDrive:
     @classmethod
     def load(
         cls, deck: Deck, statement: Statement, numbering: Numbering, base: Polynomial, interval: float
-    ) -> UserDrive:
+    ) -> "UserDrive":
         function = load_function(deck, statement)
         divided = divided_inputs(deck, numbering)
         return cls(function, str(statement.values[0]), numbering, base, interval, function.breaks, divided)
 
-    def anew(self, base: Polynomial) -> UserDrive:
+    def anew(self, base: Polynomial) -> "UserDrive":
         """The same for another case, see `UserLaw.anew`. Raises InputError."""
         return _anew(replace(self, base=base))
 

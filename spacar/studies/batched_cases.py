@@ -86,7 +86,6 @@ def reason(study: Study, values: Values) -> tuple[str, Mechanism | None]:
 
 
 def run_chunk(chunk: Chunk) -> list[Row]:
-    """Rows of the cases of a chunk."""
     return list(chain.from_iterable(groups_of_rows(chunk)))
 
 

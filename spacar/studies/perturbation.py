@@ -22,12 +22,12 @@ from spacar.dynamics.limits import Limits
 from spacar.errors import Report, UsageError
 from spacar.forward.driver import checked
 from spacar.linearization.matrices import chosen_rows, linearize, state_matrix
-from spacar.mechanism import build
+from spacar.mechanism import Mechanism, build
 from spacar.result import Result
 
 
-def require_perturbation(deck: Deck, **options: Any) -> None:
-    """Raises UsageError where the method does not apply."""
+def require_perturbation(deck: Deck, **options: Any) -> Mechanism:
+    """The mechanism. Raises UsageError where the method does not apply."""
     mechanism = build(deck, 1, **options)
     n = mechanism.numbering
     dynamic = range(n.e_class["dynamic"].start, n.e_class["dynamic"].stop)
@@ -44,6 +44,7 @@ def require_perturbation(deck: Deck, **options: Any) -> None:
         reason = "there is no TIMESTEP"
     if reason:
         raise UsageError(f"the perturbation method does not apply to {deck.source}: {reason}", "study.perturbation")
+    return mechanism
 
 
 def perturbation(deck: Deck, substeps: int = 1, **options: Any) -> Result:
@@ -55,8 +56,7 @@ def perturbation(deck: Deck, substeps: int = 1, **options: Any) -> Result:
     from spacar.simulation.propagation import simulate_ltv
     from spacar.simulation.time_varying import TimeVarying
 
-    require_perturbation(deck, **options)
-    mechanism = build(deck, 1, **options)
+    mechanism = require_perturbation(deck, **options)
     settings = mechanism.settings
     dynamics = Dynamics(mechanism)
     z0 = dynamics.start()

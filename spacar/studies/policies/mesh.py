@@ -57,7 +57,6 @@ def measured(run: Run) -> str:
 
 
 def undivided(reasons: dict[int, str]) -> str:
-    """In words."""
     return "; ".join(f"beam {b} cannot be divided: {text}" for b, text in reasons.items())
 
 

@@ -44,7 +44,6 @@ class Price:
     instead: float
 
     def line(self, target: float) -> str:
-        """A sentence."""
         times = f"{self.seconds:.3g} s instead of {self.instead:.3g} s"
         if self.error <= target:
             return f"not needed for {target:.3g}: {self.what}; without, error {self.error:.2e}, {times}: {self.how}"

@@ -38,7 +38,6 @@ class Study:
 
     @cached_property
     def columns(self) -> tuple[str, ...]:
-        """Names of the columns of a row."""
         names = (s.name for s in self.settings), (q.name for q in self.quantities)
         return ("case", *names[0], *names[1], "status", "seconds", "reason")
 
@@ -135,11 +134,9 @@ def explain(error: Exception) -> str:
 
 
 def done_row(case: Case, numbers: Iterable[float | complex], seconds: float) -> Row:
-    """The row of a case with its quantities."""
     return dict(zip(case.study.columns, (case.key, *case.values, *numbers, DONE, round(seconds, 6), ""), strict=True))
 
 
 def failed_row(case: Case, seconds: float, reason: str, status: str = FAILED) -> Row:
-    """The row of a case that has none."""
     given = {s.name: value for s, value in zip(case.study.settings, case.values, strict=True)}
     return {"case": case.key, **given, "status": status, "seconds": round(seconds, 6), "reason": reason}

@@ -47,7 +47,6 @@ class Extrapolation:
 
     @property
     def error(self) -> float:
-        """The largest."""
         return float(self.errors.max(initial=0.0))
 
     def orders(self, counted: Array | bool = True) -> str:

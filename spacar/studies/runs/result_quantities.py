@@ -86,9 +86,10 @@ def _real(variable: Quantity, result: Result) -> Array:
     return np.broadcast_to(np.asarray(series, float), (len(result.frames),))
 
 
-def _group(names: Sequence[str], values: Array, size: float, least: float) -> Assessed:
-    """Variables with one amplitude; inf when it is below `least`."""
-    return Assessed(tuple(names), values, np.full(len(values), size if size > least else np.inf))
+def _group(mechanism: Mechanism, rows: Index, every: Array, size: float, least: float, of: str = "") -> Assessed:
+    """Rows of `every` variable with one amplitude; inf when it is below `least`."""
+    names = tuple(of + mechanism.numbering.x_name(int(i)) for i in rows)
+    return Assessed(names, every[rows], np.full(len(rows), size if size > least else np.inf))
 
 
 def _kinds(mechanism: Mechanism, rows: Index) -> dict[str, Index]:
@@ -100,15 +101,9 @@ def _kinds(mechanism: Mechanism, rows: Index) -> dict[str, Index]:
 
 def _coordinates(mechanism: Mechanism, frames: Sequence[Frame], free: Index) -> list[Assessed]:
     x = np.array([f.x for f in frames]).T
-    found = []
-    for rows in _kinds(mechanism, free).values():
-        if not len(rows):
-            continue
-        change = x[rows] - mechanism.x0[rows, None]
-        names = [mechanism.numbering.x_name(int(i)) for i in rows]
-        scale = float(mechanism.scale[rows].max())
-        found.append(_group(names, x[rows], float(np.abs(change).max(initial=0.0)), ZERO * scale))
-    return found
+    change, scale = np.abs(x - mechanism.x0[:, None]).max(axis=1, initial=0.0), mechanism.scale
+    kinds = [rows for rows in _kinds(mechanism, free).values() if len(rows)]
+    return [_group(mechanism, rows, x, float(change[rows].max()), ZERO * float(scale[rows].max())) for rows in kinds]
 
 
 def _reactions(mechanism: Mechanism, frames: Sequence[Frame], free: Index) -> list[Assessed]:
@@ -118,12 +113,11 @@ def _reactions(mechanism: Mechanism, frames: Sequence[Frame], free: Index) -> li
     largest = {k: float(np.abs(force[r]).max(initial=0.0)) for k, r in rows.items()}
     length = mechanism.length
     least = {"position": largest["orientation"] / length, "orientation": largest["position"] * length}
-    found = []
-    for kind in ("position", "orientation"):
-        if len(rows[kind]):
-            names = [f"reaction at {mechanism.numbering.x_name(int(i))}" for i in rows[kind]]
-            found.append(_group(names, force[rows[kind]], largest[kind], ZERO * least[kind]))
-    return found
+    return [
+        _group(mechanism, rows[kind], force, largest[kind], ZERO * least[kind], "reaction at ")
+        for kind in ("position", "orientation")
+        if len(rows[kind])
+    ]
 
 
 def _spectrum(mechanism: Mechanism, frames: Sequence[Frame]) -> list[Assessed]:

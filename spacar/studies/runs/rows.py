@@ -126,7 +126,6 @@ class Rows:
             raise self._refusal(f"cannot be read as csv ({error} in line {reader.line_num})") from None
 
     def _read_json(self, data: bytes) -> tuple[list[Row], int]:
-        """The same."""
         self._text(data[: data.rfind(b"\n") + 1])
         rows, whole, at = [], 0, 0
         for number, line in enumerate(data.splitlines(keepends=True), 1):

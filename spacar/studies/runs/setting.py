@@ -61,7 +61,6 @@ class Setup:
 
     @property
     def model(self) -> str:
-        """Model in words."""
         parts = ["rigid beams"]
         if self.beams != "rigid":
             parts = ["as given" if self.elements == 1 else f"{self.elements} elements a beam"]
@@ -213,7 +212,6 @@ def _run(trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any], limit:
 
 
 def setup_options(trade: Trade, setup: Setup, deck: Deck) -> dict[str, Any]:
-    """Options of the run of a setup."""
     options = dict(trade.options)
     if setup.measure:
         options["beams"] = setup.measure
