@@ -131,12 +131,11 @@ class Adams:
         Raises AnalysisError `integrator.step-too-small`, or the error of F after ten reductions of the step.
         """
         rhs, phi, d, stepper = self.evaluation.rhs, self.phi, self.d, self.evaluation.stepper
+        self.y[:] = y
         if stepper is not None:
-            self.y[:] = y
             yield from stepper.steps(self, t, t_end, h, float("inf"), self.evaluation.problem.within)
             return
         h_min = 4.0 * np.finfo(float).eps * max(abs(t), abs(t_end), t_end - t)
-        self.y[:] = y
         phi[0] = rhs(t, self.y)
         self._set_weights()
         slope = self._norm(phi[0])

@@ -6,7 +6,6 @@ SIAM J. Numer. Anal. 14 (1977) 1006. The Jacobian J = dF/dy and F_t = dF/dt come
 """
 
 from math import sqrt
-from typing import Any
 
 import numpy as np
 
@@ -96,7 +95,7 @@ def sdirk_tableau(code: int) -> tuple[np.ndarray, np.ndarray]:
 class SinglyDiagonallyImplicit(_FixedStep):
     """410, 420, 430: stages k_i = F(t + c_i h, y + h sum_j a_ij k_j) by modified Newton.
 
-    I - h gamma J is factored once per step. Converged when all |h dk_i| <= absolute error; after ten
+    I/(h gamma) - J is factored once per step. Converged when all |h dk_i| <= absolute error; after ten
     iterations once more ten with the Jacobian at the iterate, then AnalysisError `integrator.newton`.
     """
 
@@ -106,19 +105,13 @@ class SinglyDiagonallyImplicit(_FixedStep):
         self.gamma = float(self.a[0, 0])
         self.stages = np.zeros((len(self.c), n))
 
-    def factored(self, jacobian: Any, t: float, h: float) -> Resolvent:
-        """b -> (I - h gamma J)^-1 b. Raises AnalysisError `integrator.singular`."""
-        s = 1.0 / (h * self.gamma)
-        solve = resolvent(jacobian, s, self.nq, t, h)
-        return lambda b: solve(s * b)
-
     def start(self, t: float, y: np.ndarray) -> None:
         """First guess of the first stage: F at the start; later the last stage of the step before."""
         self.stages[-1] = self.evaluation.rhs(t, y)
 
     def fixed(self, t: float, h: float, y: np.ndarray) -> None:
         hg = h * self.gamma
-        solve = self.factored(self.evaluation.jacobian(t, y)[0], t, h)
+        solve = resolvent(self.evaluation.jacobian(t, y)[0], 1.0 / hg, self.nq, t, h)
         stages = self.stages
         for i, c in enumerate(self.c):
             base = y + h * (self.a[i, :i] @ stages[:i])
@@ -126,7 +119,7 @@ class SinglyDiagonallyImplicit(_FixedStep):
             t_i = t + c * h
             if not self._newton(solve, t_i, h, base, stages[i]):
                 jacobian = self.evaluation.jacobian(t_i, base + hg * stages[i])[0]
-                solve = self.factored(jacobian, t, h)
+                solve = resolvent(jacobian, 1.0 / hg, self.nq, t, h)
                 if not self._newton(solve, t_i, h, base, stages[i]):
                     change = np.abs(h * self.last_change)
                     worst = int(np.argmax(change))
@@ -145,7 +138,7 @@ class SinglyDiagonallyImplicit(_FixedStep):
         hg = h * self.gamma
         for _ in range(MAX_NEWTON):
             self.evaluation.statistics.newton_iterations += 1
-            self.last_change = solve(self.evaluation.rhs(t, base + hg * k) - k)
+            self.last_change = solve((1.0 / hg) * (self.evaluation.rhs(t, base + hg * k) - k))
             k += self.last_change
             if h * np.abs(self.last_change).max() <= self.tolerance.absolute:
                 return True

@@ -11,6 +11,7 @@ warning. The compliance of coordinate i is W_i K^-1 W_i^T with K = K0 + N0 + G0 
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -58,12 +59,9 @@ class BucklingModes:
     def filled(self, n: int) -> "BucklingModes":
         """n of them at every load step: where fewer loads have an effect infinite multipliers, their modes nan."""
         more = max(n - len(self.multipliers), 0)
-
-        def wider(A: Array) -> Array:
-            return np.hstack((A, np.full((len(A), more), np.nan)))
-
+        wider = partial(np.pad, pad_width=((0, 0), (0, more)), constant_values=np.nan)
         motions = None if self.motions is None else wider(self.motions)
-        return BucklingModes(np.append(self.multipliers, np.full(more, np.inf)), wider(self.modes), motions)
+        return BucklingModes(np.pad(self.multipliers, (0, more), constant_values=np.inf), wider(self.modes), motions)
 
     def first(self, n: int) -> "BucklingModes":
         """The n lowest multipliers with the first n rows of their modes, of norm 1 again.

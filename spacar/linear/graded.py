@@ -14,16 +14,14 @@ begins at those of QR, or at the roots of every undamped mode or coordinate alon
 Appl. 439, 2013). Its limit is the rounding of P, row and column scaled, at z itself.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import EPS, Array, Complex, Index
 from spacar.linear_systems.linear_system import dense
-
-if TYPE_CHECKING:
-    from spacar.linearization.matrices import Linearization
+from spacar.linearization.matrices import Linearization
 
 SAME = 1e-12  # part of the sum of sizes by which factors may differ from the matrix that they stand for
 JACOBI = 2e-6  # ratio of singular values below which those of NumPy have fewer than ten digits
@@ -44,7 +42,7 @@ class Factors(NamedTuple):
     B: Array
 
     @classmethod
-    def of_linearization(cls, L: "Linearization", q: Index) -> "Factors | None":
+    def of_linearization(cls, L: Linearization, q: Index) -> "Factors | None":
         """None where stiffness or mass contain more than elements and nodes give, or one is not definite."""
         A, B = factor(dense(L.c.S)), factor(dense(L.c.M))
         if A is None or B is None:

@@ -76,8 +76,6 @@ def buckling_matrices(dynamics: Dynamics, L: Linearization, dynamic: Index) -> t
     unknowns = element_unknowns(dynamics, L.c.sigma)
     if (np.abs(G0) <= geometric_rounding(dynamics.sweep, L.c.sigma, dynamics.mechanism.scale, W)).all():
         G0 = np.zeros_like(G0)
-    if not unknowns:
-        return K0, G0
     coupling, k, eliminated = _joined(unknowns, len(W))
     c, part = W.T @ coupling, eliminated / k
     return _bordered(K0, np.zeros_like(c), part, k), _bordered(G0, c, part, np.zeros(len(k)))

@@ -78,8 +78,7 @@ def lowest_buckling(
         report.add(SINGULAR_K0)
 
     def solve(force: Array, refined: bool = False) -> Array:
-        x, b = unknowns.split(force)
-        return np.vstack((displacement(x, refined), b / unknowns.size))
+        return np.vstack((displacement(force[: unknowns.nx], refined), force[unknowns.nx :] / unknowns.size))
 
     return _modes(tangent, unknowns, solve, unknowns.bordered(loading), symmetric, shift, wanted, report)
 
@@ -161,7 +160,7 @@ def lowest_extra_load(
 
     def solve(force: Array, refined: bool = False) -> Array:
         """[K + c0 c0^T/k, c0; c0^T, k]: without b, K is left, which has them eliminated."""
-        fx, fb = present.split(force)
+        fx, fb = force[: present.nx], force[present.nx :]
         x = tangent.displacement(system, fx - c @ fb / present.size, refined)
         return np.vstack((x, (fb - turned @ x) / present.size))
 
@@ -192,9 +191,6 @@ class _Unknowns:
                 parts.append(u.eliminated[keep].astype(float))
         self.coupling, self.part = hstack(blocks, format="csr"), np.concatenate(parts)
         self.m = len(self.part)
-
-    def split(self, z: Array) -> tuple[Array, Array]:
-        return z[: self.nx], z[self.nx :]
 
     def bordered(self, G: Any) -> Any:
         """[G + c part c^T/size, c; c^T, 0] in compressed rows, G (nx, nx)."""

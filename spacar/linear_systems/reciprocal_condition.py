@@ -44,21 +44,21 @@ def smallest(system: LinearSystem, row_scale: Array, column_scale: Array) -> tup
     u[1::2] *= -1.0
     u /= np.linalg.norm(u)
     w, estimate = u, 0.0
+
+    def image(solve: Callable[[Array], Array], v: Array, first: Array, then: Array) -> tuple[Array, float]:
+        y = solve(v / first) / then
+        size = float(np.linalg.norm(y))
+        if not 0.0 < size < np.inf:
+            raise SingularMatrixError("the solution is zero or not finite")
+        return y / size, size
+
     try:
         for _ in range(ITERATIONS):
-            y = system.solve(u / row_scale) / column_scale
-            size = float(np.linalg.norm(y))
-            if not 0.0 < size < np.inf:
-                return 0.0, u, w
-            w = y / size
+            w, size = image(system.solve, u, row_scale, column_scale)
             if size <= SETTLED * estimate:
                 return 1.0 / size, u, w
             estimate = size
-            z = system.solve_transposed(w / column_scale) / row_scale
-            following = float(np.linalg.norm(z))
-            if not 0.0 < following < np.inf:
-                return 0.0, u, w
-            u = z / following
+            u, _ = image(system.solve_transposed, w, column_scale, row_scale)
     except SingularMatrixError:
         return 0.0, u, w
     return 1.0 / estimate, u, w

@@ -153,7 +153,7 @@ def simpler_deck(trade: Trade, best: Entry | None) -> Deck | None:
 
 def run_options(trade: Trade, setup: Setup) -> dict[str, str | int | float]:
     """The options of `spacar.run` for a setting, on the model of the file or on `simpler_deck`."""
-    options = setup_options(trade, setup, trade.deck)
+    options = setup_options(trade, setup)
     if setup.elements != 1 and setup.beams != "rigid":
         options["elements"] = setup.elements
     if setup == replace(setup, beams="rigid", strain="full", planar=False, merged=False, transfer=True):

@@ -22,6 +22,7 @@ from spacar.deck.rewrite.refine import linear_strain, refine, refine_divisible, 
 from spacar.errors import UsageError
 from spacar.integrators.methods import METHODS
 from spacar.mechanism import build
+from spacar.mechanism.inputs import settings
 from spacar.mechanism.user_files import model_digest
 from spacar.modes import find_mode
 from spacar.result import Result
@@ -182,7 +183,7 @@ def run_setup(job: Job) -> Row:
     row: Row = {"case": trade.key(setup), **asdict(setup), "status": "failed"}
     try:
         deck = variant(trade.deck, setup)
-        options = setup_options(trade, setup, deck)
+        options = setup_options(trade, setup)
         seconds = []
         for _ in range(trade.repeats):
             begun = time.process_time()
@@ -211,14 +212,14 @@ def _run(trade: Trade, setup: Setup, deck: Deck, options: dict[str, Any], limit:
     return Result.collect(run)
 
 
-def setup_options(trade: Trade, setup: Setup, deck: Deck) -> dict[str, Any]:
+def setup_options(trade: Trade, setup: Setup) -> dict[str, Any]:
     options = dict(trade.options)
     if setup.measure:
         options["beams"] = setup.measure
     if setup.general:
         options["compiled"] = False
     if setup.integrator is not None:
-        given = build(deck, trade.mode, **options).settings
+        given = settings(trade.deck, **options)
         options["integrator"] = setup.integrator
         if setup.tolerance is not None:
             ratio = given.atol / given.rtol if given.rtol > 0.0 else 1.0
