@@ -20,6 +20,7 @@ as diag(w) + F has (the inertia of a bordered matrix, E. Haynsworth, Linear Alge
 Where a pivot is zero or the refinement does not converge the mixed matrix itself is factored.
 """
 
+from functools import cached_property
 from typing import Any, cast
 
 import numpy as np
@@ -46,21 +47,21 @@ class CondensedSystem:
     """The first `nf` unknowns are x. Raises SingularMatrixError where constraints repeat each other."""
 
     kind = "condensed"
-    A = lu = R = N = _NT = _G = _K = _V = _SV = _pivots = cast(Any, None)
+    A = lu = R = N = _NT = _G = _K = _V = _SV = cast(Any, None)
 
     def __init__(self, n: int, rows: Index, columns: Index, nf: int) -> None:
         self.n, self.nf = n, nf
         self._whole = SparseSystem(n, rows, columns)
         self._C: Array | None = None
-        self._part: float | None = None
         self.was_mixed = False  # was the mixed matrix once factored instead?
         self.forget()
 
     def forget(self) -> None:
         """What depends on the entries: two of them would take twice the memory."""
-        self._entries = np.zeros(0)
-        self._mixed = False
-        self.A = self.lu = self.R = self.N = self._NT = self._G = self._K = self._V = self._SV = self._pivots = None
+        self._entries, self._mixed = np.zeros(0), False
+        self.A = self.lu = self.R = self.N = self._NT = self._G = self._K = self._V = self._SV = None
+        for name in ("pivots", "lost"):
+            self.__dict__.pop(name, None)
 
     def factor(self, entries: Array) -> None:
         """Nothing is done for the entries that were factored last; they are kept, not copied."""
@@ -95,7 +96,7 @@ class CondensedSystem:
         self._K = csr_array(K + self._V.T @ self._SV)
         self._bases(csr_array(V[self._constraints]))
         self.R = csr_array(self._NT @ self._K @ self.N)
-        self._pivots, self._part, self.lu = None, None, _factors(self.R)
+        self.lu = _factors(self.R)
 
     def _split(self, V: Any, C: Any, K: Any) -> None:
         """Which rows are elastic, and which constraints, in groups that share unknowns, have a basis."""
@@ -157,41 +158,31 @@ class CondensedSystem:
         self._NT = csr_array(self.N.T)
         self._G = _assembled(inverses, (self.nf, V.shape[0]))
 
-    @property
+    @cached_property
     def pivots(self) -> Array:
         """D. SuperLU copies its factors to show them, so they are asked for where signs are."""
-        if self._pivots is None:
-            self._pivots = self.lu.U.diagonal()
-        return self._pivots
+        return np.asarray(self.lu.U.diagonal())
 
     # -- solutions --------------------------------------------------------------------------------------------------
-    def solve(self, b: Array) -> Array:
-        return self._solve(b, False)
-
     def solve_transposed(self, b: Array) -> Array:
-        return self._solve(b, True)
+        return self.solve(b, True)
 
-    def _solve(self, b: Array, transposed: bool) -> Array:
+    def solve(self, b: Array, transposed: bool = False) -> Array:
         if not self._mixed:
-            z = self._refined(np.asarray(b, float), transposed)
-            if z is not None:
+            A = self.A.T if transposed else self.A
+            z, error = refined(lambda right: self._direct(right, transposed), A, abs(A), np.asarray(b, float))
+            if error <= SUFFICIENT:
                 return z
-            self._use_mixed(self._entries)
+            self._use_mixed(self._entries)  # the residual does not become rounding
         return self._whole.solve_transposed(b) if transposed else self._whole.solve(b)
 
     def displacement(self, force: Array) -> Array:
         """x (nf, k) for f = force (nf, k), g = 0: without refinement where the condensation has lost less than LOST."""
-        if not self._mixed and self._lost() < LOST:
+        if not self._mixed and self.lost < LOST:
             return np.asarray(self.N @ self.lu.solve(self._NT @ force))
         b = np.zeros((self.n, *force.shape[1:]))
         b[: self.nf] = force
         return self.solve(b)[: self.nf]
-
-    def _refined(self, b: Array, transposed: bool) -> Array | None:
-        """None where the residual does not become rounding."""
-        A = self.A.T if transposed else self.A
-        z, error = refined(lambda right: self._direct(right, transposed), A, abs(A), b)
-        return z if error <= SUFFICIENT else None
 
     def _direct(self, b: Array, transposed: bool = False) -> Array:
         """Not refined, with springs in the place of some constraints."""
@@ -209,7 +200,7 @@ class CondensedSystem:
     def inverse_diagonal(self) -> Array | None:
         """(nf,) of the inverse, None where it takes solutions of all columns: the matrix is not symmetric, there are
         too many springs, or the condensation has lost more than LOST."""
-        if self._mixed or len(self._sprung) > MOST_SPRINGS or not self._symmetric() or not self._lost() < LOST:
+        if self._mixed or len(self._sprung) > MOST_SPRINGS or not self._symmetric() or not self.lost < LOST:
             return None
         from spacar.linear_systems.selected_inverse import selected_inverse
 
@@ -244,7 +235,7 @@ class CondensedSystem:
 
     def negative(self) -> int | None:
         """Negative eigenvalues of the symmetric matrix, of which none is zero; None where rounding may decide."""
-        if self._mixed or not self._symmetric() or not self._lost() < CLEAR:
+        if self._mixed or not self._symmetric() or not self.lost < CLEAR:
             return None
         negative = int(np.count_nonzero(self.pivots < 0.0))
         springs = len(self._sprung)
@@ -259,12 +250,8 @@ class CondensedSystem:
         difference = self.R - self.R.T
         return bool(np.abs(difference.data).max(initial=0.0) <= SYMMETRIC * np.abs(self.R.data).max(initial=0.0))
 
-    def _lost(self) -> float:
-        if self._part is None:
-            self._part = self._change()
-        return self._part
-
-    def _change(self) -> float:
+    @cached_property
+    def lost(self) -> float:
         """Relative change of a solution along the eigenvector of the smallest eigenvalue in its first refinement: that
         part of this eigenvalue is rounding."""
         n = self.R.shape[0]

@@ -69,20 +69,17 @@ class DenseSystem:
         else:
             self._ravel[:] = np.bincount(self.flat, entries, self.n * self.n)
 
-    def solve(self, b: Array) -> Array:
-        return self._solve(self.A, b)
+    def solve(self, b: Array, transposed: bool = False) -> Array:
+        try:
+            return np.linalg.solve(self.A.T if transposed else self.A, b)
+        except np.linalg.LinAlgError:
+            raise SingularMatrixError(f"matrix of order {self.n} is singular") from None
 
     def solve_transposed(self, b: Array) -> Array:
-        return self._solve(self.A.T, b)
+        return self.solve(b, True)
 
     def determinant_sign(self) -> float:
         return float(np.linalg.slogdet(self.A)[0])
-
-    def _solve(self, A: Array, b: Array) -> Array:
-        try:
-            return np.linalg.solve(A, b)
-        except np.linalg.LinAlgError:
-            raise SingularMatrixError(f"matrix of order {self.n} is singular") from None
 
 
 DENSE_LIMIT = 150  # rows or columns up to which all products of a linearization are faster dense (docs/performance.md)
