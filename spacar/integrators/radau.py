@@ -27,10 +27,9 @@ Between the points the state follows the polynomial through 0, c_1 ... c_s. Wher
 the integral of the polynomial of the velocities is one order better and meets the end of the step as well.
 """
 
-from dataclasses import dataclass
 from functools import cache
 from math import sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -52,8 +51,7 @@ SAME = 1.2
 SAFETY = 0.9
 
 
-@dataclass(frozen=True)
-class Collocation:
+class Collocation(NamedTuple):
     """Radau IIA with Z_i = Y_i - y, i = 1 ... s.
 
     c (s,), a and its inverse (s, s); real: lambda_0; pairs: lambda_k, one of each complex pair

@@ -17,7 +17,7 @@ it is free (24).
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,8 +42,7 @@ ACCELERATIONS = ("REFEDP", "REFXDP")
 RANK = 1e-9  # singular values of the scaled distribution of the inputs below this part of the largest are zero
 
 
-@dataclass(frozen=True)
-class Ports:
+class Ports(NamedTuple):
     """Nominal inputs and reference outputs in the order of their numbers."""
 
     inputs: tuple[Signal, ...]

@@ -9,8 +9,8 @@ Fronts with the normalized displacement s, velocity w and acceleration a of tau 
 All of them give L = v (T - rise/2 - decline/2) (21).
 """
 
-from dataclasses import dataclass
 from math import cos, pi, sin
+from typing import NamedTuple
 
 ROUNDING = 1e-13  # of the total time: sums of some hundred time steps, an eps each
 TOLERANCE = 1e-9  # chosen: rise + decline may exceed the total time by this part: numbers in files are rounded
@@ -36,8 +36,7 @@ def squared_sine(tau: float) -> tuple[float, float, float]:
 FRONTS = (constant, sine, squared_sine)
 
 
-@dataclass(frozen=True)
-class Profile:
+class Profile(NamedTuple):
     """Motion p(t) from 0 to `length` [m or rad] in `duration` [s], at most with `speed` [m/s or rad/s].
 
     rise, decline   duration of both phases [s];  front  index into FRONTS

@@ -10,9 +10,8 @@ warning. The compliance of coordinate i is W_i K^-1 W_i^T with K = K0 + N0 + G0 
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 
@@ -40,8 +39,7 @@ COLUMNS = 256  # right-hand sides at once, of large models
 NEGLIGIBLE = 1e-12  # part of the largest size of an unknown that does not scale it
 
 
-@dataclass(frozen=True)
-class BucklingModes:
+class BucklingModes(NamedTuple):
     """multipliers (n,), infinite where the load has no effect; modes (n, n) of norm 1 over the dynamic rows.
 
     motions (nx, n): displacements of the coordinates, where they are computed without transfer functions.

@@ -11,7 +11,7 @@ Every returned pair is checked (`spacar.linear.backward_error`); a doubtful one 
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,8 +34,7 @@ SINGULAR = 1e3  # of M, row and column scaled, from which on its entries have to
 MOST_GRADED = 200  # degrees of freedom: 60 ms
 
 
-@dataclass(frozen=True)
-class Modes:
+class Modes(NamedTuple):
     """values (n,), vectors (n_state, n): eigenvalues [rad/s] and state eigenvectors; n_positions rows are positions.
 
     motions (nx, n): displacements of the coordinates, where they are computed without transfer functions.

@@ -1,8 +1,8 @@
 """Modes 4, 7, 8, 9, 10 as streams of frames."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -91,8 +91,7 @@ def state_space_matrices(run: Run) -> Iterator[Sequence[Frame]]:
     run.report.lines.extend(store.idle.lines())
 
 
-@dataclass(frozen=True)
-class LinearizedSolution:
+class LinearizedSolution(NamedTuple):
     """A stored stationary solution with its linearization L, for large systems the sparse tangent instead, and their
     coefficients `sparse` where it does not hold all of the equations, the `solver` where not all of the stiffness.
 

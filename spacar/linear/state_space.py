@@ -11,7 +11,7 @@ Outputs are linear in (ds, dqd, dqdd) and the inputs; reactions come from the li
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,8 +22,7 @@ from spacar.linearization.matrices import Linearization, chosen_rows, require_ma
 from spacar.linearization.signals import DRIVING_SIGN, ORDER, Signal
 
 
-@dataclass(frozen=True)
-class StateSpace:
+class StateSpace(NamedTuple):
     """dz/dt = A z + B u, y = C z + D u."""
 
     A: Array

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,8 +57,7 @@ class Loads:
         )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class DriveState:
+class DriveState(NamedTuple):
     """Values, rates and accelerations of the prescribed coordinates (n_xr) and deformations (n_er)."""
 
     x: Array
@@ -79,8 +78,7 @@ class Drive(Protocol):
     def at(self, t: float) -> DriveState: ...
 
 
-@dataclass(frozen=True)
-class Polynomial:
+class Polynomial(NamedTuple):
     """start + rate t + acceleration t^2/2 of every input coordinate and deformation (input-language.md section 5.4)."""
 
     x: Array  # (n_xr, 3): start, rate, acceleration
@@ -155,8 +153,7 @@ class SolverSettings:
         return 1 + -(-max(self.load_steps, 1) // max(self.store_every, 1))
 
 
-@dataclass(frozen=True)
-class Start:
+class Start(NamedTuple):
     """Start values of the degrees of freedom that are not prescribed, in the order of the file.
 
     x_value, x_rate for x dynamic; e_value, e_rate for e dynamic; x_kinematic, e_kinematic values of kinematic

@@ -14,7 +14,7 @@ fixed or prescribed deformation cannot act, because equilibrium alone determines
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from math import isfinite
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -278,8 +278,7 @@ def _anew(law: Law) -> Law:
     return replace(law, function=function, breaks=function.breaks)
 
 
-@dataclass(frozen=True)
-class DividedInputs:
+class DividedInputs(NamedTuple):
     """Prescribed deformations of a beam that is divided: the places of those of its first part (modes,), which has its
     number, and of all parts (k,); `shares` (k, modes): those of the parts for each one of the beam."""
 

@@ -15,12 +15,12 @@ import math
 import re
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from itertools import chain
 from operator import eq
 from pathlib import Path
-from typing import overload
+from typing import NamedTuple, overload
 
 import numpy as np
 
@@ -39,8 +39,7 @@ MOST_VALUES = 1_000_000
 BY_NUMBER = {block.number: block for block in BlockKind if block.number < 3}
 
 
-@dataclass(frozen=True)
-class Target:
+class Target(NamedTuple):
     """One place, or with `everywhere` all places of a keyword, whose value changes."""
 
     keyword: str
@@ -70,16 +69,14 @@ class Target:
         return found
 
 
-@dataclass(frozen=True)
-class Setting:
+class Setting(NamedTuple):
     """Targets that change together; `name` is the left side as it was written and heads the column."""
 
     name: str
     targets: tuple[Target, ...]
 
 
-@dataclass(frozen=True)
-class Axis:
+class Axis(NamedTuple):
     """A setting with its values."""
 
     setting: Setting

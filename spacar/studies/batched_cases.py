@@ -8,9 +8,9 @@ theory, all cases in the lanes beside it are run alone, so that the row of each 
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain, islice
+from typing import NamedTuple
 
 from spacar.deck import Deck
 from spacar.errors import SpacarError
@@ -30,8 +30,7 @@ STATEMENTS = 100_000  # of all its cases, unless they are SIZE: with some 100 nu
 Numbers = tuple[float | complex, ...]
 
 
-@dataclass(frozen=True)
-class Chunk:
+class Chunk(NamedTuple):
     """Cases whose numbers are made together."""
 
     study: Study
@@ -124,7 +123,7 @@ def _cases(study: Study, chunk: Chunk) -> Iterator[Cases]:
     for first in range(0, len(values), SIZE):
         chosen, decks = _alike(study, values[first : first + SIZE])
         if decks:
-            yield replace(side_by_side(decks, **study.options), chosen=[first + k for k in chosen])
+            yield side_by_side(decks, **study.options)._replace(chosen=[first + k for k in chosen])
 
 
 def _numbers(study: Study, chosen: Sequence[int], group: GroupMotions) -> dict[int, Numbers]:

@@ -5,9 +5,8 @@ coordinates are numbered by class, then node, case k holds the same places of ev
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -22,8 +21,7 @@ if TYPE_CHECKING:
     from spacar.compiled.numbers import Numbers
 
 
-@dataclass(frozen=True)
-class Cases:
+class Cases(NamedTuple):
     """Cases of one mechanism, which is that of the first of them.
 
     numbers  of all cases;  start  their states (cases, components): degrees of freedom, their rates

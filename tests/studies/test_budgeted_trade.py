@@ -2,7 +2,6 @@
 
 import json
 import shlex
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -97,7 +96,7 @@ def test_without_time_for_a_second_mesh(monkeypatch):
 
 def test_nothing_follows_from_a_reference_that_is_far_off(monkeypatch):
     known = budgeted.reference
-    monkeypatch.setattr(budgeted, "reference", lambda *a: (replace(known(*a)[0], error=0.2), []))
+    monkeypatch.setattr(budgeted, "reference", lambda *a: (known(*a)[0]._replace(error=0.2), []))
     with pytest.raises(AnalysisError, match=r"an error of 0.2 .* more --budget"):
         budgeted.search(ARM, 1e-2, 10.0)
 

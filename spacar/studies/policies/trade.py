@@ -5,7 +5,8 @@ extrapolated (`spacar.studies.runs.mesh_ladder`); what is known of its error cou
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,8 +24,7 @@ REFERENCE_TOLERANCE = 1e-12  # smallest
 REFERENCE_MARGIN = 0.01  # tolerance of the reference / smallest error that is looked at
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(NamedTuple):
     """A setup with its cost and error; nan and a reason when it failed. `estimate`: its own estimate of the error."""
 
     setup: Setup | None
@@ -36,8 +36,7 @@ class Entry:
     estimate: float | None = None
 
 
-@dataclass(frozen=True)
-class Reference:
+class Reference(NamedTuple):
     """Values (variables, times), their estimated error in the norm of the study, and how both came about; names of the
     variables (none: all that a row has, in its order)."""
 

@@ -18,6 +18,7 @@ error. No error is larger than that difference.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -37,8 +38,7 @@ MARGIN = 1.3  # of the estimate over the difference of two extrapolations
 DOUBT = 1 / 3 - 1 / 15  # least error over the last difference, where order 2 shows for the first time
 
 
-@dataclass(frozen=True)
-class Extrapolation:
+class Extrapolation(NamedTuple):
     """values (variables, steps), errors (variables,) in amplitudes, order (variables,) that was used: 0, 2 or 4."""
 
     values: Array

@@ -1,7 +1,7 @@
 """Quantities that studies keep: a named expression (spacar.expressions) that comes to one number, without its unit."""
 
-from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,8 +11,7 @@ from spacar.expressions.grammar import NOTHING_MORE, More
 from spacar.result import Result
 
 
-@dataclass(frozen=True)
-class Quantity:
+class Quantity(NamedTuple):
     """A checked expression; `name` heads its column."""
 
     name: str

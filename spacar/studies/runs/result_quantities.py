@@ -19,7 +19,7 @@ millionth of the motion of that variable, also where all that moves moves by 1e-
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -41,8 +41,7 @@ STILL = 1e-9  # a variable that stays below this part of the largest one is left
 STILL_STATIONARY = 1e-6
 
 
-@dataclass(frozen=True)
-class Assessed:
+class Assessed(NamedTuple):
     """names of the variables, values (variables, steps), amplitude (variables,); inf: does not count."""
 
     names: tuple[str, ...]

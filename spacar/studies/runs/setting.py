@@ -8,7 +8,7 @@ the chosen variables at the output times, its median processor time and the numb
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -106,8 +106,7 @@ class Trade:
         return key(model_digest(self.deck), self.mode, asked, self.repeats, options, asdict(setup))
 
 
-@dataclass(frozen=True)
-class Job:
+class Job(NamedTuple):
     """A setup on its way to a process."""
 
     trade: Trade

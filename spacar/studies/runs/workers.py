@@ -9,18 +9,16 @@ import os
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from itertools import chain, islice
 from threading import Thread
-from typing import Any
+from typing import Any, NamedTuple
 
 HERE = 2.0  # seconds on this process before others are started
 AHEAD = 2  # cases handed over per process
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
-@dataclass(frozen=True)
-class Lost:
+class Lost(NamedTuple):
     """A case whose process died."""
 
     reason: str
