@@ -5,7 +5,7 @@ The entries of V (ne x nx) come first, batch by batch, (n_deformations, n_coordi
 shape.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from functools import cached_property
 from math import prod
 from typing import NamedTuple
@@ -27,8 +27,48 @@ class Batch(NamedTuple):
     index: int = 0  # type: ignore[assignment]  # set by the Mechanism; arrays of an evaluation are kept under it
 
 
+def _indices(of: str, index: Callable[[Batch], Index]) -> cached_property[Index]:
+    """The indices of the batches `of` a layout, one after the other."""
+
+    def joined(layout: "Layout") -> Index:
+        parts = [index(b).ravel() for b in getattr(layout, of)]
+        return np.concatenate(parts) if parts else np.zeros(0, np.int64)
+
+    return cached_property(joined)
+
+
+def _places(of: str, shape: Callable[[Batch], tuple[int, ...]]) -> cached_property[tuple[Place, ...]]:
+    """Consecutive parts (*shape, n) for the batches `of` a layout."""
+
+    def places(layout: "Layout") -> tuple[Place, ...]:
+        found, first = [], 0
+        for b in getattr(layout, of):
+            whole = (*shape(b), b.family.n)
+            size = prod(whole)
+            found.append((b.index, slice(first, first + size), whole))
+            first += size
+        return tuple(found)
+
+    return cached_property(places)
+
+
 class Layout:
     """Batches by what they have. The index arrays of all of them together are made when an evaluation asks for them."""
+
+    # entries of V and M
+    v_rows = _indices("strained", lambda b: b.e.repeat(len(b.x), 0))
+    v_columns = _indices("strained", lambda b: b.x[None].repeat(len(b.e), 0))
+    m_rows = _indices("massive", lambda b: b.x.repeat(len(b.x), 0))
+    m_columns = _indices("massive", lambda b: b.x[None].repeat(len(b.x), 0))
+    V = _places("strained", lambda b: (len(b.e), len(b.x)))
+    M = _places("massive", lambda b: (len(b.x), len(b.x)))
+    # coordinates of all batches, deformations of the strained ones, coordinates of the moving ones
+    x_index = _indices("batches", lambda b: b.x)
+    e_index = _indices("strained", lambda b: b.e)
+    f_index = _indices("moving", lambda b: b.x)
+    x = _places("batches", lambda b: (len(b.x),))
+    e = _places("strained", lambda b: (len(b.e),))
+    f = _places("moving", lambda b: (len(b.x),))
 
     def __init__(self, batches: tuple[Batch, ...]) -> None:
         self.batches = batches
@@ -45,72 +85,7 @@ class Layout:
             found[b.e] = b.family.branch(x[b.x], e[b.e])
         return found
 
-    # -- entries of V and M ---------------------------------------------------------------------------------------
-    @cached_property
-    def v_rows(self) -> Index:
-        return _join([b.e.repeat(len(b.x), 0) for b in self.strained])
-
-    @cached_property
-    def v_columns(self) -> Index:
-        return _join([b.x[None].repeat(len(b.e), 0) for b in self.strained])
-
-    @cached_property
-    def m_rows(self) -> Index:
-        return _join([b.x.repeat(len(b.x), 0) for b in self.massive])
-
-    @cached_property
-    def m_columns(self) -> Index:
-        return _join([b.x[None].repeat(len(b.x), 0) for b in self.massive])
-
-    @cached_property
-    def V(self) -> tuple[Place, ...]:
-        return _places(self.strained, [(len(b.e), len(b.x)) for b in self.strained])
-
-    @cached_property
-    def M(self) -> tuple[Place, ...]:
-        return _places(self.massive, [(len(b.x), len(b.x)) for b in self.massive])
-
     @cached_property
     def sizes(self) -> tuple[int, int]:
         """How many entries V and M have."""
         return sum(len(b.e) * b.x.size for b in self.strained), sum(len(b.x) * b.x.size for b in self.massive)
-
-    # -- coordinates of all batches, deformations of the strained ones, coordinates of the moving ones ---------------
-    @cached_property
-    def x_index(self) -> Index:
-        return _join([b.x for b in self.batches])
-
-    @cached_property
-    def e_index(self) -> Index:
-        return _join([b.e for b in self.strained])
-
-    @cached_property
-    def f_index(self) -> Index:
-        return _join([b.x for b in self.moving])
-
-    @cached_property
-    def x(self) -> tuple[Place, ...]:
-        return _places(self.batches, [(len(b.x),) for b in self.batches])
-
-    @cached_property
-    def e(self) -> tuple[Place, ...]:
-        return _places(self.strained, [(len(b.e),) for b in self.strained])
-
-    @cached_property
-    def f(self) -> tuple[Place, ...]:
-        return _places(self.moving, [(len(b.x),) for b in self.moving])
-
-
-def _join(parts: list[Index]) -> Index:
-    return np.concatenate([p.ravel() for p in parts]) if parts else np.zeros(0, np.int64)
-
-
-def _places(batches: Sequence[Batch], shapes: list[tuple[int, ...]]) -> tuple[Place, ...]:
-    """Consecutive parts (*shape, n)."""
-    places, first = [], 0
-    for b, shape in zip(batches, shapes, strict=True):
-        whole = (*shape, b.family.n)
-        size = prod(whole)
-        places.append((b.index, slice(first, first + size), whole))
-        first += size
-    return tuple(places)
