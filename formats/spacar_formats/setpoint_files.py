@@ -44,7 +44,7 @@ def find_setpoints(source: Path, name: str | None = None) -> Nominal:
         if stale is not None and name is None:
             hint = f"or name it with --setpoints {path.stem} to use it as it is"
             raise UsageError(f"the mode {nominal.mode} result is stale: {stale}, {hint}", "files.setpoints-stale")
-        return nominal if stale is None else nominal.with_warning(stale)
+        return nominal if stale is None else replace(nominal, warnings=(stale,))
     refused += [f"absent: {', '.join(absent)}"] if absent else []
     tried = "; ".join(refused) or "the name is too short"
     raise UsageError(

@@ -274,7 +274,10 @@ class Jumps:
         difference = self._difference(at, before, step)
         if difference is None:
             return None
-        size = self._size(difference, at, before, step)
+        first = self.evaluation.problem.n_positions
+        weight = self.tolerance.absolute + self.tolerance.relative * np.abs(step.interpolate(at))
+        scaled = (step.t - before) * difference / weight[first:]
+        size = sqrt(float(scaled @ scaled))  # d
         if not size > self.evaluation.suspect and not self.evaluation.suspected:
             return None
         found = self._located(good, at, before, step)
@@ -295,12 +298,6 @@ class Jumps:
             return np.asarray((rate - slope)[first:])
         except AnalysisError:
             return None
-
-    def _size(self, difference: np.ndarray, t: float, before: float, step: Step) -> float:
-        """d."""
-        weight = self.tolerance.absolute + self.tolerance.relative * np.abs(step.interpolate(t))
-        scaled = (step.t - before) * difference / weight[self.evaluation.problem.n_positions :]
-        return sqrt(float(scaled @ scaled))
 
     def _located(self, good: float, bad: float, before: float, step: Step) -> tuple[float, float] | None:
         """The jump between a time that agrees and one that does not, None when F is smooth there."""

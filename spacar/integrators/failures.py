@@ -32,15 +32,14 @@ def not_evaluated(cause: AnalysisError, t: float, h: float, reductions: int = 0)
         advice = "look for a singular position or a vanishing mass at this time"
     else:
         what = f"with step size {h:.3g} s"
-        advice = (
-            "try a smaller step size (INTEGRAT position 2) or a code with variable steps (INTEGRAT 0 or 155)"
-        )
+        advice = "try a smaller step size (INTEGRAT position 2) or a code with variable steps (INTEGRAT 0 or 155)"
     if reductions and cause.code == "integrator.newton":
         advice = "enlarge ERROR, look for a singular position at this time, or use a code without iteration"
     if cause.code.startswith("user-function"):
         advice = "correct the function"
     return AnalysisError(
-        f"{cause}; the integration stopped at t = {t:.9g} s {what}: {advice}", cause.code,
+        f"{cause}; the integration stopped at t = {t:.9g} s {what}: {advice}",
+        cause.code,
         **{**cause.data, "t": t, "step": h},
     )
 

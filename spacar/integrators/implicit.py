@@ -32,7 +32,7 @@ class _FixedStep:
 
     def end(self, t: float, y: np.ndarray) -> None:
         self.y_new = y
-        self.evaluation.settle(t, y)
+        self.evaluation.problem.settle(min(t, self.evaluation.last), y)
 
 
 # gamma; of every stage alpha, rows of a and c, and g; weights m

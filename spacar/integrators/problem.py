@@ -195,10 +195,6 @@ class Evaluation:
         assert self.jacobian_of is not None  # `integrate` has asked
         return self.jacobian_of(min(max(t, self.first), self.last), y)
 
-    def settle(self, t: float, y: np.ndarray) -> None:
-        """Lets the problem stand at the end of a step whose last evaluation was elsewhere."""
-        self.problem.settle(min(t, self.last), y)
-
     def step_accepted(self, t: float, y: np.ndarray) -> None:
         """Counts a step and tells the problem about it."""
         self.statistics.n_steps += 1

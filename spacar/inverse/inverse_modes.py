@@ -33,7 +33,14 @@ def inverse(run: Run) -> Iterator[Sequence[Frame]]:
     from spacar.compiled import mechanism_of
 
     mechanism = mechanism_of(run)
-    _require_prescribed(mechanism)
+    n = mechanism.numbering
+    if n.nddof:
+        names = ", ".join(n.q_names[i] for i in n.dynamic[:5])
+        text = (
+            f"mode 2 needs a prescribed motion for every degree of freedom, but {names}"
+            f" {'is' if n.nddof == 1 else 'are'} dynamic; use INPUTX or INPUTE instead of DYNX or DYNE"
+        )
+        raise UsageError(text, "inverse.dynamic")
     work = program(mechanism, run.report)
     ports = Ports.of(mechanism)
     output = TransferOutput(run)
@@ -86,18 +93,6 @@ def along(run: Run) -> Iterator[Sequence[Frame]]:
         if k == 0:
             run.header["condition"] = condition_number(work.dynamics.kinematics)
     work.finish()
-
-
-def _require_prescribed(mechanism: Mechanism) -> None:
-    n = mechanism.numbering
-    if n.nddof:
-        names = ", ".join(n.q_names[i] for i in n.dynamic[:5])
-        verb = "is" if n.nddof == 1 else "are"
-        text = (
-            f"mode 2 needs a prescribed motion for every degree of freedom, but {names} {verb} dynamic; use INPUTX or"
-            " INPUTE instead of DYNX or DYNE"
-        )
-        raise UsageError(text, "inverse.dynamic")
 
 
 def _placed(work: TrajectoryProgram, mechanism: Mechanism) -> Iterator[tuple[Dynamics, float]]:

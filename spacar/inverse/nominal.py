@@ -5,7 +5,7 @@ Nodes and elements must be the same; the classes may differ (RLSE in mode 2 beco
 is looked up by node and coordinate, element and mode.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -83,9 +83,6 @@ class Nominal:
 
     def __str__(self) -> str:
         return self.name
-
-    def with_warning(self, text: str) -> "Nominal":
-        return replace(self, warnings=(*self.warnings, text))
 
     # -- in the numbering of another mechanism -----------------------------------------------------------------------
     def x_columns(self, n: Numbering) -> NDArray[np.int64]:

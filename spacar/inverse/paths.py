@@ -5,8 +5,8 @@ values, rates and accelerations for p, dp/dt, d2p/dt2. Lengths are in metres, an
 (len(rows),).
 """
 
-from dataclasses import dataclass
 from math import cos, sin
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,23 +21,20 @@ class BadPath(ValueError):
     """The numbers of a path statement do not describe a path."""
 
 
-@dataclass(frozen=True)
-class StraightPath:
+class StraightPath(NamedTuple):
     """Values start + p u with a constant direction u: TRANS, TRE (u = +-1) and planar TROT (u = +-1)."""
 
     rows: Index
     start: Array
     direction: Array
     length: float
-    of_elements: bool = False
 
     def at(self, p: float, rate: float, acceleration: float) -> Values:
         u = self.direction
         return self.start + p * u, rate * u, acceleration * u
 
 
-@dataclass(frozen=True)
-class ArcPath:
+class ArcPath(NamedTuple):
     """Positions c + R (cos psi e1 + sin psi e2) on a circle, psi = p/R: TRCIRL."""
 
     rows: Index
@@ -46,7 +43,6 @@ class ArcPath:
     e2: Array
     radius: float
     length: float
-    of_elements: bool = False
 
     def at(self, p: float, rate: float, acceleration: float) -> Values:
         c, s = cos(p / self.radius), sin(p / self.radius)
@@ -55,8 +51,7 @@ class ArcPath:
         return value, rate * along, acceleration * along - rate * rate / self.radius * outward
 
 
-@dataclass(frozen=True)
-class TurnPath:
+class TurnPath(NamedTuple):
     """lambda = (cos p/2, h sin p/2) o lambda_start about the fixed global axis h: spatial TROT.
 
     `components` are the numbers (0 to 3) of the Euler parameters that are prescribed.
@@ -67,7 +62,6 @@ class TurnPath:
     axis: Array
     start: Array  # (4,)
     length: float
-    of_elements: bool = False
 
     def at(self, p: float, rate: float, acceleration: float) -> Values:
         turned = self._left(self.start)
@@ -91,7 +85,7 @@ class TurnPath:
         return -size if last >= np.pi else size * min(cos(first), cos(last))
 
 
-Path = StraightPath | ArcPath | TurnPath  # `rows` of the prescribed coordinates, or deformations when `of_elements`
+Path = StraightPath | ArcPath | TurnPath
 
 
 def straight(rows: Index, start: Array, end: Array) -> StraightPath:
@@ -101,9 +95,9 @@ def straight(rows: Index, start: Array, end: Array) -> StraightPath:
     return StraightPath(rows, start, way / length if length > 0.0 else 0.0 * way, length)
 
 
-def change(rows: Index, start: Array, total: float, of_elements: bool) -> StraightPath:
+def change(rows: Index, start: Array, total: float) -> StraightPath:
     """A single value that changes by `total`: an angle [rad], or a deformation in its unit."""
-    return StraightPath(rows, start, np.array([1.0 if total >= 0.0 else -1.0]), abs(total), of_elements)
+    return StraightPath(rows, start, np.array([1.0 if total >= 0.0 else -1.0]), abs(total))
 
 
 def arc(rows: Index, start: Array, centre: Array, end: Array) -> ArcPath:

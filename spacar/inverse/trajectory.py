@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
 from operator import attrgetter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,8 +31,7 @@ NAMES = {k.name for k in TRAJECTORIES}
 UNMOVED = 1e-9  # of the size: a fixed coordinate that a path names with the digits of a file
 
 
-@dataclass(frozen=True)
-class Leg:
+class Leg(NamedTuple):
     """One trajectory: its statements, when it starts and how long it takes [s], its output steps, what moves in it."""
 
     number: int
@@ -42,13 +41,13 @@ class Leg:
     steps: int
     x: Array  # prescribed coordinates at its start
     e: Array  # prescribed deformations at its start
-    moves: tuple[tuple[Profile, Path], ...] = ()
+    moves: tuple[tuple[Profile, Path, bool], ...] = ()  # whether along deformations
 
     def at(self, t: float) -> DriveState:
         x, e = np.zeros((3, len(self.x))), np.zeros((3, len(self.e)))
         x[0], e[0] = self.x, self.e
-        for profile, path in self.moves:
-            target = e if path.of_elements else x
+        for profile, path, of_elements in self.moves:
+            target = e if of_elements else x
             target[:, path.rows] = path.at(*profile.at(t))
         return DriveState(*x, *e)
 
@@ -56,8 +55,7 @@ class Leg:
         return [s for s in self.statements if s.keyword in keywords]
 
 
-@dataclass(frozen=True)
-class TrajectoryDrive:
+class TrajectoryDrive(NamedTuple):
     """All trajectories one after the other; before the first and after the last one everything rests."""
 
     legs: tuple[Leg, ...]
@@ -154,8 +152,9 @@ def _leg(
         given = speeds.get(("TREPMAX" if s.keyword == "TRE" else "TRVMAX", s.integer(0)))
         if path.length == 0.0 and given is not None:
             report.add(f"trajectory {number}: {s.subject} does not move, so {given.subject} is not used")
-        moves.append((_profile(mechanism.deck, path.length, duration, s, given, fronts.get(s.integer(0), 0)), path))
-    return replace(leg, moves=tuple(moves))
+        profile = _profile(mechanism.deck, path.length, duration, s, given, fronts.get(s.integer(0), 0))
+        moves.append((profile, path, s.keyword == "TRE"))
+    return leg._replace(moves=tuple(moves))
 
 
 def _profile(
@@ -177,12 +176,12 @@ def _path(mechanism: Mechanism, s: Statement, x: Array, e: Array) -> Path:
             row = n.e_index(number, 1) - n.e_class["input"].start
             if not 0 <= row < len(e):
                 raise BadPath(f"mode 1 of element {number} is not prescribed; it needs INPUTE {number} 1")
-            return change(np.array([row]), e[[row]], numbers[0], True)
+            return change(np.array([row]), e[[row]], numbers[0])
         end = np.array(numbers)
         rows, components = _rows(mechanism, number, len(x), end if s.keyword == "TRANS" else None)
         if s.keyword == "TROT":
             if n.planar:
-                return change(rows, x[rows], numbers[0], False)
+                return change(rows, x[rows], numbers[0])
             orientation = np.zeros(4)
             orientation[components] = x[rows]
             if 0 not in components:

@@ -10,7 +10,7 @@ ROWS2, ROWS3 = np.arange(2), np.arange(3)
 
 def paths():
     yield straight(ROWS2, np.array([1.0, 2.0]), np.array([-0.5, 3.0])), [-0.5, 3.0]
-    yield change(np.array([0]), np.array([0.3]), -1.2, True), [-0.9]
+    yield change(np.array([0]), np.array([0.3]), -1.2), [-0.9]
     yield arc(ROWS2, np.array([2.0, 1.0]), np.array([1.0, 1.0]), np.array([1.0, 9.0])), [1.0, 2.0]
     yield arc(ROWS2, np.array([2.0, 1.0]), np.array([1.0, 1.0]), np.array([1.0, -9.0])), [1.0, 0.0]
     third = arc(ROWS3, np.array([0.0, 2.0, 0.0]), np.zeros(3), np.array([0.0, 0.0, 0.4]))
