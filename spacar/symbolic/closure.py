@@ -44,7 +44,7 @@ class Manifold:
         M, J, e, g, W = self.function.manifold(t, y.tolist())
         diagonal = M.diagonal()
         D = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
-        return D, J, J[list(self.constraints.closed)], e, g, W
+        return D, J, J[list(self.constraints.position)], e, g, W
 
     def project(self, t: float, y: np.ndarray) -> np.ndarray:
         """The nearest state that satisfies the constraints; AnalysisError when Newton's method finds none."""
@@ -111,7 +111,7 @@ class Manifold:
         found = self._newton(t, y, np.array([], dtype=int), np.ones(self.program.n, dtype=bool))
         if found is not None and np.max(np.abs(found - y)) <= NEARLY * max(np.max(np.abs(y[: self.nq])), 1e-300):
             return found
-        self._refuse(y, self.numbers(t, y)[4], self.constraints.closed, hold, "open by")
+        self._refuse(y, self.numbers(t, y)[4], list(self.constraints.position), hold, "open by")
 
     def _refuse(self, y: np.ndarray, gaps: Any, rows: Any, hold: np.ndarray, words: str) -> NoReturn:
         worst = int(np.argmax(np.abs(gaps)))

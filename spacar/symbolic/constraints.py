@@ -12,7 +12,6 @@ Source: `symbolic.md`, section 3.5; the paper, feature 33.
 
 import random
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import sympy as sp
@@ -21,29 +20,10 @@ from sympy.core.function import AppliedUndef
 from spacar.errors import UsageError
 from spacar.symbolic.collect import split_linear
 from spacar.symbolic.description import Description
+from spacar.symbolic.ordered import ConstraintRows
 from spacar.symbolic.reference_frames import rate
 from spacar.symbolic.transform import transform
 from spacar.symbolic.unit_vectors import TIME
-
-
-@dataclass(frozen=True, eq=False)
-class ConstraintRows:
-    """The constraints of a system, one row each.
-
-    `matrix` J (m, n) and `bias` γ (m) of J ṡ + γ = 0; `velocity` e (m) = J s + c; `position` {row: g}; `forces` λ (m);
-    `names` (m).
-    """
-
-    names: tuple[str, ...]
-    matrix: sp.Matrix
-    bias: tuple[sp.Expr, ...]
-    velocity: tuple[sp.Expr, ...]
-    position: dict[int, sp.Expr]
-    forces: tuple[sp.Symbol, ...]
-
-    @property
-    def count(self) -> int:
-        return len(self.names)
 
 
 def constraint_rows(system: Description, read: Callable[[sp.Expr], sp.Expr] = transform) -> ConstraintRows:
@@ -83,11 +63,11 @@ def check_constraints(system: Description) -> None:
     rows = constraint_rows(system, lambda e: transform(e).xreplace(values))
     numbers = _random_numbers(rows.matrix)
     rank = int(np.linalg.matrix_rank(numbers, tol=1e-9)) if numbers.size else 0
-    if rank < rows.count:
+    if rank < len(rows.names):
         every = ((c.name, str(c.velocity if c.position is None else c.position)) for c in system.constraints)
         texts = "; ".join(f"{name}: {text if len(text) < 60 else text[:57] + '...'} = 0" for name, text in every)
         raise UsageError(
-            f"{rows.count} constraints have rank {rank}: they depend on each other ({texts})", "constraint"
+            f"{len(rows.names)} constraints have rank {rank}: they depend on each other ({texts})", "constraint"
         )
 
 

@@ -7,8 +7,8 @@ import sympy as sp
 
 from spacar.errors import UsageError
 from spacar.symbolic.collect import ZTable
-from spacar.symbolic.constraints import ConstraintRows
 from spacar.symbolic.description import Description
+from spacar.symbolic.ordered import ConstraintRows
 from spacar.symbolic.transform import DirectionCosines, transform
 from spacar.symbolic.unit_vectors import UnevaluatedDot
 

@@ -131,7 +131,7 @@ def check(eq: DerivedEquations, digits: int = 30, seed: int = 1) -> DerivationCh
     except UsageError as error:
         note = str(error)
     n, c = len(eq.speeds), eq.constraints
-    m = c.count if c else 0
+    m = len(c.names) if c else 0
     wanted = {
         "rates": list(eq.kinematics.values()), "mass": list(eq.mass_matrix), "rhs": list(eq.rhs),
         "J": list(c.matrix) if c else [], "bias": list(c.bias) if c else [], "e": list(c.velocity) if c else [],

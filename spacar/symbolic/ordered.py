@@ -20,25 +20,25 @@ Assignments = tuple[tuple[sp.Symbol, sp.Expr], ...]
 
 
 @dataclass(frozen=True, eq=False)
-class Constrained:
-    """The constraints of a program, m rows: `matrix` J (m·n, row by row), `bias` γ, `velocity` e, `forces` λ (m each).
+class ConstraintRows:
+    """The constraints of a system or of a program, one row each.
 
-    `position` g of the rows `closed`; `turning` ∂q̇/∂s (row by row), which turns displacements into coordinates.
+    `matrix` J (m, n) and `bias` γ (m) of J ṡ + γ = 0; `velocity` e (m) = J s + c; `position` {row: g}; `forces` λ (m);
+    `names` (m); of a program `turning` ∂q̇/∂s (row by row), which turns displacements into coordinates.
     """
 
     names: tuple[str, ...]
-    matrix: tuple[sp.Expr, ...]
+    matrix: sp.Matrix
     bias: tuple[sp.Expr, ...]
     velocity: tuple[sp.Expr, ...]
+    position: dict[int, sp.Expr]
     forces: tuple[sp.Symbol, ...]
-    position: tuple[sp.Expr, ...]
-    closed: tuple[int, ...]
-    turning: tuple[sp.Expr, ...]
+    turning: tuple[sp.Expr, ...] = ()
 
     @property
     def residual(self) -> list[sp.Expr]:
         """e and g."""
-        return [*self.velocity, *self.position]
+        return [*self.velocity, *self.position.values()]
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ class OrderedProgram:
     rates: tuple[sp.Expr, ...]
     outputs: dict[str, sp.Expr]
     accelerations: tuple[sp.Symbol, ...] = ()
-    constraints: Constrained | None = None
+    constraints: ConstraintRows | None = None
     fields: tuple[sp.Symbol, ...] = ()
     positive: tuple[tuple[str, sp.Symbol, bool], ...] = ()
     quaternions: tuple[tuple[int, ...], ...] = ()
@@ -151,7 +151,7 @@ class OrderedProgram:
         """ṡ and λ in many digits."""
         if self.constraints is None:
             return dict(zip(self.accelerations, I.LUsolve(f), strict=True))
-        J = sp.Matrix(self.m, self.n, [number(e) for e in self.constraints.matrix])
+        J = self.constraints.matrix.applyfunc(number)
         g = sp.Matrix([number(e) for e in self.constraints.bias])
         both = sp.BlockMatrix([[I, -J.T], [J, sp.zeros(self.m)]]).as_explicit()
         return dict(zip(self.unknowns, both.LUsolve(f.col_join(-g)), strict=True))

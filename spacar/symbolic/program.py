@@ -14,7 +14,7 @@ from spacar.symbolic.collect import definition_order
 from spacar.symbolic.compiled_program import CompiledFunction
 from spacar.symbolic.derivation import DerivedEquations
 from spacar.symbolic.emit import emit
-from spacar.symbolic.ordered import Constrained, OrderedProgram, plain_symbols
+from spacar.symbolic.ordered import ConstraintRows, OrderedProgram, plain_symbols
 from spacar.symbolic.program_jacobian import Jacobian, NameSource, jacobian_of, share
 from spacar.symbolic.simulated_motion import make_function, simulate
 from spacar.symbolic.transform import DirectionCosines
@@ -113,10 +113,10 @@ def make_program(eq: DerivedEquations, outputs: dict[str, Any]) -> EquationProgr
     once, step, flat = share(definitions, flat, set(parameters), names)
     rest = iter(flat)
     groups = {key: tuple(islice(rest, len(group))) for key, group in results.items()}
-    constraints = None
-    if c:
-        rows = {key: groups[key] for key in ("matrix", "bias", "velocity", "position", "turning")}
-        constraints = Constrained(c.names, forces=tuple(unknowns[n:]), closed=tuple(c.position), **rows)
+    constraints = c and ConstraintRows(
+        c.names, sp.ImmutableMatrix(len(c.names), n, groups["matrix"]), groups["bias"], groups["velocity"],
+        dict(zip(c.position, groups["position"], strict=True)), tuple(unknowns[n:]), groups["turning"],
+    )  # fmt: skip
     return EquationProgram(
         title=eq.system.title, parameters=tuple(parameters), coordinates=tuple(states[: len(eq.coordinates)]),
         speeds=tuple(states[len(eq.coordinates) :]), inputs=inputs, once=once, step=step, mass=groups["mass"],

@@ -22,13 +22,12 @@ from spacar.symbolic.ordered import Assignments, OrderedProgram
 
 @dataclass(frozen=True, eq=False)
 class Jacobian:
-    """∂g/∂y and ∂q̇/∂y: `step` holds the values and derivatives in order, `accelerations` the symbols a.
+    """∂g/∂y and ∂q̇/∂y: `step` holds the values and derivatives in order.
 
     `dg` has shape (n, len(y)), `drates` (len(q), len(y)), `dh` (m, len(y)) of the constraints; entries are
     short expressions in the symbols of `step`. `once` replaces the once part of the program.
     """
 
-    accelerations: tuple[sp.Symbol, ...]
     once: Assignments
     step: Assignments
     dg: sp.ImmutableMatrix
@@ -191,19 +190,12 @@ def jacobian_of(program: OrderedProgram) -> Jacobian:
     g = [program.rhs[i] - sum(I[i, j] * accelerations[j] for j in range(n)) for i in range(n)]
     h: list[sp.Expr] = []
     if c := program.constraints:
-        J = sp.Matrix(program.m, n, c.matrix)
-        g = [e + sum(J[k, i] * force for k, force in enumerate(c.forces)) for i, e in enumerate(g)]
-        h = [c.bias[k] + sum(J[k, i] * accelerations[i] for i in range(n)) for k in range(program.m)]
+        g = [e + sum(c.matrix[k, i] * force for k, force in enumerate(c.forces)) for i, e in enumerate(g)]
+        h = [c.bias[k] + sum(c.matrix[k, i] * accelerations[i] for i in range(n)) for k in range(program.m)]
     definitions, flat = gradients(program, [*g, *program.rates, *h], program.unknowns)
     constants = {*program.parameters, *(s for s, _ in program.once)}
     taken = _names(program, (*program.unknowns, *definitions))
     once, step, flat = share(definitions, flat, constants, taken)
-    everything = sp.Matrix(n + len(program.rates) + len(h), len(program.state), flat)
-    return Jacobian(
-        accelerations,
-        (*program.once, *once),
-        step,
-        sp.ImmutableMatrix(everything[:n, :]),
-        sp.ImmutableMatrix(everything[n : n + len(program.rates), :]),
-        sp.ImmutableMatrix(everything[n + len(program.rates) :, :]),
-    )
+    nq = len(program.rates)
+    slopes = sp.ImmutableMatrix(n + nq + len(h), len(program.state), flat)
+    return Jacobian((*program.once, *once), step, slopes[:n, :], slopes[n : n + nq, :], slopes[n + nq :, :])

@@ -102,7 +102,7 @@ class SymbolicEquations(DerivedEquations):
         speeds = tuple(str(s.func) for s in self.speeds)
         if self.constraints is None:
             return Linearized(speeds, M0, slopes[:, n:], slopes[:, :n])
-        if len(self.constraints.position) != self.constraints.count:
+        if len(self.constraints.position) != len(self.constraints.names):
             raise UsageError(
                 "M0, C0, K0 need constraints of positions: a velocity constraint leaves more coordinates than speeds"
             )
@@ -169,9 +169,8 @@ def derive(system: Description, strategy: str, recurrence: bool = True) -> Symbo
     kinematics = {q: system.rates[q.diff()].xreplace(derivation.values) for q in system.coordinates}
     for z, definition in table.definitions.items():
         table.definitions[z] = definition.xreplace(derivation.values)
-    rows = [*constraints.matrix, *constraints.bias, *constraints.velocity] if constraints else []
-    places = constraints.position.values() if constraints else []
-    needed = [*derivation.mass_matrix, *derivation.rhs, *kinematics.values(), *rows, *places]
+    rows = [*constraints.matrix, *constraints.bias, *constraints.residual] if constraints else []
+    needed = [*derivation.mass_matrix, *derivation.rhs, *kinematics.values(), *rows]
     return SymbolicEquations(
         system=system, strategy=strategy, coordinates=tuple(system.coordinates), speeds=tuple(system.speeds),
         kinematics=kinematics, definitions=definition_order(table.definitions, needed),

@@ -96,7 +96,7 @@ def test_jacobian_against_many_digits(programs):
     program = programs("recursive")
     J = program.jacobian
     values = {s.name: 0.5 + 0.01 * k for k, s in enumerate([*program.parameters, *program.state])}
-    accelerations = {s: sp.Float(0.3 + 0.1 * k, 70) for k, s in enumerate(J.accelerations)}
+    accelerations = {s: sp.Float(0.3 + 0.1 * k, 70) for k, s in enumerate(program.accelerations)}
 
     def g(shift):
         moved = dict(values)

@@ -160,5 +160,5 @@ def _manifold(w: Writer, program: OrderedProgram) -> list[str]:
         *_inputs(w, program),
         *_assign(w, needed, 8),
         f"        return np.array({shapes[0]}), np.array({shapes[1]}), np.array([{_tuple(w, c.velocity)}]), "
-        f"np.array([{_tuple(w, c.position)}]), np.array({turning})",
+        f"np.array([{_tuple(w, c.position.values())}]), np.array({turning})",
     ]
