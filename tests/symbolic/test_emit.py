@@ -12,7 +12,7 @@ import sympy as sp
 from spacar.errors import AnalysisError, UsageError
 from spacar.symbolic import MultibodySystem
 from spacar.symbolic.compiled_program import CompiledFunction, compiler
-from spacar.symbolic.emit.scalars import FORTRAN, PYTHON, C, Writer
+from spacar.symbolic.emit.scalars import CText, FortranText, PythonText, Writer
 
 COMPILERS = {
     "c": ("gcc", ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror"], ".c"),
@@ -150,15 +150,15 @@ def test_names_differ_in_more_than_case(programs):
             assert len(names) == len(set(names))
 
 
-@pytest.mark.parametrize("language", [PYTHON, C, FORTRAN])
+@pytest.mark.parametrize("language", [PythonText, CText, FortranText])
 def test_scalars_are_written_as_they_are_meant(language):
     x, y, do, Sin = sp.symbols("x z do Sin", real=True)
     w = Writer(language, [x, y, do, Sin])
-    assert w.names[do] != "do" or language is PYTHON
+    assert w.names[do] != "do" or language is PythonText
     assert w.names[Sin].lower() != "sin"
     text = w(x**2 / 3 - y ** sp.Rational(1, 2) / (x + y) ** 3)
     assert "1/3" not in text
-    if language is PYTHON:
+    if language is PythonText:
         scope = {"x": 1.3, "z": 0.4, "sqrt": np.sqrt}
         assert eval(text, scope) == pytest.approx(1.3**2 / 3 - 0.4**0.5 / 1.7**3, rel=1e-15)
     with pytest.raises(UsageError, match="cannot write"):

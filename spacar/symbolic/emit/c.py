@@ -9,7 +9,7 @@ speed j (counted from 1) is not positive, or -1 when the constraints depend on e
 
 from spacar.symbolic.emit import solvers
 from spacar.symbolic.emit.routines import Routine, compiled_routines
-from spacar.symbolic.emit.scalars import C, Writer
+from spacar.symbolic.emit.scalars import CText, Writer
 from spacar.symbolic.ordered import OrderedProgram
 
 _PREAMBLE = """\
@@ -128,7 +128,7 @@ def _solving(program: OrderedProgram, jacobian: bool) -> list[str]:
 
 
 def _function(program: OrderedProgram, r: Routine) -> str:
-    w = Writer(C, r.known)
+    w = Writer(CText, r.known)
     arguments = ", ".join(
         "double t" if a == "t" else f"{'' if a in r.changed else 'const '}double *{a}" for a in r.arguments
     )

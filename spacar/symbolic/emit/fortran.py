@@ -8,7 +8,7 @@ values. M is the full symmetric matrix as a vector, J is row by row. The solvers
 import textwrap
 
 from spacar.symbolic.emit.routines import Routine, compiled_routines, sizes
-from spacar.symbolic.emit.scalars import FORTRAN, Writer
+from spacar.symbolic.emit.scalars import FortranText, Writer
 from spacar.symbolic.ordered import OrderedProgram
 
 _WIDTH = 120
@@ -204,7 +204,7 @@ def _declare(argument: str, intent: str, lengths: dict[str, int]) -> str:
 
 
 def _subroutine(r: Routine, lengths: dict[str, int]) -> list[str]:
-    w = Writer(FORTRAN, r.known)
+    w = Writer(FortranText, r.known)
     lines = [f"  subroutine eom_{r.name}({', '.join(r.arguments)}){'' if r.internal else ' bind(c)'}"]
     lines += [_declare(a, "inout" if a in r.changed else "in", lengths) for a in r.arguments]
     local = [w.names[s] for s in r.known]

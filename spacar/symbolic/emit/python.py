@@ -9,7 +9,7 @@ the open velocities e and gaps g, and ∂q̇/∂s.
 import sympy as sp
 
 from spacar.symbolic.emit import solvers
-from spacar.symbolic.emit.scalars import PYTHON, Writer
+from spacar.symbolic.emit.scalars import PythonText, Writer
 from spacar.symbolic.ordered import Assignments, OrderedProgram
 from spacar.symbolic.program_jacobian import jacobian_of
 
@@ -17,7 +17,7 @@ UNROLLED = 12  # beyond this size NumPy solves faster than unrolled code
 
 
 def source(program: OrderedProgram, jacobian: bool, head: list[str]) -> str:
-    w = Writer(PYTHON, [*program.parameters, *program.state, *program.inputs])
+    w = Writer(PythonText, [*program.parameters, *program.state, *program.inputs])
     once = jacobian_of(program).once if jacobian else program.once
     lines = ['"""', *head, '"""', ""] if head else []
     lines += ["from math import acos, asin, atan, atan2, cos, cosh, exp, log, sin, sinh, sqrt, tan, tanh", ""]

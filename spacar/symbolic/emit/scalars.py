@@ -10,10 +10,9 @@ any text of the model. Text that is executed or compiled in this process has no 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
 from textwrap import wrap
-from typing import Any
+from typing import Any, ClassVar
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -38,30 +37,13 @@ def header(program: OrderedProgram) -> list[str]:
         f"operations: {counts['step']} per step, {counts['once']} once",
     ]
     for (what, names), letter in zip(program.names.items(), (" p", " y", " u", ""), strict=True):
-        lines += _wrapped(f"{what}{letter}:", names or ["none"])
+        words = " ".join([f"{what}{letter}:", *(names or ["none"])])
+        lines += wrap(words, 101, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
     return [escaped(line) for line in lines]
-
-
-def _wrapped(start: str, words: Iterable[str]) -> list[str]:
-    return wrap(
-        " ".join([start, *words]), 101, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
-    )
-
-
-@dataclass(frozen=True)
-class Language:
-    """The printer of a language, its settings, its reserved words, and its text for x**n with n of 2 to 4."""
-
-    name: str
-    printer: Any
-    settings: dict[str, Any]
-    small_power: str
-    reserved: frozenset[str]
 
 
 _COMMON = ["sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "sqrt"]
 _FUNCTIONS = [*_COMMON, "Abs", "sign", "Min", "Max", "Piecewise"]
-_NAMES = [f.lower() for f in _FUNCTIONS]
 
 _RESERVED = {
     "python": """and as assert async await break class continue def del elif else except false finally for from global
@@ -77,14 +59,12 @@ _RESERVED = {
 }
 
 
-def _reserved(name: str) -> frozenset[str]:
-    return frozenset([*_RESERVED[name].split(), *_NAMES])
-
-
 class _Scalars:
-    """What the printers of the languages share; `writer` is set by `Writer`."""
+    """What the printers of the languages share. `writer` is set by `Writer`; `small_power`: x**n with n of 2 to 4."""
 
     writer: Writer
+    options: ClassVar[Mapping[str, Any]] = {}
+    small_power = "(({0})**{1})"
 
     def _print_Symbol(self, e: sp.Symbol) -> str:
         return self.writer.add(e)
@@ -100,7 +80,7 @@ class _Scalars:
         if exponent in (2, 3, 4):
             if base.is_Symbol:
                 return f"({'*'.join([self.writer.add(base)] * int(exponent))})"
-            return self.writer.language.small_power.format(self.writer(base), int(exponent))
+            return self.small_power.format(self.writer(base), int(exponent))
         text: str = super()._print_Pow(e)  # type: ignore[misc]
         return text
 
@@ -109,34 +89,30 @@ class _Scalars:
         return f"(({x} > 0) - ({x} < 0))"
 
 
-class _Python(_Scalars, PythonCodePrinter):
-    pass
+class PythonText(_Scalars, PythonCodePrinter):
+    options: ClassVar[Mapping[str, Any]] = {"fully_qualified_modules": False}
 
 
-class _C(_Scalars, C99CodePrinter):
-    pass
+class CText(_Scalars, C99CodePrinter):
+    small_power = "power_{1}({0})"
 
 
-class _Fortran(_Scalars, FCodePrinter):
+class FortranText(_Scalars, FCodePrinter):
+    options: ClassVar[Mapping[str, Any]] = {"source_format": "free", "standard": 2008, "name_mangling": False}
+
     def _print_sign(self, e: sp.Expr) -> str:
         x = self.writer(e.args[0])
         return f"(merge(1.0d0, 0.0d0, {x} > 0) - merge(1.0d0, 0.0d0, {x} < 0))"
 
 
-PYTHON = Language("python", _Python, {"fully_qualified_modules": False}, "(({0})**{1})", _reserved("python"))
-C = Language("c", _C, {}, "power_{1}({0})", _reserved("c"))
-_FREE = {"source_format": "free", "standard": 2008, "name_mangling": False}
-FORTRAN = Language("fortran", _Fortran, _FREE, "(({0})**{1})", _reserved("fortran"))
-
-
 class Writer:
     """Expressions of one program in one language, with its own table of legal unique names."""
 
-    def __init__(self, language: Language, symbols: Iterable[sp.Symbol]) -> None:
-        self.language = language
+    def __init__(self, text: Any, symbols: Iterable[sp.Symbol]) -> None:
+        self.language = text.language.lower()
         self.names: dict[sp.Symbol, str] = {TIME: "t"}
-        self.taken = set(language.reserved)
-        self.printer = language.printer(language.settings)
+        self.taken = {*_RESERVED[self.language].split(), *map(str.lower, _FUNCTIONS)}
+        self.printer = text(text.options)
         self.printer.writer = self
         for s in symbols:
             self.add(s)
@@ -160,7 +136,7 @@ class Writer:
     def number(self, value: Any) -> str:
         """A double precision literal that reads back exactly."""
         text = repr(float(value))
-        if self.language.name == "fortran":
+        if self.language == "fortran":
             return text.replace("e", "d") if "e" in text else text + "d0"
         return text
 
@@ -168,7 +144,7 @@ class Writer:
         """The text of an expression. UsageError for a function that is not in all languages."""
         strange = sorted({f.func.__name__ for f in e.atoms(sp.Function, AppliedUndef)} - {*_FUNCTIONS})
         if strange:
-            raise UsageError(f"cannot write {e} in {self.language.name}: it has no {strange[0]}")
+            raise UsageError(f"cannot write {e} in {self.language}: it has no {strange[0]}")
         if e.is_number:
             return self.number(e)
         text: str = self.printer._print(e)
