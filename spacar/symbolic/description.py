@@ -102,7 +102,7 @@ class Description:
         for name in names.split():
             if name in moving:
                 raise UsageError(f"parameter {name}: this is the name of {moving[name]}", "name")
-        return tuple(sp.Symbol(name, real=True) for name in names.split())
+        return tuple(map(_parameter, names.split()))
 
     def coordinate(self, name: str, speed: str | None = None) -> Any:
         """A generalized coordinate q(t); with `speed` the pair (q, s) with q̇ = s, else give `kinematic` later."""
@@ -225,16 +225,20 @@ class Description:
         self, name: str, base: GeometricPoint, offset: Vector = ZERO, velocity: Vector | None = None
     ) -> GeometricPoint:
         """The point at `offset` from `base`; `velocity` in N may be given when the constraints of speeds are known."""
-        _demand_vector(f"point {name}: offset", offset)
-        if velocity is not None:
-            _demand_vector(f"point {name}: velocity", velocity)
-        offset = offset.xreplace(self.rates)
-        if velocity is None:
-            made = GeometricPoint(name, base, offset, base.velocity + self.ddt(self.N, offset))
+        offset, given = self._demand_vector(f"point {name}: offset", offset), velocity is not None
+        if given:
+            velocity = self._demand_vector(f"point {name}: velocity", velocity)
         else:
-            made = GeometricPoint(name, base, offset, velocity.xreplace(self.rates), given=True)
-        self.points.append(made)
-        return made
+            velocity = base.velocity + self.ddt(self.N, offset)
+        self.points.append(GeometricPoint(name, base, offset, velocity, given))
+        return self.points[-1]
+
+    def _demand_vector(self, what: str, value: Any) -> Vector:
+        """With the kinematic equations put in. UsageError for what is no vector."""
+        if not isinstance(value, Vector):
+            raise UsageError(f"{what} must be a vector such as 2*N[1], not {value!r}")
+        vector: Vector = value.xreplace(self.rates)
+        return vector
 
     # -- bodies ------------------------------------------------------------------------------------------------
 
@@ -272,24 +276,21 @@ class Description:
 
     def force(self, point: GeometricPoint, vector: Vector) -> None:
         """A force on a point."""
-        _demand_vector("force", vector)
-        self.loads.append(Load(vector.xreplace(self.rates), point=point))
+        self.loads.append(Load(self._demand_vector("force", vector), point=point))
 
     def torque(
         self, frame: FrameOrSection, vector: Vector,
         reaction: FrameOrSection | None = None,
     ) -> None:  # fmt: skip
         """A torque on a frame, with the opposite torque on the frame `reaction`. A motor at a tip reacts on the tip."""
-        _demand_vector("torque", vector)
         by = None if reaction is None else frame_at(reaction)
-        self.loads.append(Load(vector.xreplace(self.rates), frame=frame_at(frame), reaction=by))
+        self.loads.append(Load(self._demand_vector("torque", vector), frame=frame_at(frame), reaction=by))
 
     def distributed(self, beam: Beam, vector: Vector) -> None:
         """A force per length [N/m] on the middle line of a beam; its measure numbers may depend on `x` along the beam,
         as polynomials, and on states and time. Source: (B) of `held.py`, f."""
-        _demand_vector(f"load on beam {beam.name}", vector)
         parts: dict[sp.Expr, list[tuple[Key, sp.Expr]]] = {}
-        for key, c in vector.xreplace(self.rates).terms.items():
+        for key, c in self._demand_vector(f"load on beam {beam.name}", vector).terms.items():
             for term in sp.Add.make_args(sp.expand(c)):
                 factor, along = term.as_independent(X, as_Add=False)
                 if not along.is_polynomial(X):
@@ -346,9 +347,8 @@ class Description:
             if not isinstance(direction, Vector):
                 raise UsageError(f"{name}: a direction must be a vector such as N[1], not {direction!r}", "constraint")
             distance = sp.expand(gap & direction)
-            if sp.expand(transform(distance)) == 0:
-                continue
-            open_ones.append((number, distance))
+            if sp.expand(transform(distance)) != 0:
+                open_ones.append((number, distance))
         if not open_ones:
             raise UsageError(f"{name}: the points coincide in every configuration already", "constraint")
         return tuple(self.constraint(d, name if len(open_ones) == 1 else f"{name}_{number}") for number, d in open_ones)
@@ -363,8 +363,3 @@ def _is_list(value: Any) -> bool:
 
 def _parameter(name: str) -> sp.Symbol:
     return sp.Symbol(name, real=True)
-
-
-def _demand_vector(what: str, value: Any) -> None:
-    if not isinstance(value, Vector):
-        raise UsageError(f"{what} must be a vector such as 2*N[1], not {value!r}")

@@ -93,9 +93,9 @@ class HeldDerivation:
 
     # -- Z variables -------------------------------------------------------------------------------------------
 
-    def read(self, expression: sp.Expr) -> sp.Expr:
+    def read(self, expression: sp.Expr, name: str | None = None) -> sp.Expr:
         """A memory read, or the expression itself when recurrence is off."""
-        return self.table.read(expression) if self.recurrence else expression
+        return self.table.read(expression, name) if self.recurrence else expression
 
     def remember(self, vector: Vector) -> Vector:
         """Measure numbers as Z variables, accelerations kept; only gathered when recurrence is off."""
@@ -281,18 +281,14 @@ def _finisher(system: Description, steps: HeldDerivation, cosines: DirectionCosi
     values: dict[sp.Expr, sp.Expr] = {}
     for p in system.pseudo:
         velocity = sp.Add(*(gather_scalars(g) * system.field_speeds[q] for q, g in p.gradient.items()))
-        values[p.coordinate] = _named(steps, p.coordinate, gather_scalars(p.value))
-        values[p.speed] = _named(steps, p.speed, gather_scalars(velocity))
+        values[p.coordinate] = steps.read(gather_scalars(p.value), str(p.coordinate.func))
+        values[p.speed] = steps.read(gather_scalars(velocity), str(p.speed.func))
     steps.values = values
 
     def finish(expression: sp.Expr) -> sp.Expr:
         return steps.read(gather_scalars(transform(expression, cosines).xreplace(values)))
 
     return finish
-
-
-def _named(steps: HeldDerivation, symbol: sp.Expr, value: sp.Expr) -> sp.Expr:
-    return steps.table.read(value, name=str(symbol.func)) if steps.recurrence else value
 
 
 def _pseudo_relations(system: Description, finish: Callable[[sp.Expr], sp.Expr]) -> tuple[sp.Matrix, sp.Matrix]:
