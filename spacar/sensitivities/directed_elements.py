@@ -154,10 +154,6 @@ class DirectedElements:
         kept = [(b, (b.e >= begin)[:, None] & (b.e >= begin)[None]) for b in batches]
         return [ElementMatrices(b.e, b.e, b.family.stiffness()[which] * keep + 0j) for b, keep in kept]
 
-    def geometric(self, sigma: Array) -> list[ElementMatrices]:
-        """Hs(sigma)."""
-        return self._second("geometric_stiffness", "x", "e", sigma)
-
     def loading(self, flow: bool, v: Array, a: Array) -> list[ElementMatrices]:
         """-df/dx of gravity and global moments; with `flow` also d(M a + h)/dx, which at rest comes from the fluid in
         tubes only."""
@@ -182,18 +178,11 @@ class DirectedElements:
                 by_v.append(ElementMatrices(b.x, b.x, rate))
         return by_x, by_v
 
-    def gradient_rate(self, v: Array) -> list[ElementMatrices]:
-        """H1(v)."""
-        return self._second("gradient_rate", "e", "x", v)
-
-    def rate_gradient(self, v: Array) -> list[ElementMatrices]:
-        """T(v)."""
-        return self._second("rate_gradient", "e", "x", v)
-
-    def _second(self, method: str, rows: str, of: str, values: Array) -> list[ElementMatrices]:
-        """What a method of families writes about second derivatives, with the values of each batch: rows and values are
-        those of its coordinates "x" or of its deformations "e"."""
+    def second(self, method: str, values: Array) -> list[ElementMatrices]:
+        """What a method of families writes about second derivatives: `geometric_stiffness` Hs(sigma), `gradient_rate`
+        H1(v), `rate_gradient` T(v)."""
         found = []
+        rows, of = ("x", "e") if method == "geometric_stiffness" else ("e", "x")
         for b, c, _, _ in self.evaluated:
             if len(b.e) and not b.family.constant_gradient:
                 own = getattr(b, rows)

@@ -122,21 +122,21 @@ class PencilDerivatives:
     # -- element matrices ----------------------------------------------------------------------------------------
     @cached_property
     def _geometric(self) -> list[ElementMatrices]:
-        return self.state.elements.geometric(self.state.sigma)
+        return self.state.elements.second("geometric_stiffness", self.state.sigma)
 
     @cached_property
     def _of_vibration(self) -> tuple[list[ElementMatrices], ...]:
         """Mass, S_d, dh/dv, M_e, and Hs with all loading."""
         s, e = self.state, self.state.elements
         flow = e.inertia_gradient(s.v, s.a, gravity=False)[1]
-        loading = e.loading(True, s.v, s.a)
-        return e.mass(), e.damping(), flow, e.deformation_mass(), [*self._geometric, *loading]
+        return e.mass(), e.damping(), flow, e.deformation_mass(), [*self._geometric, *e.loading(True, s.v, s.a)]
 
     @cached_property
     def _of_motion(self) -> tuple[list[ElementMatrices], list[ElementMatrices]]:
         """H1(v), and H1(a) + T(v)."""
         s, e = self.state, self.state.elements
-        return e.gradient_rate(s.v), [*e.gradient_rate(s.a), *e.rate_gradient(s.v)]
+        of_v = e.second("gradient_rate", s.v)
+        return of_v, [*e.second("gradient_rate", s.a), *e.second("rate_gradient", s.v)]
 
 
 def _between(brackets: Callable[[Array, Array], Sequence[Array]], phi: Array, psi: Array) -> list[Array]:

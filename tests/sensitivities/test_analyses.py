@@ -93,7 +93,8 @@ def test_no_element_loses_a_direction(model: str) -> None:
         elements.at(mechanism.x0 + 1e-50j * rng.standard_normal(len(mechanism.x0)), np.zeros(elements.ne))
         sigma = rng.standard_normal(elements.ne) * (1.0 + 1e-50j)
         v, a = rng.standard_normal((2, elements.nx)) * (1.0 + 1e-50j)
-        parts = [elements.gradient(), elements.stiffness(), elements.damping(), elements.geometric(sigma)]
+        parts = [elements.gradient(), elements.stiffness(), elements.damping()]
+        parts.append(elements.second("geometric_stiffness", sigma))
         parts += [elements.loading(flow, v, a) for flow in (True, False)]
         parts += [*elements.inertia_gradient(v, a, gravity=False), elements.mass()]
         vectors = [elements.stress_forces(sigma), elements.inertia(v, a, gravity=True), elements.applied()]
