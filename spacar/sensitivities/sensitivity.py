@@ -179,14 +179,6 @@ def _read(model: Source) -> Deck:
     return deck if _mode(deck) == WITH_WHEELS else deck.for_mode(MODE)
 
 
-def _require_followed(run: Run, names: set[str]) -> None:
-    """Raises UsageError for models whose derivatives are not followed; `names` of the variables that are asked for."""
-    mechanism = run.mechanism
-    if names & set(LINEAR) and not mechanism.numbering.holonomic:
-        why = "wheels for eigenvalues, multipliers and compliances; positions, deformations, forces, stresses have them"
-        raise UsageError(f"{mechanism.deck.source}: no derivatives of models with {why}", "sensitivity.model")
-
-
 class _Analysis:
     """One walk through the load steps."""
 
@@ -201,7 +193,10 @@ class _Analysis:
                 variable = self._variable(node)
                 check_variable(variable, run.mechanism.numbering)
                 self.needed.setdefault(variable, set()).update(places)
-        _require_followed(run, {name for name, _ in self.needed})
+        if not run.mechanism.numbering.holonomic and any(name in LINEAR for name, _ in self.needed):
+            text = f"{run.mechanism.deck.source}: no derivatives of models with wheels for eigenvalues, multipliers and"
+            text += " compliances; positions, deformations, forces, stresses have them"
+            raise UsageError(text, "sensitivity.model")
         self.directions = directions(run.mechanism, deck, numbers)
         kinds = {v: complex if v[0] == "eigval" else float for v in self.needed}
         shapes = (self.steps,), (self.steps, len(numbers))

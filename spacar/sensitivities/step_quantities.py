@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report, UsageError
 from spacar.expressions.evaluation import frequency_order
 from spacar.expressions.expression_units import Unit, unit
 from spacar.expressions.result_places import ELEMENT, NODE, place
 from spacar.frame import Frame
-from spacar.linear.buckling import BucklingModes, buckling_modes, directional_compliances
+from spacar.linear.buckling import buckling_modes, directional_compliances
 from spacar.linear.eigen import Modes, is_symmetric, is_zero, matters, vibration_modes
 from spacar.linear.internal_unknowns import buckling_matrices
 from spacar.linearization.matrices import Linearization
@@ -56,7 +56,7 @@ class LinearQuantities:
         self.dynamic = self.dynamics.numbering.dynamic
         self.along = [PencilDerivatives(self.dynamics, self.L, s, self.moving) for s in self.states]
         for doubt in self.L.c.user.doubts if self.L.c.user else ():
-            self._say(doubt)
+            self.report.add(doubt)
 
     # -- vibration -----------------------------------------------------------------------------------------------
     @cached_property
@@ -65,25 +65,16 @@ class LinearQuantities:
         return L.m0[block], L.damping[block], L.stiffness[block]
 
     @cached_property
-    def _undamped(self) -> bool:
-        M, C, K = self._matrices
-        return is_symmetric(K) and is_symmetric(M) and not matters(C, M, K)
-
-    @cached_property
-    def _modes(self) -> Modes:
+    def modes(self) -> Modes:
+        """Their values are (n,) [rad/s], in the order of the results."""
         q = self.dynamic
         if not len(q):
             raise AnalysisError("no dynamic degrees of freedom: there are no eigenvalues", "sensitivity.eigenvalues")
         return vibration_modes(self.L, q, q, self.report, self.dynamics.numbering.twist_rates)
 
-    @property
-    def eigenvalues(self) -> Array:
-        """(n,) [rad/s], in the order of the results."""
-        return np.asarray(self._modes.values)
-
     def eigenvalue(self, index: int) -> tuple[complex, Array]:
         """Value and derivatives of the eigenvalue at a place (from 0) of the results."""
-        values = self.eigenvalues
+        values = self.modes.values
         group = together(values, index)
         rates = self._eigenvalue_rates(index)
         size = (np.conj(values[index]) * rates).real  # decreasing modulus
@@ -93,7 +84,7 @@ class LinearQuantities:
 
     def frequency(self, index: int) -> tuple[float, Array]:
         """Value and derivatives of the natural frequency [Hz] at a place (from 0), counted from low to high."""
-        values = self.eigenvalues
+        values = self.modes.values
         order = frequency_order(values)
         here = int(order[index])
         group = set(together(values, here).tolist())
@@ -103,21 +94,17 @@ class LinearQuantities:
 
     def _eigenvalue_rates(self, index: int) -> Array:
         """Derivatives of the eigenvalues that are equal to this one, (directions, m), in no particular order."""
-        values = self.eigenvalues
+        values = self.modes.values
         group = together(values, index)
         if is_zero(values)[index]:
-            self._say(f"eigenvalue {index + 1} is zero, its derivatives are not defined (nan)")
+            self.report.add(f"eigenvalue {index + 1} is zero, its derivatives are not defined (nan)")
             return np.full((len(self.states), 1), complex(np.nan, np.nan))
         if len(group) > 1:
-            self._say(f"eigenvalue {group[0] + 1} occurs {len(group)} times: its derivatives are one-sided")
-        return self._vibration_rates(values[index], group)
-
-    def _vibration_rates(self, value: complex, group: Index) -> Array:
-        """Of the eigenvalues of this value, at these places."""
-        M, C, K = self._matrices
-        if self._undamped and not self.moving:
+            self.report.add(f"eigenvalue {group[0] + 1} occurs {len(group)} times: its derivatives are one-sided")
+        value, (M, C, K) = values[index], self._matrices
+        if is_symmetric(K) and is_symmetric(M) and not matters(C, M, K) and not self.moving:
             square = float((-value * value).real)
-            phi = self._modes.vectors[: len(K), group].real
+            phi = self.modes.vectors[: len(K), group].real
             of_squares = [dK - square * dM for dM, _, dK in (d.vibration(phi, phi) for d in self.along)]
             return -self._eigenvalues_of(of_squares, phi.T @ M @ phi, symmetric=True) / (2.0 * value)
         size = np.abs(np.diag(K)) + np.abs(value) ** 2 * np.abs(np.diag(M))
@@ -141,36 +128,29 @@ class LinearQuantities:
         return buckling_matrices(self.dynamics, self.L, self.dynamic)
 
     @cached_property
-    def _buckling(self) -> BucklingModes:
+    def multipliers(self) -> Array:
+        """(n,) in the order of the results."""
         if not len(self.dynamic):
             text = "no dynamic degrees of freedom: there are no load multipliers"
             raise AnalysisError(text, "sensitivity.multipliers")
-        return buckling_modes(*self._pencil, self.report).first(len(self.dynamic))
-
-    @property
-    def multipliers(self) -> Array:
-        """(n,) in the order of the results."""
-        return self._buckling.multipliers
+        return buckling_modes(*self._pencil, self.report).first(len(self.dynamic)).multipliers
 
     def multiplier(self, index: int) -> tuple[float, Array]:
         """Value and derivatives of the load multiplier at a place (from 0) of the results."""
         values = self.multipliers
         value = float(values[index])
         if not np.isfinite(value):
-            self._say(f"load multiplier {index + 1} is infinite, it has no derivatives (nan)")
+            self.report.add(f"load multiplier {index + 1} is infinite, it has no derivatives (nan)")
             return value, np.full(len(self.states), np.nan)
         group = together(values, index)
         if len(group) > 1:
-            self._say(f"load multiplier {group[0] + 1} occurs {len(group)} times: its derivatives are one-sided")
-        rates = np.sort(self._multiplier_rates(value, len(group)), axis=1)
+            self.report.add(f"load multiplier {group[0] + 1} occurs {len(group)} times: its derivatives are one-sided")
+        K0, G0 = self._pencil
+        phi, psi = null_vectors(K0 + value * G0, np.abs(np.diag(K0)), len(group))
+        brackets = [dK0 + value * dG0 for dK0, dG0 in (d.buckling(phi, psi) for d in self.along)]
+        rates = np.sort(np.real(self._eigenvalues_of(brackets, -psi.T @ G0 @ phi)), axis=1)
         rank = int(np.flatnonzero(group == index)[0])
         return value, rates[:, rank if value > 0.0 else -1 - rank]
-
-    def _multiplier_rates(self, value: float, count: int) -> Array:
-        K0, G0 = self._pencil
-        phi, psi = null_vectors(K0 + value * G0, np.abs(np.diag(K0)), count)
-        brackets = [dK0 + value * dG0 for dK0, dG0 in (d.buckling(phi, psi) for d in self.along)]
-        return np.real(self._eigenvalues_of(brackets, -psi.T @ G0 @ phi))
 
     # -- compliances ---------------------------------------------------------------------------------------------
     @cached_property
@@ -189,10 +169,6 @@ class LinearQuantities:
         rates = [d.moved(phi + psi)[place, 0] - d.vibration(phi, psi)[2][0, 0] for d in self.along]
         return value, np.array(rates)
 
-    def _say(self, text: str) -> None:
-        if text not in self.report.lines:
-            self.report.add(text)
-
 
 def stress_derivatives(mechanism: Mechanism, directions: Sequence[Mechanism], mode: int) -> Any:
     """The evaluator of stresses and their derivatives. Raises UsageError where its package is not installed."""
@@ -206,14 +182,19 @@ def stress_derivatives(mechanism: Mechanism, directions: Sequence[Mechanism], mo
 
 def check_variable(variable: Variable, numbering: Numbering) -> None:
     """Raises UsageError for a variable that is not stationary, and for nodes, elements and modes that do not exist."""
-    name, numbers = variable
+    name = variable[0]
     if name not in KNOWN:
         text = f"'{name}' is no quantity of stationary states that has derivatives; these are {', '.join(KNOWN)}"
         raise UsageError(text, "sensitivity.quantity")
-    if name in DEFORMATIONS:
-        place(numbering.le, numbers[0], numbers[1], ELEMENT)
-    elif name in (*COORDINATES, "xcompl"):
-        place(numbering.lnp, numbers[0], numbers[1], NODE)
+    if name in (*COORDINATES, *DEFORMATIONS, "xcompl"):
+        _place(variable, numbering)
+
+
+def _place(variable: Variable, numbering: Numbering) -> int:
+    """Of a coordinate or deformation in x or e (from 0). Raises UsageError where there is none."""
+    name, numbers = variable
+    table, words = (numbering.le, ELEMENT) if name in DEFORMATIONS else (numbering.lnp, NODE)
+    return place(table, numbers[0], numbers[1], words)
 
 
 def step_quantity(
@@ -224,11 +205,7 @@ def step_quantity(
     them the linearized equations or stresses."""
     name, numbers = variable
     if name in (*COORDINATES, *DEFORMATIONS):
-        table, words = (numbering.le, ELEMENT) if name in DEFORMATIONS else (numbering.lnp, NODE)
-        at, attribute = (
-            place(table, numbers[0], numbers[1], words),
-            {"x": "dx", "e": "de", "sig": "dsigma"}.get(name, name),
-        )
+        at, attribute = _place(variable, numbering), {"x": "dx", "e": "de", "sig": "dsigma"}.get(name, name)
         return float(getattr(frame, name)[at]), np.array([getattr(s, attribute)[at] for s in states])
     if name in STRESSES:
         dsigma, de = [s.dsigma for s in states], [s.de for s in states]
@@ -236,11 +213,10 @@ def step_quantity(
         return float(value), rates
     assert linear is not None
     if name == "xcompl":
-        return linear.compliance(place(numbering.lnp, numbers[0], numbers[1], NODE))
-    known = linear.multipliers if name == "lmult" else linear.eigenvalues
+        return linear.compliance(_place(variable, numbering))
+    known = linear.multipliers if name == "lmult" else linear.modes.values
     count = int(np.sum(known.imag >= 0.0)) if name == "frequency" else len(known)
     if numbers[0] > count:
-        text = f"{name}[{numbers[0]}]: the model has {count} of them"
-        raise UsageError(text, "expression.number")
+        raise UsageError(f"{name}[{numbers[0]}]: the model has {count} of them", "expression.number")
     of = {"eigval": linear.eigenvalue, "frequency": linear.frequency, "lmult": linear.multiplier}
     return of[name](numbers[0] - 1)
