@@ -154,8 +154,6 @@ class ReducedDrive:
     def vibration(self, free: bool, wanted: int, told: Report) -> Frequencies:
         """Without damping."""
         rows, L = self._rows[free], self.L
-        if not len(rows):
-            return Frequencies.of(np.zeros(0, complex), np.zeros((0, 0), complex))
         if _massless(self._block(L.m0, free)):
             text = "the mass matrix is not positive definite; a motion carries no mass"
             raise AnalysisError(text, "dynamics.singular-mass")
@@ -169,10 +167,7 @@ class ReducedDrive:
 
     def buckling(self, free: bool, wanted: int, told: Report) -> BucklingModes:
         """Multipliers of all loads and prestresses."""
-        rows = self._rows[free]
-        if not len(rows):
-            return BucklingModes(np.zeros(0), np.zeros((0, 0)))
-        return buckling_modes(*buckling_matrices(self.dynamics, self.L, rows), told)
+        return buckling_modes(*buckling_matrices(self.dynamics, self.L, self._rows[free]), told)
 
     def extra_stresses(self, free: bool, load: ExtraLoad) -> Array:
         """sigma (ne,) that the extra load adds. Raises AnalysisError 'compliance.singular'."""
@@ -193,8 +188,6 @@ class ReducedDrive:
     def extra(self, free: bool, sigma: Array, load: ExtraLoad, wanted: int, told: Report) -> BucklingModes:
         """Multipliers of the extra load alone, with its stresses. Raises AnalysisError 'buckling.singular'."""
         d, L, rows = self.dynamics, self.L, self._rows[free]
-        if not len(rows):
-            return BucklingModes(np.zeros(0), np.zeros((0, 0)))
         loading = geometric_stiffness(d.sweep, sigma) - matrix(*load.gradient_entries(), L.G.shape[:1] * 2)
         added = np.asarray((L.W[:, rows].T @ loading) @ L.G[:, rows])
         return buckling_modes(*extra_load_matrices(d, L, rows, self._block(L.stiffness, free), added, sigma), told)
