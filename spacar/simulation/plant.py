@@ -221,19 +221,8 @@ class Spasim(Block):
             self.motion: ArrayPlant = CompiledPlant(self.mechanism, *driven, whole)
         else:
             self.motion = ArrayPlant(self.mechanism, *driven)
-        self._places()
         self._at: tuple[float, bytes] | None = None
         self._solved: bytes | None = None
-
-    def _driven(self, kind: str, sign: float) -> Driven:
-        chosen = [(k, s.index) for k, s in enumerate(self.u_signals) if s.kind == kind]
-        rows = sorted({row for _, row in chosen})
-        by = np.zeros((len(rows), len(self.u_signals)))
-        for k, row in chosen:
-            by[rows.index(row), k] = sign
-        return Driven(np.array(rows, np.int64), by)
-
-    def _places(self) -> None:
 
         def read(chosen: list[int]) -> tuple[Index, Index]:
             signals = [self.y_signals[k] for k in chosen]
@@ -243,13 +232,20 @@ class Spasim(Block):
         # outputs (n,) that are positions and rates, and the rows (n,) in which the motion has them
         self.placed = read(np.flatnonzero(~self.direct).tolist())
         self._accelerated = read(np.flatnonzero(self.direct).tolist())
-        xs, es = self.numbering.x_class, self.numbering.e_class
         rows = [
             self.motion.first(quantity, of_elements) + np.arange(part.start, part.stop)
             for quantity, kind in ((RATE, "kinematic"), (ACCELERATION, "dynamic"))
-            for of_elements, part in ((False, xs[kind]), (True, es[kind]))
+            for of_elements, part in ((False, n.x_class[kind]), (True, n.e_class[kind]))
         ]
         self._changing = np.concatenate(rows)
+
+    def _driven(self, kind: str, sign: float) -> Driven:
+        chosen = [(k, s.index) for k, s in enumerate(self.u_signals) if s.kind == kind]
+        rows = sorted({row for _, row in chosen})
+        by = np.zeros((len(rows), len(self.u_signals)))
+        for k, row in chosen:
+            by[rows.index(row), k] = sign
+        return Driven(np.array(rows, np.int64), by)
 
     def start(self) -> Array:
         self._at = self._solved = None
