@@ -181,8 +181,7 @@ def step_at(t: NDArray[np.float64], moment: str | int | float, text: str) -> int
         return 0 if moment == "start" else len(t) - 1
     if isinstance(moment, int):
         if not 1 <= moment <= len(t):
-            text = f"'{text}': step {moment} does not exist; there are {len(t)} steps"
-            raise UsageError(text, "expression.step")
+            raise UsageError(f"'{text}': step {moment} does not exist; there are {len(t)} steps", "expression.step")
         return moment - 1
     nearest = int(np.argmin(np.abs(t - moment)))
     if abs(t[nearest] - moment) > SAME_TIME * max(abs(float(t[-1])), 1e-300):

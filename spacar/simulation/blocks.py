@@ -304,8 +304,7 @@ class Scope(Block):
 
     def __init__(self, name: str, size: int = 1, title: str = "", labels: Sequence[str] = (), unit: str = "") -> None:
         if labels and len(labels) != size:
-            text = f"{name}: {len(labels)} labels for {size} signals"
-            raise UsageError(text, "simulation.size")
+            raise UsageError(f"{name}: {len(labels)} labels for {size} signals", "simulation.size")
         super().__init__(name, size, 0)
         self.title, self.labels, self.unit = title or name, tuple(labels), unit
 

@@ -26,11 +26,7 @@ def as_control(block: Block, numbered: bool = False) -> Any:
         raise UsageError(text, "simulation.control-missing") from None
     piecewise = "is smooth only piecewise, and python-control does not stop where a piece ends: simulate it with"
     for refused, text, code in (
-        (
-            block.period is not None,
-            "is sampled: write it as a discrete-time system of python-control itself",
-            "sampled",
-        ),
+        (block.period, "is sampled: write it as a discrete-time system of python-control itself", "sampled"),
         (block.lag, "remembers its input, which python-control cannot: use its pade() for a delay", "delay"),
         (block.n_events, f"{piecewise} spacar.simulation", "piecewise"),
     ):

@@ -358,7 +358,8 @@ def closed_loop(
     The blocks of the response are the plant under its own name and "control". Raises as `simulate`.
     """
     diagram = Diagram().add(plant)
-    name, rows = diagram.signals(plant.name if feedback is None else f"{plant.name}:{feedback}")
+    fed_back = plant.name if feedback is None else f"{plant.name}:{feedback}"
+    rows = diagram.signals(fed_back)[1]
     chosen = [plant.outputs_[k] for k in rows]
 
     def law(t: float, y: Array) -> Any:
@@ -370,6 +371,4 @@ def closed_loop(
         diagram.add(Function("control", law, chosen, plant.inputs, getattr(control, "breaks", ())))
     else:
         diagram.add(Sampled("control", lambda t, x, y: (x, law(t, y)), period, chosen, plant.inputs))
-    wire = name if feedback is None else f"{name}:{feedback}"
-    diagram.connect(wire, "control").connect("control", name)
-    return simulate(diagram, times, **options)
+    return simulate(diagram.connect(fed_back, "control").connect("control", plant.name), times, **options)

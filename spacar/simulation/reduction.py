@@ -57,8 +57,7 @@ def reduce_modes(data: TimeVarying, n_low: int, n_static: int | None = None) -> 
     steps, n = M.shape[:2]
     n_static = n - n_low if n_static is None else n_static
     if not (1 <= n_low <= n and 0 <= n_static <= n - n_low):
-        text = f"{n_low} low and {n_static} quasi-static modes cannot be chosen from {n}"
-        raise UsageError(text, "simulation.modes")
+        raise UsageError(f"{n_low} low and {n_static} quasi-static modes cannot be chosen from {n}", "simulation.modes")
     values, modes, overlap = tracked_modes(data.t, M, K)
     low, static, high = np.split(np.arange(n), [n_low, n_low + n_static])
     basis = _aligned(modes[:, :, low], M)

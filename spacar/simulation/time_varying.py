@@ -63,8 +63,7 @@ class TimeVarying:
         header, count = result.header, len(result.frames)
 
         def get(name: str) -> Array | None:
-            found = name in first and first[name].size
-            return result[name] if found else None
+            return result[name] if name in first and first[name].size else None
 
         full = {name: get(name) for name in "ABCD"}
         if "asp" in first:  # of a large model

@@ -98,8 +98,7 @@ def _stroke_rows(mechanism: Mechanism, move: StrokeMove, end: float) -> list[Row
         keyword = "DELINPE" if move.deformation else "DELINPX"
         return [(keyword, move.number, move.place, float(move.coordinate(end)))]
     if move.deformation:
-        text = f"{move.text}: a force acts on a node; a deformation is moved (--move)"
-        raise UsageError(text, "flexure.move")
+        raise UsageError(f"{move.text}: a force acts on a node; a deformation is moved (--move)", "flexure.move")
     size = 3 if not mechanism.numbering.planar else 2 if move.unit == "m" else 1
     values = [0.0] * size
     values[move.place - 1 - move.rotation] = end

@@ -71,8 +71,7 @@ def flexure(
     if taken := OURS & options.keys():
         raise UsageError(f"{', '.join(sorted(taken))}: the steps of the stroke are set by `steps`", "flexure.steps")
     if not (isinstance(steps, Integral) and isinstance(modes, Integral) and steps >= 1 and modes >= 1):
-        text = f"steps = {steps!r} and modes = {modes!r} must be whole numbers from 1"
-        raise UsageError(text, "flexure.steps")
+        raise UsageError(f"steps = {steps!r} and modes = {modes!r} must be whole numbers from 1", "flexure.steps")
     texts("a move or a force", [text for text in (move, force) if text is not None])
     loads, extra = texts("loads", loads), texts("extra", extra)
     deck = deck_of(source, 10)
