@@ -19,7 +19,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from spacar.errors import UsageError
-from spacar.symbolic.unit_vectors import TIME, Key, UnevaluatedDot, Unit, UnitDot
+from spacar.symbolic.unit_vectors import TIME, Key, UnevaluatedCross, UnevaluatedDot, Unit
 from spacar.symbolic.vectors import ZERO, Dyad, Vector, cross, dot, outer
 
 Held = TypeVar("Held", sp.Expr, Vector, Dyad)
@@ -106,14 +106,9 @@ class ReferenceFrame:
 
         d(a·b)/dt = (ω × a)·b with ω the angular velocity of a's frame relative to b's; every observer agrees.
         """
-        *others, last = atom.units
-        observer = last.frame
-        vectors = [Vector({u: 1}) for u in others]
-        rates = [unit_rate(observer, u) for u in others]
-        fixed = Vector({last: 1})
-        if isinstance(atom, UnitDot):
-            return dot(rates[0], fixed)
-        return dot(cross(rates[0], vectors[1]) + cross(vectors[0], rates[1]), fixed)
+        first, *more, last = atom.units
+        rate = _key_rate(last.frame, UnevaluatedCross(first, *more) if more else first)
+        return dot(rate, Vector({last: 1}))
 
     def __repr__(self) -> str:
         return f"ReferenceFrame({self.name!r})"
@@ -149,10 +144,6 @@ def omega(base: ReferenceFrame, frame: ReferenceFrame) -> Vector:
     raise UsageError(f"no angular velocity is known between frames {base.name} and {frame.name}")
 
 
-def unit_rate(frame: ReferenceFrame, u: Unit) -> Vector:
-    return ZERO if u.frame is frame else cross(omega(frame, u.frame), Vector({u: 1}))
-
-
 class Recurrence(sp.Symbol):
     """The symbol of a Z variable: a memory read, which time derivatives must not see (see `rate`)."""
 
@@ -179,8 +170,7 @@ def dvdt(frame: ReferenceFrame, value: Held) -> Held:
     L*q_dot b2
     """
     if isinstance(value, Vector):
-        parts = [Vector({key: rate(c)}) + _key_rate(frame, key) * c for key, c in value.terms.items()]
-        return sum(parts, ZERO)
+        return sum((Vector({key: rate(c)}) + _key_rate(frame, key) * c for key, c in value.terms.items()), ZERO)
     if isinstance(value, Dyad):
         result = Dyad()
         for (p, q), c in value.terms.items():
@@ -193,9 +183,9 @@ def dvdt(frame: ReferenceFrame, value: Held) -> Held:
 
 def _key_rate(frame: ReferenceFrame, key: Key) -> Vector:
     if isinstance(key, Unit):
-        return unit_rate(frame, key)
+        return ZERO if key.frame is frame else cross(omega(frame, key.frame), Vector({key: 1}))
     a, b = Vector({key.a: 1}), Vector({key.b: 1})
-    return cross(unit_rate(frame, key.a), b) + cross(a, unit_rate(frame, key.b))
+    return cross(_key_rate(frame, key.a), b) + cross(a, _key_rate(frame, key.b))
 
 
 def partial_velocity(velocity: Held, speed: Any) -> Held:
