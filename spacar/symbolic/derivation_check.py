@@ -82,9 +82,8 @@ def power(eq: DerivedEquations) -> sp.Expr:
         along = system.ddt(system.N, beam.offset).xreplace(beam.assumed(system.accelerations))
         total += integral(dot(spread.vector, beam.root.velocity + along), X, beam.length)
     for beam in system.beams:
-        for f in beam.fields:
-            for s, psi in zip(f.speeds, f.shapes, strict=True):
-                total -= s * damping_force(beam, f, psi)
+        for f, _, s, psi in beam.modes:
+            total -= s * damping_force(beam, f, psi)
     return eq.scalar(total)
 
 

@@ -208,31 +208,27 @@ class HeldDerivation:
         pull = self.system.gravity - self.acceleration(beam.root.velocity)
         relative, whole = self.relative_acceleration(beam), self.integrals(beam)
         kernel = beam.shortening.kernel(X) if beam.shortening else {}
-        b1 = beam.frame[1]
+        b1, plain = beam.frame[1], Integrals(self.read, beam, sp.S.One)
+        loads = [load for load in self.system.distributed_loads if load.beam is beam]
         result: dict[sp.Expr, sp.Expr] = {}
-        for f in beam.fields:
-            for q, s, psi in zip(f.coordinates, f.speeds, f.shapes, strict=True):
-                move = [] if f.kind == "twist" else [(beam.frame[f.direction], {sp.S.One: psi})]
-                if drawn := collected((p, value) for (first, p), value in kernel.items() if first is q):
-                    move.append((-b1, drawn))
-                moment = self.remember(sum((e * whole.integral(form) for e, form in move), ZERO))
-                parts = [dot(moment, pull)]
-                inner = -sp.Add(
-                    *(dot(e, a.vector) * a.factor * whole.integral(form, a.form) for e, form in move for a in relative)
-                )
-                if f.kind == "twist":
-                    inner -= integral(psi * dot(b1, self.section_momentum_rate(beam)), X, beam.length)
-                inner -= f.strain_energy(beam.length).diff(q) + damping_force(beam, f, psi)
-                for load in self.system.distributed_loads:
-                    if load.beam is beam:
-                        parts += [
-                            dot(e, v) * Integrals(self.read, beam, sp.S.One).integral(form, {sp.S.One: g})
-                            for e, form in move for v, g in load.parts
-                        ]  # fmt: skip
-                parts.append(
-                    read_scalar(inner, self.table, self.accelerations) if self.recurrence else gather_scalars(inner)
-                )
-                result[s] = sp.Add(*parts)
+        for f, q, s, psi in beam.modes:
+            move = [] if f.kind == "twist" else [(beam.frame[f.direction], {sp.S.One: psi})]
+            if drawn := collected((p, value) for (first, p), value in kernel.items() if first is q):
+                move.append((-b1, drawn))
+            moment = self.remember(sum((e * whole.integral(form) for e, form in move), ZERO))
+            parts = [dot(moment, pull)]
+            inner = -sp.Add(
+                *(dot(e, a.vector) * a.factor * whole.integral(form, a.form) for e, form in move for a in relative)
+            )
+            if f.kind == "twist":
+                inner -= integral(psi * dot(b1, self.section_momentum_rate(beam)), X, beam.length)
+            inner -= f.strain_energy(beam.length).diff(q) + damping_force(beam, f, psi)
+            parts += [
+                dot(e, v) * plain.integral(form, {sp.S.One: g})
+                for load in loads for e, form in move for v, g in load.parts
+            ]  # fmt: skip
+            rest = read_scalar(inner, self.table, self.accelerations) if self.recurrence else gather_scalars(inner)
+            result[s] = sp.Add(*parts, rest)
         return result
 
 
@@ -250,8 +246,7 @@ def derive_unevaluated(system: Description, recurrence: bool = True) -> Derivati
     """Mass matrix and right-hand side for all speeds of the system, and the held equations."""
     steps = HeldDerivation(system, recurrence)
     wrenches = steps.wrenches()
-    field_speeds = [s for beam in system.beams for s in beam.speeds]
-    ordinary = [s for s in system.speeds if s not in field_speeds]
+    ordinary = [s for s in system.speeds if s not in system.field_speeds.values()]
     pseudo = [p.speed for p in system.pseudo]
     held = {s: gather_dots(steps.ordinary(wrenches, s)) for s in [*ordinary, *pseudo]}
     for beam in system.beams:

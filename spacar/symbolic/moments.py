@@ -60,10 +60,7 @@ class BeamMoments(Integrals):
 
     def __init__(self, read: Callable[[sp.Expr], sp.Expr], beam: Beam) -> None:
         super().__init__(read, beam)
-        self.modes = [
-            (f, q, s, psi) for f in beam.fields for q, s, psi in zip(f.coordinates, f.speeds, f.shapes, strict=True)
-        ]
-        moving = [mode for mode in self.modes if mode[0].kind != "twist"]
+        moving = [mode for mode in beam.modes if mode[0].kind != "twist"]
         self.speed: dict[sp.Expr, sp.Expr] = {q: s for _, q, s, _ in moving}
         S = beam.shortening.kernel(X) if beam.shortening else {}
         drawn = {p: [(q, -value) for (a, q), value in S.items() if a is p] for p in self.speed}

@@ -69,7 +69,7 @@ def _field_equations(b: BeamMoments, sums: Sums, a0: sp.Matrix, w: sp.Matrix, al
         coriolis = 2 * w.dot(-vee(b.D[q]))  # η·(w × r_t) = w·(r_t × η)
         own = b.E[q] if b.curved else sp.S.Zero
         sums.add_force(s, -(b.S[q].dot(a0) - vee(H).dot(al0) + centrifugal + coriolis + own))
-    for f, _, s, psi in b.modes:
+    for f, _, s, psi in b.beam.modes:
         sums.add_force(s, -_elastic(b, f, psi))
 
 
@@ -92,7 +92,7 @@ def _section_inertia(recursion: Recursion, b: BeamMoments, sums: Sums) -> None:
         return
     turning, polar = recursion.frame(beam.frame), Integrals(recursion.table.read, beam, beam.polar)
     W, w, al0, one = turning.partials, turning.velocity, turning.bias, {sp.S.One: sp.S.One}
-    shapes = {s: {sp.S.One: psi} for f, _, s, psi in b.modes if f.kind == "twist"}
+    shapes = {s: {sp.S.One: psi} for f, _, s, psi in beam.modes if f.kind == "twist"}
     # the spin of a section by a unit of each speed: a factor and a function of x
     spins = [(s, W[s][0], one) for s in sums.speeds if s in W] + [(s, sp.S.One, form) for s, form in shapes.items()]
     for (r, c, f), (k, d, g) in combinations_with_replacement(spins, 2):

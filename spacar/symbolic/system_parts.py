@@ -103,6 +103,11 @@ class Beam:
         return {part.function: part.value(x) for part in self.parts}
 
     @property
+    def modes(self) -> list[tuple[Field, sp.Expr, sp.Expr, sp.Expr]]:
+        """(field, φ_k, dφ_k, ψ_k) of every shape."""
+        return [(f, *mode) for f in self.fields for mode in zip(f.coordinates, f.speeds, f.shapes, strict=True)]
+
+    @property
     def coordinates(self) -> tuple[sp.Expr, ...]:
         return tuple(q for f in self.fields for q in f.coordinates)
 
