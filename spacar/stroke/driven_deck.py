@@ -27,7 +27,8 @@ from spacar.stroke.stroke_move import StrokeMove, move_of, parse_move
 Row = tuple[Value, ...]
 Place = tuple[str, int, int]  # "x" or "e", node or element, coordinate or mode
 STORED = ("OUTLEVEL", "MODES")  # what is stored of the states: left out, as nothing is stored here
-ADDITIONAL = ("DELXF", "DELGRAV", "DELESIG", "DELOMF", "DELINPX", "DELINPE")
+LEFT_OUT = (*STORED, "DELXF", "DELGRAV", "DELESIG", "DELOMF", "DELINPX", "DELINPE")
+STARTS = ("INPUTE", "STARTDE", "INPUTX", "STARTDX")
 STEERED = ("STARTDE", "STARTDX", "MEE")  # statements that need the class of a degree of freedom
 STILL = 1e-9  # of the size of the drive's coordinate: degrees of freedom that do not move it by more
 
@@ -70,7 +71,7 @@ def driven(deck: Deck, mechanism: Mechanism, move: StrokeMove, end: float, loads
     for s in deck.statements:
         if s.block == 1 and s.keyword not in STORED:
             kinematics += _without(s, mechanism, about)
-        elif s.block == 2 and s.keyword not in (*ADDITIONAL, *STORED) and _start_of(s) not in about:
+        elif s.block == 2 and s.keyword not in LEFT_OUT and not (s.keyword in STARTS and _place_of(s) in about):
             dynamics.append((s.keyword, *s.values))
     kinematics.append((names[wanted], move.number, move.place))
     if freed is not None and freed[1]:
@@ -127,10 +128,8 @@ def _start(deck: Deck, mechanism: Mechanism, move: StrokeMove) -> float:
     return 0.0
 
 
-def _start_of(s: Statement) -> Place | None:
-    """What a statement of the dynamics block gives a start value to."""
-    if s.keyword not in ("INPUTE", "STARTDE", "INPUTX", "STARTDX"):
-        return None
+def _place_of(s: Statement) -> Place:
+    """What INPUTX, STARTDX, DELINPX, and the same of E, give a value to."""
     return s.keyword[-1].lower(), s.integer(0), s.integer(1)
 
 
@@ -163,7 +162,7 @@ def _replaced(mechanism: Mechanism, move: StrokeMove) -> tuple[Place, str] | Non
     if found == "kinematic":
         raise UsageError(f"{move.text} is a configuration coordinate of wheels", "flexure.move")
     here: Place = ("e" if move.deformation else "x", move.number, move.place)
-    drives = [d for d in _drives(mechanism.deck) if d != here]
+    drives = [d for d in map(_place_of, mechanism.deck.of("DELINPX", "DELINPE", block=2)) if d != here]
     if found in ("input", "dynamic"):
         return (drives[0], "DYNE" if drives[0][0] == "e" else "DYNX") if len(drives) == 1 else None
     dynamics = Dynamics(mechanism)
@@ -180,10 +179,6 @@ def _replaced(mechanism: Mechanism, move: StrokeMove) -> tuple[Place, str] | Non
         raise UsageError(text, "flexure.move")
     place = _candidate(mechanism, share, drives)
     return place, "RLSE" if place[0] == "e" else ""
-
-
-def _drives(deck: Deck) -> list[Place]:
-    return [(s.keyword[-1].lower(), s.integer(0), s.integer(1)) for s in deck.of("DELINPX", "DELINPE", block=2)]
 
 
 def _candidate(mechanism: Mechanism, share: Array, drives: Sequence[Place]) -> Place:

@@ -76,16 +76,14 @@ def flexure(
     loads, extra = texts("loads", loads), texts("extra", extra)
     deck = deck_of(source, 10)
     mechanism = build(deck, 10, **options)
-    if not mechanism.numbering.holonomic or mechanism.numbering.nk:
+    n = mechanism.numbering
+    if not n.holonomic or n.nk:
         raise UsageError(f"{deck.source} has wheels: there is no stroke of a flexure", "flexure.wheels")
-    centre = _pivot(pivot, deck.metre, mechanism.numbering.planar)
+    centre = _pivot(pivot, deck.metre, n.planar)
     if move is not None and force is not None:
         raise UsageError("give either a move or a force, not both", "flexure.move")
     given = force if move is None else move
-    if given is None:
-        asked = own_move(deck, mechanism)
-    else:
-        asked = parse_move(given, mechanism.numbering, deck.metre, pushed=force is not None)
+    asked = own_move(deck, mechanism) if given is None else parse_move(given, n, deck.metre, pushed=force is not None)
     whole = asked.within(min(asked.low, 0.0), max(asked.high, 0.0))
     acting = [load_row(text, mechanism, deck.metre) for text in loads]
     beside = [load_row(text, mechanism, deck.metre, "--extra") for text in extra]
