@@ -26,7 +26,7 @@ DIFFERENCE = float(np.finfo(float).eps) ** 0.5
 
 
 class AffineRun:
-    """Outputs of blocks that follow each other, of z = (all states x, all signals y, 1)."""
+    """Outputs of blocks that follow each other, at `rows` of y: a `matrix` of z = (all states x, all signals y, 1)."""
 
     def __init__(self, s: Schedule, blocks: Sequence[Block]) -> None:
         n_x, n_y = sum(b.n_states for b in s.blocks), s.wiring.shape[1]
@@ -44,9 +44,6 @@ class AffineRun:
             whole[own, s.states[b.name]] += f.C
             whole[own, -1] += f.c
         self.matrix = whole[self.rows]
-
-    def into(self, z: Array, y: Array) -> None:
-        y[self.rows] = self.matrix @ z
 
 
 @dataclass(frozen=True)

@@ -59,7 +59,7 @@ class DiagramEvaluator:
             y[s.outputs[b.name]] = b.state_outputs(t, x[s.states[b.name]])
         for part in order.later:
             if isinstance(part, AffineRun):
-                part.into(self.z, y)
+                y[part.rows] = part.matrix @ self.z
             elif part.torn:
                 self._loop(t, x, part, bool(hit))
             else:

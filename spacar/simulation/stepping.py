@@ -98,11 +98,7 @@ def loop_of(s: Schedule, plan: Plan) -> CompiledLoop | None:
 
 
 class _Mistake(Exception):
-    """An error of a block, on its way through the integrator."""
-
-    def __init__(self, error: AnalysisError) -> None:
-        super().__init__(str(error))
-        self.error = error
+    """An error of a block, its argument, on its way through the integrator."""
 
 
 class _Problem(Problem):
@@ -198,7 +194,7 @@ class Stepping:
                 )
             taken = next(self.solver)
         except _Mistake as mistake:
-            raise mistake.error from None
+            raise mistake.args[0] from None
         except AnalysisError as error:
             if error.code != "integrator.step-too-small":
                 raise

@@ -72,15 +72,13 @@ def _pieces(
     """Intervals of [a, b] in which the polynomial through the values at the nodes is u(t) within the tolerance."""
     values = np.array([u(0.5 * (a + b + (b - a) * z)) for z in NODES])
     middle = 0.5 * (a + b)
-    if (
-        halves == MOST_HALVES
-        or not a < middle < b
-        or all(
-            np.all(np.abs(_between(a, b, values, t) - true) <= tolerance.absolute + tolerance.relative * np.abs(true))
-            for t in (middle + 0.5 * (b - a) * z for z in BETWEEN)
-            for true in (u(t),)
-        )
-    ):
+
+    def fits(t: float) -> bool:
+        true = u(t)
+        error = np.abs(_between(a, b, values, t) - true)
+        return bool(np.all(error <= tolerance.absolute + tolerance.relative * np.abs(true)))
+
+    if halves == MOST_HALVES or not a < middle < b or all(fits(middle + 0.5 * (b - a) * z) for z in BETWEEN):
         yield a, b, values
         return
     yield from _pieces(a, middle, u, tolerance, halves + 1)
