@@ -5,7 +5,7 @@ tables 11, 14; `symbolic.md`, section 4.2. `simplify` and `trigsimp` are never u
 `LinearSplit` and `common_factors` are one walk through a tree; SymPy's `diff` and `factor_terms` give the same slowly.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from math import gcd, lcm
 from typing import Any, TypeVar
@@ -30,8 +30,7 @@ class ZTable:
     (Z1, -Z1, Z1, -x)
     """
 
-    def __init__(self, prefix: str = "Z", forbidden: Iterable[sp.Basic] = ()) -> None:
-        self.prefix = prefix
+    def __init__(self, forbidden: Iterable[sp.Basic] = ()) -> None:
         self.forbidden = frozenset(forbidden)
         self.definitions: dict[sp.Symbol, sp.Expr] = {}
         self._symbols: dict[sp.Expr, sp.Expr] = {}
@@ -47,7 +46,7 @@ class ZTable:
             return -self._symbols[-expression]
         if self.forbidden and not self.forbidden.isdisjoint(expression.free_symbols | expression.atoms(sp.Derivative)):
             raise ValueError(f"a Z variable must not contain accelerations: {expression}")
-        symbol = Recurrence(name or f"{self.prefix}{len(self.definitions) + 1}", real=True)
+        symbol = Recurrence(name or f"Z{len(self.definitions) + 1}", real=True)
         if symbol in self.definitions:
             raise ValueError(f"the Z variable {symbol} is already defined")
         self.definitions[symbol] = expression
@@ -70,32 +69,16 @@ def _is_read(expression: sp.Expr) -> bool:
     return bool(expression.is_Symbol or (expression.is_Function and not expression.args[0].is_Add))
 
 
-def read_measure_numbers(vector: Vector, table: ZTable, accelerations: Iterable[sp.Symbol]) -> Vector:
-    """Replace, in every measure number, the part without accelerations by one Z (table 11 of the paper).
+def read_scalar(expression: sp.Expr, table: ZTable, accelerations: Sequence[sp.Symbol]) -> sp.Expr:
+    """Coefficient of every acceleration and the rest become Z variables (table 11 of the paper): Σ Z_j a_j + Z_0.
 
-    With t1 = −q ṡ − 2 s v: the measure number becomes Z1 − q ṡ.
-
-    >>> q, s, v, sdot = sp.symbols("q s v sdot"); from spacar.symbolic.reference_frames import ReferenceFrame
-    >>> table = ZTable(forbidden=[sdot])
-    >>> print(read_measure_numbers((-q * sdot - 2 * s * v) * ReferenceFrame("B")[1], table, [sdot]))
-    (Z1 - q*sdot) b1
+    >>> q, s, v, sdot = sp.symbols("q s v sdot"); table = ZTable(forbidden=[sdot])
+    >>> read_scalar(-q * sdot - 2 * s * v, table, [sdot])
+    Z1 - q*sdot
     """
-    return vector.map(lambda c: read_scalar(c, table, accelerations))
-
-
-def read_scalar(expression: sp.Expr, table: ZTable, accelerations: Iterable[sp.Symbol]) -> sp.Expr:
-    """Coefficient of every acceleration and the rest become Z variables: Σ Z_j a_j + Z_0."""
-    accelerations = list(accelerations)
-    coefficients, rest = split_linear(expression, accelerations)
-    parts = [table.read(gather_scalars(c)) * a for a, c in zip(accelerations, coefficients, strict=True) if c != 0]
+    found, rest = LinearSplit(accelerations)(expression)
+    parts = [table.read(gather_scalars(found[a])) * a for a in accelerations if a in found]
     return sp.Add(*parts, table.read(gather_scalars(rest)))
-
-
-def split_linear(expression: sp.Expr, symbols: Iterable[sp.Basic]) -> tuple[list[sp.Expr], sp.Expr]:
-    """Coefficients and rest of an expression that is linear in `symbols` (ValueError otherwise)."""
-    symbols = list(symbols)
-    found, rest = LinearSplit(symbols)(expression)
-    return [found.get(s, sp.S.Zero) for s in symbols], rest
 
 
 def gather_vectors(value: Value) -> Value:

@@ -18,7 +18,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from spacar.errors import UsageError
-from spacar.symbolic.collect import split_linear
+from spacar.symbolic.collect import LinearSplit
 from spacar.symbolic.description import Description
 from spacar.symbolic.ordered import ConstraintRows
 from spacar.symbolic.reference_frames import rate
@@ -34,16 +34,17 @@ def constraint_rows(system: Description, read: Callable[[sp.Expr], sp.Expr] = tr
     at_rest = dict.fromkeys(system.accelerations.values(), sp.S.Zero)
     fields = {p.speed: p.rate(system.field_speeds) for p in system.pseudo}
     rows, bias, velocity, position = [], [], [], {}
+    split = LinearSplit(system.speeds)
     for number, constraint in enumerate(system.constraints):
         e = constraint.velocity.xreplace(fields)
         try:
-            row, _ = split_linear(e, system.speeds)
+            row, _ = split(e)
         except ValueError:
             raise UsageError(
                 f"{constraint.name}: {constraint.velocity} = 0 is not linear in the speeds", "constraint"
             ) from None
         derivative = rate(e).xreplace(system.rates).xreplace(at_rest).xreplace(fields)
-        rows.append([read(c) for c in row])
+        rows.append([read(row.get(s, sp.S.Zero)) for s in system.speeds])
         bias.append(read(derivative))
         velocity.append(read(e))
         if constraint.position is not None:

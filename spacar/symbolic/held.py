@@ -14,16 +14,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from spacar.symbolic.beam_shapes import X, integral
-from spacar.symbolic.collect import (
-    LinearSplit,
-    ZTable,
-    gather_dots,
-    gather_scalars,
-    gather_vectors,
-    read_measure_numbers,
-    read_scalar,
-    split_linear,
-)
+from spacar.symbolic.collect import LinearSplit, ZTable, gather_dots, gather_scalars, gather_vectors, read_scalar
 from spacar.symbolic.derivation import Derivation
 from spacar.symbolic.description import Description
 from spacar.symbolic.fields import Field
@@ -99,9 +90,8 @@ class HeldDerivation:
 
     def remember(self, vector: Vector) -> Vector:
         """Measure numbers as Z variables, accelerations kept; only gathered when recurrence is off."""
-        if not self.recurrence:
-            return gather_vectors(vector)
-        return read_measure_numbers(gather_vectors(vector), self.table, self.accelerations)
+        gathered = gather_vectors(vector)
+        return gathered.map(lambda c: read_scalar(c, self.table, self.accelerations)) if self.recurrence else gathered
 
     def acceleration(self, velocity: Vector) -> Vector:
         """Acceleration in N of a point or frame with this velocity; its measure numbers are read from Z."""
@@ -255,13 +245,13 @@ def derive_unevaluated(system: Description, recurrence: bool = True) -> Derivati
     cosines = DirectionCosines(steps.table if recurrence else None)
     finish = _finisher(system, steps, cosines)
     symbols = [system.accelerations[s] for s in extended]
-    n = len(extended)
+    n, split = len(extended), LinearSplit(symbols)
     I, E0 = sp.zeros(n, n), sp.zeros(n, 1)
     for i, s in enumerate(extended):
-        coefficients, rest = split_linear(held[s], symbols)
+        coefficients, rest = split(held[s])
         E0[i] = finish(rest)
         for j in range(i, n):
-            I[i, j] = I[j, i] = finish(-coefficients[j])
+            I[i, j] = I[j, i] = finish(-coefficients.get(symbols[j], sp.S.Zero))
     complete = dict(held)
     for p in system.pseudo:  # the boundary terms of (B)
         for q, g in p.gradient.items():
