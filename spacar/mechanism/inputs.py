@@ -1,10 +1,11 @@
 """Loads, prescribed motion, start values and settings of the dynamics block."""
 
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import Array, Index
 from spacar.deck import Deck
 from spacar.deck.table_solvers import INTEGRATOR_ALIASES
 from spacar.mechanism.mechanism import Drive, DriveState, Loads, Polynomial, SolverSettings, Start, UserSignal
@@ -20,37 +21,41 @@ SETTINGS = {
 }  # fmt: skip
 
 
-def loads(deck: Deck, numbering: Numbering, prefix: str = "", kind: type = float) -> Loads:
-    """Initial loads (prefix empty) or their increments (prefix DEL): XF, GRAVITY, ESIG, mass flow.
+def applied(rows: Iterable[Sequence[Any]], numbering: Numbering, kind: type = float) -> tuple[Array, Array, Index]:
+    """Forces (nx,), global moments (n, 3) and their lambda rows (4, n) of XF, rows of a node and its numbers.
 
     Three numbers on a spatial orientation node are a global moment, four the forces dual to lambda
     (input-language.md section 5.2).
     """
-    index, dimension = deck.index, 2 if numbering.planar else 3
     force: Array = np.zeros(numbering.nx, kind)
-    gravity: Array = np.zeros(dimension, kind)
-    preload: Array = np.zeros(numbering.ne, kind)
-    moments, rows = [], []
-    for node, *values in index.rows(f"{prefix}XF", 2):
+    moments, turned = [], []
+    for node, *values in rows:
         row = numbering.x_places[node]
         if len(values) == 3 and not numbering.planar and numbering.role(node) == "orientation":
             moments.append(values)
-            rows.append(row)
+            turned.append(row)
         else:
             for place, value in zip(row.tolist(), values, strict=False):
                 if place >= 0:
                     force[place] += value
+    if not moments:
+        return force, np.zeros((0, 3), kind), np.zeros((4, 0), np.int64)
+    return force, np.array(moments, kind), np.array(turned).T
+
+
+def loads(deck: Deck, numbering: Numbering, prefix: str = "", kind: type = float) -> Loads:
+    """Initial loads (prefix empty) or their increments (prefix DEL): XF, GRAVITY, ESIG, mass flow."""
+    index, dimension = deck.index, 2 if numbering.planar else 3
+    gravity: Array = np.zeros(dimension, kind)
+    preload: Array = np.zeros(numbering.ne, kind)
     for given in index.rows("DELGRAV" if prefix else "GRAVITY", 2):
         given = given[:dimension]
         gravity[: len(given)] = given
     for number, *values in index.rows(f"{prefix}ESIG", 2):
         for place, value in zip(numbering.e_places[number].tolist(), values, strict=False):
             preload[place] = value
-    return Loads(
-        force=force, moment=np.array(moments, kind) if moments else np.zeros((0, 3), kind),
-        moment_rows=np.array(rows).T if rows else np.zeros((4, 0), np.int64), gravity=gravity, preload=preload,
-        flow=_flow(deck, numbering, prefix),
-    )  # fmt: skip
+    forces = applied(index.rows(f"{prefix}XF", 2), numbering, kind)
+    return Loads(*forces, gravity, preload, _flow(deck, numbering, prefix))
 
 
 def _flow(deck: Deck, numbering: Numbering, prefix: str) -> dict[int, float]:

@@ -33,15 +33,15 @@ and prestresses instead. For a column under a load P the extra load of the same 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import Array, Index
+from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
-from spacar.dynamics.loaded_mechanism import moment_entries
+from spacar.dynamics.loaded_mechanism import AppliedForces, moment_entries
 from spacar.errors import AnalysisError, Report
 from spacar.kinematics.transfer import moved_along
 from spacar.linear.buckling import BucklingModes, buckling_modes
@@ -53,6 +53,8 @@ from spacar.linear.node_compliance import compliance_of, displacements
 from spacar.linear_systems.linear_system import matrix
 from spacar.linearization.coefficients import geometric_stiffness
 from spacar.linearization.matrices import Linearization
+from spacar.mechanism.inputs import applied
+from spacar.mechanism.mechanism import Loads
 from spacar.mechanism.numbering import Numbering
 from spacar.stationary.flexibility import Flexibility
 from spacar.stationary.tangent import STATIC, SparseTangent
@@ -60,35 +62,14 @@ from spacar.stroke.driven_deck import Row
 from spacar.stroke.observed_node import ObservedNode
 
 
-@dataclass(frozen=True)
-class ExtraLoad:
-    """force (nx,) [N, planar N m];  moments (n, 3) [N m] about global axes at the Euler parameters rows (4, n)."""
+def extra_load(statements: Sequence[Row], n: Numbering) -> Loads:
+    """The sum of XF statements, rows of the dynamics block."""
+    return Loads(*applied((row[1:] for row in statements), n), np.zeros(2 if n.planar else 3), np.zeros(n.ne))
 
-    force: Array
-    rows: Index
-    moments: Array
 
-    @classmethod
-    def of(cls, loads: Sequence[Row], n: Numbering) -> ExtraLoad:
-        """The sum of all XF statements, rows of the dynamics block."""
-        force, rows, moments = np.zeros(n.nx), [np.zeros((4, 0), np.int64)], [np.zeros((0, 3))]
-        for _, node, *values in loads:
-            places = n.lnp[int(node) - 1] - 1
-            if not n.planar and n.kind[int(node)] == "orientation":
-                rows.append(places[:4, None])
-                moments.append(np.array([values], float))
-            else:
-                force[places[: len(values)]] += np.array(values, float)
-        return cls(force, np.concatenate(rows, axis=1), np.concatenate(moments))
-
-    def at(self, x: Array) -> Array:
-        """df (nx,) at coordinates x (nx,)."""
-        rows, columns, values = self.gradient_entries()
-        return self.force + np.bincount(rows, values * x[columns], len(self.force))
-
-    def gradient_entries(self) -> tuple[Index, Index, Array]:
-        """d(df)/dx as rows, columns, values (16 n,)."""
-        return moment_entries(self.rows, self.moments)
+def _force(d: Dynamics, load: Loads) -> Array:
+    """df (nx,) in the configuration."""
+    return AppliedForces(d.mechanism, load, d.sweep)(d.kinematics.x, None)
 
 
 class DrivePlace(NamedTuple):
@@ -169,10 +150,10 @@ class ReducedDrive:
         """Multipliers of all loads and prestresses."""
         return buckling_modes(*buckling_matrices(self.dynamics, self.L, self._rows[free]), told)
 
-    def extra_stresses(self, free: bool, load: ExtraLoad) -> Array:
+    def extra_stresses(self, free: bool, load: Loads) -> Array:
         """sigma (ne,) that the extra load adds. Raises AnalysisError 'compliance.singular'."""
         d, L, c, rows = self.dynamics, self.L, self.L.c, self._rows[free]
-        df = load.at(d.kinematics.x)
+        df = _force(d, load)
         dq = displacements(self._block(L.stiffness, free), (L.W[:, rows].T @ df)[:, None])[:, 0]
         dx, dv = L.G[:, rows] @ dq, L.Z[:, rows] @ dq
         sigma = c.S @ (c.V @ dx) + c.Sd @ (L.Ze[:, rows] @ dq) + c.stress_x @ dx + c.stress_v @ dv
@@ -185,10 +166,11 @@ class ReducedDrive:
         d.kinematics.reactions(force, sigma)
         return np.asarray(sigma)
 
-    def extra(self, free: bool, sigma: Array, load: ExtraLoad, wanted: int, told: Report) -> BucklingModes:
+    def extra(self, free: bool, sigma: Array, load: Loads, wanted: int, told: Report) -> BucklingModes:
         """Multipliers of the extra load alone, with its stresses. Raises AnalysisError 'buckling.singular'."""
         d, L, rows = self.dynamics, self.L, self._rows[free]
-        loading = geometric_stiffness(d.sweep, sigma) - matrix(*load.gradient_entries(), L.G.shape[:1] * 2)
+        turned = matrix(*moment_entries(load.moment_rows, load.moment), L.G.shape[:1] * 2)
+        loading = geometric_stiffness(d.sweep, sigma) - turned
         added = np.asarray((L.W[:, rows].T @ loading) @ L.G[:, rows])
         return buckling_modes(*extra_load_matrices(d, L, rows, self._block(L.stiffness, free), added, sigma), told)
 
@@ -272,14 +254,15 @@ class MixedDrive:
     def buckling(self, free: bool, wanted: int, told: Report) -> BucklingModes:
         return lowest_buckling(self._tangents[free], told, wanted)
 
-    def extra_stresses(self, free: bool, load: ExtraLoad) -> Array:
+    def extra_stresses(self, free: bool, load: Loads) -> Array:
         t = self._tangents[free]
         right = np.zeros(t.nf + t.ne)
-        right[: t.nf] = load.at(self.dynamics.kinematics.x)[t.F]
+        right[: t.nf] = _force(self.dynamics, load)[t.F]
         return np.asarray(t.flexibility.size * t.factor(STATIC).solve(right)[t.nf :])
 
-    def extra(self, free: bool, sigma: Array, load: ExtraLoad, wanted: int, told: Report) -> BucklingModes:
-        return lowest_extra_load(self._tangents[free], sigma, load.gradient_entries(), told, wanted)
+    def extra(self, free: bool, sigma: Array, load: Loads, wanted: int, told: Report) -> BucklingModes:
+        entries = moment_entries(load.moment_rows, load.moment)
+        return lowest_extra_load(self._tangents[free], sigma, entries, told, wanted)
 
     def contains_all(self, found: BucklingModes, wanted: int, free: bool) -> bool:
         """If there are fewer than wanted, the others are infinite or, with an unsymmetric loading only, complex."""

@@ -20,7 +20,8 @@ from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
 from spacar.linear.buckling import BucklingModes
 from spacar.linear_systems import SingularMatrixError
-from spacar.stroke.drive_equations import DriveEquations, ExtraLoad, Frequencies
+from spacar.mechanism.mechanism import Loads
+from spacar.stroke.drive_equations import DriveEquations, Frequencies
 from spacar.stroke.observed_node import ObservedNode
 
 NOTHING = 1e-11  # of the largest displacement by a degree of freedom: a direction that moves less counts as rigid
@@ -55,7 +56,7 @@ class Station:
 
 
 def station(
-    frame: Frame, equations: DriveEquations, held: bool, node: ObservedNode, modes: int, extra: ExtraLoad | None,
+    frame: Frame, equations: DriveEquations, held: bool, node: ObservedNode, modes: int, extra: Loads | None,
     report: Report,
 ) -> Station:  # fmt: skip
     """Everything about a placed state.
@@ -136,7 +137,7 @@ def _first_of(hertz: Array, n: int) -> Array:
     return np.pad(hertz[:n], (0, max(0, n - len(hertz))), constant_values=np.nan)
 
 
-def _extra(e: DriveEquations, held: bool, load: ExtraLoad | None, report: Report) -> tuple[float, float]:
+def _extra(e: DriveEquations, held: bool, load: Loads | None, report: Report) -> tuple[float, float]:
     """Multipliers of the extra load alone, drive held and free; nan without such a load, and where there are none."""
     if load is None:
         return np.nan, np.nan
