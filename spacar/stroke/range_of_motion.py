@@ -30,7 +30,7 @@ from spacar.linear.linear_modes import stationary
 from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
 from spacar.result import Result
-from spacar.stroke.drive_equations import DriveEquations, DrivePlace, ExtraLoad, MixedDrive, ReducedDrive
+from spacar.stroke.drive_equations import DriveEquations, DrivePlace, MixedDrive, ReducedDrive, extra_load
 from spacar.stroke.driven_deck import Row, driven, load_row, own_move
 from spacar.stroke.error_motions import error_motions, relative_rotations
 from spacar.stroke.flexure_results import Flexure
@@ -110,23 +110,14 @@ def beyond(move: StrokeMove, length: float, metre: float) -> str:
     return f"{sizes}{length / metre:.4g} {unit}; lengths are in {unit}, the unit of the input file (UNITS)"
 
 
-class _StrokeState(NamedTuple):
-    """Stroke, actuator force and its slope at a station; `others`: forces (nx,) besides actuator, constant moments."""
-
-    station: Station
-    stroke: float
-    force: float
-    slope: float
-    others: Array
-
-
 class _Side(NamedTuple):
-    """The states from the undeflected one to one end."""
+    """The states from the undeflected one to one end: station, stroke, actuator force, its slope, and all other forces
+    (nx,) but constant moments."""
 
     mechanism: Mechanism
     node: ObservedNode
     report: Report
-    states: list[_StrokeState]
+    states: list[tuple[Station, float, float, float, Array]]
 
 
 def _side(
@@ -140,7 +131,7 @@ def _side(
     row = n.e_index(move.number, move.place) if move.deformation else n.x_index(move.number, move.place)
     drive = DrivePlace.of(n, row, move.deformation)
     side = _Side(run.mechanism, _observed(run.mechanism, move, node, orientation), run.report, [])
-    extra = ExtraLoad.of(beside, n) if beside else None
+    extra = extra_load(beside, n) if beside else None
     turned = ObservedNode.of(n, move.number) if move.pushed and move.rotation else None
     mixed: MixedDrive | None = None
     with np.errstate(all="ignore"):
@@ -165,8 +156,7 @@ def _side(
                 dual = -frame.sig[row] if move.deformation else (frame.fxtot - (frame.fx + frame.fxgrav))[row]
                 force = float(move.force(np.array(stroke), dual))
                 slope = float(move.stiffness(np.array(stroke), dual, np.array(slope)))
-            others = run.mechanism.loads.force + frame.fxgrav
-            side.states.append(_StrokeState(found, stroke, force, slope, others))
+            side.states.append((found, stroke, force, slope, run.mechanism.loads.force + frame.fxgrav))
     return side
 
 
