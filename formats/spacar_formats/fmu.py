@@ -15,12 +15,11 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from spacar.errors import AnalysisError, UsageError
-from spacar.expressions import unit_text
+from spacar.expressions import Dimensions, unit_text
 from spacar.mechanism.numbering import owners
 from spacar.mechanism.user_files import STATEMENTS, function_file
 from spacar.simulation.plant import QUANTITY, Spasim
 from spacar_formats.safety import replacing
-from spacar_formats.tables import dimensions_of
 
 SCRIPT = "fmu_slave.py"
 DESCRIPTION = "modelDescription.xml"
@@ -68,7 +67,7 @@ def export_fmu(model: Path, target: Path, rtol: float = 1e-6, atol: float = 1e-8
 
 def units(plant: Spasim) -> list[str]:
     """Units of the inputs, then of the outputs; empty for a pure number."""
-    n, known = plant.numbering, dimensions_of(plant.mechanism)
+    n, known = plant.numbering, Dimensions.of(plant.numbering, False)
     x, e = owners(n.x_places, n.nx), owners(n.e_places, n.ne)
     names = {kind: ("x", "xd", "xdd")[k] if "X" in kind else ("e", "ed", "edd")[k] for kind, k in QUANTITY.items()}
     names |= {"INPUTS": "sig", "INPUTF": "fx"}

@@ -14,7 +14,6 @@ from spacar.arrays import Array
 from spacar.calls import texts
 from spacar.errors import UsageError
 from spacar.expressions import Dimensions, evaluate, parse, unit_text
-from spacar.mechanism import Mechanism
 from spacar.mechanism.numbering import owners
 from spacar.modes import find_mode
 from spacar.result import E_VARIABLES, X_VARIABLES, Result
@@ -109,15 +108,7 @@ def to_xarray(result: Result) -> xarray.Dataset:
 
 def dimensions(result: Result) -> Dimensions:
     """The units of the variables of a result."""
-    return dimensions_of(result.mechanism, find_mode(result.mode).stationary)
-
-
-def dimensions_of(mechanism: Mechanism, stationary: bool = False) -> Dimensions:
-    """The same of a mechanism."""
-    numbering = mechanism.numbering
-    positions = frozenset(k for k, kind in numbering.kind.items() if kind == "position")
-    keywords = [numbering.keyword.get(number, "") for number in range(1, len(numbering.le) + 1)]
-    return Dimensions(numbering.planar, stationary, positions, keywords)
+    return Dimensions.of(result.mechanism.numbering, find_mode(result.mode).stationary)
 
 
 def variables(result: Result) -> Iterator[tuple[str, list[tuple[int, int]], Array]]:

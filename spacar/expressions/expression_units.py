@@ -4,8 +4,11 @@ Units of variables are those of the keyword table; forces are dual to coordinate
 sig de/dt is a power in N m/s, so the stress of a deformation in m is in N, in rad in N m, without unit in N m.
 """
 
+from __future__ import annotations
+
 from collections.abc import Container, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import UsageError
@@ -57,6 +60,13 @@ class Dimensions:
     stationary: bool
     position_nodes: Container[int]
     keywords: Sequence[str]
+
+    @classmethod
+    def of(cls, numbering: Any, stationary: bool) -> Dimensions:
+        """Those of a mechanism, by its `Numbering`."""
+        positions = frozenset(k for k, kind in numbering.kind.items() if kind == "position")
+        keywords = [numbering.keyword.get(number, "") for number in range(1, len(numbering.le) + 1)]
+        return cls(numbering.planar, stationary, positions, keywords)
 
     def __call__(self, name: str, numbers: Sequence[int]) -> Unit | None:
         """The unit of a variable that exists; None for those of the linearized equations."""

@@ -211,7 +211,9 @@ class _Analysis:
         self._walk()
         moving = [derivative(e, self._leaf, self.steps, len(self.numbers)) for e in self.expressions]
         for q, found in zip(self.wanted, moving, strict=True):
-            self._require_number(q, found)
+            if found.values.size == 1 and np.iscomplexobj(found.values):
+                raise UsageError(f"{q.text} is complex; take its abs(), real() or imag()", "sensitivity.quantity")
+            q.single(found.values, "sensitivity.quantity")
         shape = (len(moving), len(self.numbers))
         return Sensitivity(
             parameters=tuple(n.setting.name for n in self.numbers),
@@ -224,26 +226,11 @@ class _Analysis:
             notes=tuple(self.prepared.report.lines),
         )
 
-    def _require_number(self, q: Quantity, found: Value) -> None:
-        if found.values.size != 1:
-            text = f"{q.text} has a value at each of {found.values.size} steps; add @end or a function such as max()"
-            raise UsageError(text, "sensitivity.quantity")
-        if np.iscomplexobj(found.values):
-            raise UsageError(f"{q.text} is complex; take its abs(), real() or imag()", "sensitivity.quantity")
-        if not np.isfinite(found.values).all():
-            raise UsageError(f"{q.text} is {np.ravel(found.values)[0]}", "sensitivity.quantity")
-
     def _leaf(self, node: Any) -> Value:
         name, numbers = variable = self._variable(node)
         value, rate = self.found[variable]
-        return Value(value, STRESSES[name] if name in STRESSES else self._dimensions(name, numbers), rate)
-
-    @property
-    def _dimensions(self) -> Dimensions:
-        n = self.prepared.mechanism.numbering
-        keywords = [n.keyword.get(k, "") for k in range(1, max(n.keyword, default=0) + 1)]
-        nodes = frozenset(k for k, kind in n.kind.items() if kind == "position")
-        return Dimensions(n.planar, True, nodes, keywords)
+        dimensions = Dimensions.of(self.prepared.mechanism.numbering, True)
+        return Value(value, STRESSES[name] if name in STRESSES else dimensions(name, numbers), rate)
 
     def _require_determined(self, d: Dynamics, step: int) -> None:
         """The linearized equations need degrees of freedom that determine the configuration. Raises AnalysisError."""

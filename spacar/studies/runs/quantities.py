@@ -36,13 +36,17 @@ class Quantity(NamedTuple):
 
     def number(self, result: Result) -> float | complex:
         """The single number that the expression is. Raises UsageError when it is a series or not finite."""
-        value = self.series(result)
-        if value.size != 1:
-            text = f"{self.text} has a value at each of {value.size} steps; add @end or a function such as max()"
-            raise UsageError(text, "study.quantity")
-        if not np.isfinite(value[0]):
-            raise UsageError(f"{self.text} is {value[0]}", "study.quantity")
-        return complex(value[0]) if np.iscomplexobj(value) else float(value[0])
+        return self.single(self.series(result), "study.quantity")
+
+    def single(self, values: np.ndarray, code: str) -> float | complex:
+        """The only one of its values. Raises UsageError with this code for a series and for what is not finite."""
+        if values.size != 1:
+            text = f"{self.text} has a value at each of {values.size} steps; add @end or a function such as max()"
+            raise UsageError(text, code)
+        value = values.item()
+        if not np.isfinite(value):
+            raise UsageError(f"{self.text} is {value}", code)
+        return complex(value) if np.iscomplexobj(values) else float(value)
 
 
 _parsed = lru_cache(maxsize=256)(parse)  # once for all cases
