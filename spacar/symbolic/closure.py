@@ -12,7 +12,6 @@ projected back. Source: decision; `symbolic.md`, section 3.5.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from typing import Any, NoReturn
 
 import numpy as np
@@ -27,17 +26,13 @@ ROUNDING = 8 * np.finfo(float).eps  # of a coordinate of order one
 NEARLY = 1e-3  # largest relative change of given start values that is taken as their rounding
 
 
-@dataclass
 class Manifold:
     """The states that satisfy the constraints of a program; `function` has `manifold(t, y)`."""
 
-    program: OrderedProgram
-    function: Any
-    notes: list[str] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        assert self.program.constraints is not None
-        self.nq, self.constraints = len(self.program.coordinates), self.program.constraints
+    def __init__(self, program: OrderedProgram, function: Any) -> None:
+        assert program.constraints is not None
+        self.program, self.function, self.constraints = program, function, program.constraints
+        self.nq, self.notes = len(program.coordinates), list[str]()
 
     def numbers(self, t: float, y: np.ndarray) -> tuple[np.ndarray, ...]:
         """D, J, J_g, e, g, W."""

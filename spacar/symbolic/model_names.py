@@ -43,11 +43,9 @@ class ModelNames(Mapping[str, sp.Expr]):
         if isinstance(found, CrossSection) and quantity in found.values:
             return found.values[quantity]
         kind, axis = quantity[:-1], AXES.index(quantity[-1]) + 1
-        vector = {
-            "": lambda: found.position,
-            "v": lambda: found.velocity,
-            "a": lambda: self.system.ddt(self.system.N, found.velocity),
-        }[kind]()
+        vector = found.velocity if kind else found.position
+        if kind == "a":
+            vector = self.system.ddt(self.system.N, vector)
         value: sp.Expr = vector & self.system.N[axis]
         return value
 

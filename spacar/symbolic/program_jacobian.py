@@ -2,12 +2,10 @@
 
 With g(y, a) = f(y, u(y)) − I(y) a and a held constant: ∂a/∂y = I⁻¹ ∂g/∂y. With constraints g = f − I a + Jᵀ λ and
 h = J a + γ, a and λ constant: I ∂a − Jᵀ ∂λ = ∂g, J ∂a = −∂h. Z variables stay reads; inputs that are
-expressions of the state are differentiated too (feedback). Source: `symbolic.md`, section 5.
+expressions of the state are differentiated too (feedback).
 
-What assignments have in common: parts of parameters only are done once, equal parts are done once a step.
-
-Parameter-only factors move to the `once` part, then `sympy.cse` runs on definitions and results together; no Z is
-ever inlined. Source: `symbolic.md`, sections 4.2 and 5.
+Parts of parameters only move to the `once` part, then `sympy.cse` runs on definitions and results together, so that
+equal parts are done once a step; no Z is ever inlined. Source: `symbolic.md`, sections 4.2 and 5.
 """
 
 from collections.abc import Callable, Iterable
@@ -33,10 +31,6 @@ class Jacobian:
     dg: sp.ImmutableMatrix
     drates: sp.ImmutableMatrix
     dh: sp.ImmutableMatrix
-
-    def count_ops(self) -> int:
-        """Operations per evaluation, I and f included."""
-        return sum(int(sp.count_ops(e)) for e in [*(e for _, e in self.step), *self.dg, *self.drates, *self.dh])
 
 
 class NameSource:
