@@ -18,11 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.simulation.algebraic_loops import Group
+from spacar.simulation.algebraic_loops import DIFFERENCE, Group, differences
 from spacar.simulation.blocks import Affine, Block
 from spacar.simulation.diagram import Schedule
-
-DIFFERENCE = float(np.finfo(float).eps) ** 0.5
 
 
 class AffineRun:
@@ -154,9 +152,5 @@ def by_differences(b: Block, t: float, x: Array, u: Array, absolute: float) -> A
 
     if not fixed and (n or direct):
         z = np.concatenate((x, u))
-        start = at(z)
-        for k in range(n + m):
-            moved = z.copy()
-            moved[k] += DIFFERENCE * size[k]
-            slopes[:, k] = (at(moved) - start) / (moved[k] - z[k])
+        slopes = differences(at, z, at(z), size)
     return Affine(slopes[p:, :n], slopes[p:, n:], slopes[:p, :n], slopes[:p, n:], np.zeros(n), np.zeros(p))

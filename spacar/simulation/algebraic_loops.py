@@ -23,6 +23,7 @@ from spacar.errors import AnalysisError
 from spacar.simulation.blocks import Block
 
 EPS = float(np.finfo(float).eps)
+DIFFERENCE = EPS**0.5
 MOST_ITERATIONS = 25
 SLOW = 0.1  # contraction beyond which the Jacobian is computed again
 FEW_DIGITS = 100.0  # units of rounding that a solution may be uncertain by
@@ -76,7 +77,7 @@ class Group:
                 return calls
             fresh = self.jacobian is None
             if self.jacobian is None:
-                self.jacobian = self._slopes(v, r, size or 1.0, residual)
+                self.jacobian = -differences(residual, v, r, np.maximum(np.abs(v), size or 1.0))
             try:
                 dv = np.linalg.solve(self.jacobian, r)
             except np.linalg.LinAlgError:
@@ -98,21 +99,22 @@ class Group:
         self.jacobian = None
         return self._fail(t, f"{MOST_ITERATIONS} corrections did not solve it, the last one was {last:.3g}")
 
-    def _slopes(self, v: Array, r: Array, size: float, residual: Callable[[Array], Array]) -> Array:
-        """1 - dF/dv."""
-        out = np.empty((len(v), len(v)))
-        for k in range(len(v)):
-            moved = v.copy()
-            moved[k] += EPS**0.5 * max(abs(float(v[k])), size)
-            out[:, k] = -(residual(moved) - r) / (moved[k] - v[k])
-        return out
-
     def _fail(self, t: float, why: str) -> int:
         text = (
             f"the algebraic loop {self.loop} has no solution at t = {t:.9g}: {why}; change a gain, or put a block with"
             " states, a unit delay or a sampled block with delay into it"
         )
         raise AnalysisError(text, "simulation.algebraic-loop")
+
+
+def differences(function: Callable[[Array], Array], z: Array, start: Array, size: Array) -> Array:
+    """d(function)/dz (n, m) at z (m,), where it is `start` (n,), by forward differences of sqrt(eps) of `size` (m,)."""
+    out = np.empty((len(start), len(z)))
+    for k in range(len(z)):
+        moved = z.copy()
+        moved[k] += DIFFERENCE * size[k]
+        out[:, k] = (function(moved) - start) / (moved[k] - z[k])
+    return out
 
 
 def components(needs: dict[str, list[str]]) -> list[list[str]]:
