@@ -8,7 +8,6 @@
 f = Tᵀ (E_0 − Î t). Source: the paper, (11) to (20), tables 11 to 19; `symbolic.md`, sections 3.2, 3.3, 4.2.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import sympy as sp
@@ -77,6 +76,7 @@ class HeldDerivation:
         self.recurrence = recurrence
         self.accelerations = list(system.accelerations.values())
         self.table = ZTable(forbidden=self.accelerations)
+        self.cosines = DirectionCosines(self.table if recurrence else None)
         self.values: dict[sp.Expr, sp.Expr] = {}
         self._accelerations_of: dict[Vector, Vector] = {}
         self._relative: dict[Beam, list[VectorPart]] = {}
@@ -221,6 +221,30 @@ class HeldDerivation:
             result[s] = sp.Add(*parts, rest)
         return result
 
+    # -- numbers -----------------------------------------------------------------------------------------------
+
+    def name_fields(self) -> None:
+        """Pseudo-coordinates and pseudo-speeds get the values of their fields, memory reads of their names."""
+        for p in self.system.pseudo:
+            velocity = sp.Add(*(gather_scalars(g) * self.system.field_speeds[q] for q, g in p.gradient.items()))
+            self.values[p.coordinate] = self.read(gather_scalars(p.value), str(p.coordinate.func))
+            self.values[p.speed] = self.read(gather_scalars(velocity), str(p.speed.func))
+
+    def finish(self, expression: sp.Expr) -> sp.Expr:
+        """Dots to cosines, pseudo-coordinates and -speeds to field values, the result a memory read."""
+        return self.read(gather_scalars(transform(expression, self.cosines).xreplace(self.values)))
+
+    def pseudo_relations(self) -> tuple[sp.Matrix, sp.Matrix]:
+        """T and t of (ṡ, dφ̇, ṡ') = T (ṡ, dφ̇) + t."""
+        pseudo, speeds, speed = self.system.pseudo, self.system.speeds, self.system.field_speeds
+        n = len(speeds)
+        T, t = sp.eye(n).row_insert(n, sp.zeros(len(pseudo), n)), sp.zeros(n + len(pseudo), 1)
+        for row, p in enumerate(pseudo, n):
+            for q, g in p.gradient.items():
+                T[row, speeds.index(speed[q])] = self.finish(g)
+            t[row] = self.finish(p.bias(speed))
+        return T, t
+
 
 def damping_force(beam: Beam, f: Field, psi: sp.Expr) -> sp.Expr:
     """∫ 2γ u_xt ψ_x dx of a bending field, or −∫ 2γ u_xxt ψ dx as printed in the paper (no boundary condition)."""
@@ -242,47 +266,19 @@ def derive_unevaluated(system: Description, recurrence: bool = True) -> Derivati
     for beam in system.beams:
         held |= steps.weak(beam)
     extended = [*system.speeds, *pseudo]
-    cosines = DirectionCosines(steps.table if recurrence else None)
-    finish = _finisher(system, steps, cosines)
+    steps.name_fields()
     symbols = [system.accelerations[s] for s in extended]
     n, split = len(extended), LinearSplit(symbols)
     I, E0 = sp.zeros(n, n), sp.zeros(n, 1)
     for i, s in enumerate(extended):
         coefficients, rest = split(held[s])
-        E0[i] = finish(rest)
+        E0[i] = steps.finish(rest)
         for j in range(i, n):
-            I[i, j] = I[j, i] = finish(-coefficients.get(symbols[j], sp.S.Zero))
+            I[i, j] = I[j, i] = steps.finish(-coefficients.get(symbols[j], sp.S.Zero))
     complete = dict(held)
     for p in system.pseudo:  # the boundary terms of (B)
         for q, g in p.gradient.items():
             complete[system.field_speeds[q]] += held[p.speed] * g
-    T, t = _pseudo_relations(system, finish)
+    T, t = steps.pseudo_relations()
     mass = (T.T * I * T).applyfunc(sp.expand) if not recurrence else T.T * I * T
-    return Derivation(mass, T.T * (E0 - I * t), steps.table, cosines, steps.values, complete)
-
-
-def _finisher(system: Description, steps: HeldDerivation, cosines: DirectionCosines) -> Callable[[sp.Expr], sp.Expr]:
-    """Dots to cosines, pseudo-coordinates and -speeds to field values, the result a memory read."""
-    values: dict[sp.Expr, sp.Expr] = {}
-    for p in system.pseudo:
-        velocity = sp.Add(*(gather_scalars(g) * system.field_speeds[q] for q, g in p.gradient.items()))
-        values[p.coordinate] = steps.read(gather_scalars(p.value), str(p.coordinate.func))
-        values[p.speed] = steps.read(gather_scalars(velocity), str(p.speed.func))
-    steps.values = values
-
-    def finish(expression: sp.Expr) -> sp.Expr:
-        return steps.read(gather_scalars(transform(expression, cosines).xreplace(values)))
-
-    return finish
-
-
-def _pseudo_relations(system: Description, finish: Callable[[sp.Expr], sp.Expr]) -> tuple[sp.Matrix, sp.Matrix]:
-    """T and t of (ṡ, dφ̇, ṡ') = T (ṡ, dφ̇) + t."""
-    n = len(system.speeds)
-    T, t = sp.eye(n).row_insert(n, sp.zeros(len(system.pseudo), n)), sp.zeros(n + len(system.pseudo), 1)
-    speed = system.field_speeds
-    for row, p in enumerate(system.pseudo, n):
-        for q, g in p.gradient.items():
-            T[row, system.speeds.index(speed[q])] = finish(g)
-        t[row] = finish(p.bias(speed))
-    return T, t
+    return Derivation(mass, T.T * (E0 - I * t), steps.table, steps.cosines, steps.values, complete)
