@@ -72,14 +72,10 @@ class StateSpaceStep:
 
     def to_control(self) -> Any:
         """As `control.ss` with named signals. Raises UsageError when python-control is not installed."""
-        try:
-            import control
-        except ImportError:
-            raise UsageError(
-                "python-control is not installed: pip install 'spacar[control]'", "files.control-missing"
-            ) from None
+        from spacar.simulation.control_systems import python_control
+
         names = {"states": list(self.states), "inputs": list(self.inputs), "outputs": list(self.outputs)}
-        return control.ss(self.A, self.B, self.C, self.feedthrough, **names)
+        return python_control("files.control-missing").ss(self.A, self.B, self.C, self.feedthrough, **names)
 
 
 def state_space_of(result: Result, step: int = 1) -> StateSpaceStep:

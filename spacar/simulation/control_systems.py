@@ -19,11 +19,7 @@ def as_control(block: Block, numbered: bool = False) -> Any:
     `system.params` is empty. Raises UsageError for sampled blocks and delays, for blocks with a mode (limits, relays:
     python-control does not locate their ends), and when python-control is not installed.
     """
-    try:
-        import control
-    except ImportError:
-        text = "python-control is not installed: pip install 'spacar[control]'"
-        raise UsageError(text, "simulation.control-missing") from None
+    control = python_control("simulation.control-missing")
     piecewise = "is smooth only piecewise, and python-control does not stop where a piece ends: simulate it with"
     for refused, text, code in (
         (block.period, "is sampled: write it as a discrete-time system of python-control itself", "sampled"),
@@ -43,6 +39,15 @@ def as_control(block: Block, numbered: bool = False) -> Any:
         outputs=_names("y", () if numbered else block.outputs_, block.n_out),
         states=_names("x", () if numbered else getattr(block, "states", ()), len(start)),
     )  # fmt: skip
+
+
+def python_control(code: str) -> Any:
+    """The package. Raises UsageError with this code where it is not installed."""
+    try:
+        import control
+    except ImportError:
+        raise UsageError("python-control is not installed: pip install 'spacar[control]'", code) from None
+    return control
 
 
 def _names(letter: str, given: Sequence[str], count: int) -> list[str]:
