@@ -153,8 +153,8 @@ def simulate(
     if steps > MOST_STEPS:
         raise UsageError(f"{steps} steps: at most {MOST_STEPS:.0e}, as the motion stays in memory")
     names = tuple(s.name for s in program.state)
-    for what, given in (("start", start or {}), ("guess", guess or {})):
-        unknown = [name for name in given if name not in names]
+    for what, given in (("start", start), ("guess", guess), ("atol", atol)):
+        unknown = [name for name in given if name not in names] if isinstance(given, Mapping) else []
         if unknown:
             raise UsageError(f"{what}: {unknown[0]} is not a state (states: {', '.join(names)})")
     f = function or make_function(program, values, True, feeds)
@@ -238,8 +238,6 @@ def absolute_tolerance(
         scale[half:] = np.maximum(np.abs(y0[half:]), scale[:half])
     result = max(rtol, TIGHTEST_SCALED) * np.where(scale > 1e-12, scale, 1.0)
     for name, value in (atol or {}).items():
-        if name not in names:
-            raise UsageError(f"atol: {name} is not a state (states: {', '.join(names)})")
         result[names.index(name)] = float(value)
     return result
 
