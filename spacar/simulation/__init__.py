@@ -2,24 +2,20 @@
 
 from typing import Any
 
-_HOME = {
-    "Block": "blocks", "Constant": "signal_sources", "Continuous": "blocks", "DeadZone": "switching_blocks",
-    "Diagram": "diagram", "Event": "response", "Function": "blocks", "Gain": "blocks", "Integrator": "control_blocks",
-    "Linear": "blocks", "LookupTable": "switching_blocks", "Ltv": "setpoint_blocks", "PID": "control_blocks",
-    "Product": "blocks", "Pulses": "signal_sources", "Quantizer": "switching_blocks", "Ramp": "signal_sources",
-    "RateLimiter": "control_blocks", "ReferenceY0": "setpoint_blocks", "Relay": "switching_blocks",
-    "Response": "response", "Sampled": "blocks", "Saturation": "switching_blocks", "Scope": "blocks",
-    "SetpointSigma0": "setpoint_blocks", "SetpointU0": "setpoint_blocks", "Sine": "signal_sources",
-    "Spasim": "plant", "StepSignal": "signal_sources", "Table": "signal_sources", "TimeSeries": "signal_sources",
-    "TimeVarying": "time_varying", "TimesM0": "setpoint_blocks", "TransportDelay": "transport_delay",
-    "as_control": "control_systems", "closed_loop": "engine", "computed_torque": "feedback",
-    "proportional_derivative": "blocks", "reduce_modes": "reduction",
-    "sampled_linear": "sampled_blocks", "sampled_pid": "sampled_blocks", "sampled_rate_limiter": "sampled_blocks",
-    "sampled_transfer_function": "sampled_blocks", "simulate": "engine",
-    "simulate_ltv": "propagation", "static_start": "feedback",
-    "tracking_gains": "feedback", "transfer_function": "control_blocks", "unit_delay": "sampled_blocks",
-    "with_gain": "feedback", "zero_order_hold": "sampled_blocks",
+_NAMES = {  # by the modules that have them
+    "blocks": "Block Continuous Function Gain Linear Product Sampled Scope proportional_derivative",
+    "control_blocks": "Integrator PID RateLimiter transfer_function", "control_systems": "as_control",
+    "diagram": "Diagram", "engine": "closed_loop simulate",
+    "feedback": "computed_torque static_start tracking_gains with_gain", "plant": "Spasim",
+    "propagation": "simulate_ltv", "reduction": "reduce_modes", "response": "Event Response",
+    "sampled_blocks": "sampled_linear sampled_pid sampled_rate_limiter sampled_transfer_function "
+                      "unit_delay zero_order_hold",
+    "setpoint_blocks": "Ltv ReferenceY0 SetpointSigma0 SetpointU0 TimesM0",
+    "signal_sources": "Constant Pulses Ramp Sine StepSignal Table TimeSeries",
+    "switching_blocks": "DeadZone LookupTable Quantizer Relay Saturation", "time_varying": "TimeVarying",
+    "transport_delay": "TransportDelay",
 }  # fmt: skip
+_HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
 __all__ = sorted(_HOME)
 
 
