@@ -181,15 +181,9 @@ def _numbers(rows: list[sp.Matrix], run: SimulatedMotion, values: Mapping[str, f
     flat = [e for row in rows for e in row]
     atoms = sorted(set().union(*(e.atoms(AppliedUndef) | e.free_symbols for e in flat)) if flat else (), key=str)
     result = np.empty((len(run.time), len(flat)))
-    known: dict[sp.Basic, sp.Symbol] = {}
-    columns = []
-    for k, atom in enumerate(atoms):
-        known[atom] = sp.Symbol(f"v{k}")
-        name = _name(atom)
-        if atom == TIME:
-            columns.append(run.time)
-        else:
-            columns.append(np.full(len(run.time), values[name]) if name in values else run[name])
+    known = {atom: sp.Symbol(f"v{k}") for k, atom in enumerate(atoms)}
+    given = {name: np.full(len(run.time), value) for name, value in values.items()}
+    columns = [run.time if a == TIME else given[_name(a)] if _name(a) in given else run[_name(a)] for a in atoms]
     function = sp.lambdify(list(known.values()), [e.xreplace(known) for e in flat], "numpy", cse=True)
     for k, column in enumerate(function(*columns)):
         result[:, k] = column
