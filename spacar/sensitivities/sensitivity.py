@@ -157,8 +157,7 @@ def sensitivity(
     wanted = [quantity(q, STRESS_INDICES) for q in texts("quantities", quantities)]
     if "mode" in options:
         raise UsageError("sensitivity takes no mode: all stationary quantities are asked at once", "sensitivity.mode")
-    deck = _read(model)
-    deck, numbers = deck_numbers(deck, names)
+    deck, numbers = deck_numbers(_read(model), names)
     if at is not None:
         if len(at) != len(numbers):
             raise UsageError(f"{len(at)} numbers for {len(numbers)} parameters", "sensitivity.parameter")
@@ -293,7 +292,7 @@ def deck_numbers(deck: Deck, names: Sequence[str]) -> tuple[Deck, list[DeckNumbe
 
     Raises UsageError for names that the deck does not have, and for several places with different numbers.
     """
-    settings = [name if isinstance(name, Setting) else setting(name) for name in names]
+    settings = [setting(name) for name in names]
     for given in settings:
         missing = [(s, p) for t in given.targets for s, p in t.places(deck) if p > len(s.values)]
         if missing:

@@ -9,6 +9,7 @@ f = Tᵀ (E_0 − Î t). Source: the paper, (11) to (20), tables 11 to 19; `symb
 """
 
 from dataclasses import dataclass
+from functools import cache, partial
 
 import sympy as sp
 
@@ -80,7 +81,7 @@ class HeldDerivation:
         self.values: dict[sp.Expr, sp.Expr] = {}
         self._accelerations_of: dict[Vector, Vector] = {}
         self._relative: dict[Beam, list[VectorPart]] = {}
-        self._integrals: dict[Beam, Integrals] = {}
+        self.integrals = cache(partial(Integrals, self.read))  # of a beam, memory reads when recurrence is on
 
     # -- Z variables -------------------------------------------------------------------------------------------
 
@@ -134,12 +135,6 @@ class HeldDerivation:
             (cross(p.vector, v) * plain.integral(p.form, {sp.S.One: g}) for p in place for v, g in load.parts), ZERO
         )
         return Wrench(beam.root.velocity, force, omega(self.system.N, beam.frame), torque)
-
-    def integrals(self, beam: Beam) -> Integrals:
-        """The integrals along a beam, memory reads when recurrence is on."""
-        if beam not in self._integrals:
-            self._integrals[beam] = Integrals(self.read, beam)
-        return self._integrals[beam]
 
     def relative_acceleration(self, beam: Beam) -> list[VectorPart]:
         """Acceleration in N of the mass point x relative to the root, in parts."""
