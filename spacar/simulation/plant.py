@@ -65,13 +65,9 @@ class ArrayPlant:
         found = self.mechanism.user_signal(t, e, ed, x, xd)
         return replace(found, sigma=found.sigma + self.sigma, force=found.force + self.force)
 
-    def start(self) -> Array:
-        return self.dynamics.start()
-
-    @property
-    def doubt(self) -> str | None:
-        """As of an `Evaluator`, after `start`."""
-        return self.dynamics.doubt
+    def start(self) -> tuple[Array, str | None]:
+        """The start state, and the doubt of an `Evaluator` there."""
+        return self.dynamics.start(), self.dynamics.doubt
 
     def push(self, u: Array) -> None:
         self.sigma[self.stresses.rows] = self.stresses.by @ u
@@ -123,13 +119,9 @@ class CompiledPlant(ArrayPlant):
         self._known = False
         self._pushed: bytes | None = None  # the inputs that C has
 
-    def start(self) -> Array:
+    def start(self) -> tuple[Array, str | None]:
         self._known = False
-        return self.evaluator.start()
-
-    @property
-    def doubt(self) -> str | None:
-        return self.evaluator.doubt
+        return self.evaluator.start(), self.evaluator.doubt
 
     def push(self, u: Array) -> None:
         if self._known and u.tobytes() == self._pushed:
@@ -223,21 +215,16 @@ class Spasim(Block):
             self.motion = ArrayPlant(self.mechanism, *driven)
         self._at: tuple[float, bytes] | None = None
         self._solved: bytes | None = None
-
-        def read(chosen: list[int]) -> tuple[Index, Index]:
-            signals = [self.y_signals[k] for k in chosen]
-            rows = [self.motion.first(QUANTITY[s.kind], s.kind.startswith("OUTE")) + s.index for s in signals]
-            return np.array(chosen, np.int64), np.array(rows, np.int64)
-
+        first = self.motion.first
+        rows = np.array([first(QUANTITY[s.kind], s.kind[:4] == "OUTE") + s.index for s in self.y_signals], np.int64)
         # outputs (n,) that are positions and rates, and the rows (n,) in which the motion has them
-        self.placed = read(np.flatnonzero(~self.direct).tolist())
-        self._accelerated = read(np.flatnonzero(self.direct).tolist())
-        rows = [
-            self.motion.first(quantity, of_elements) + np.arange(part.start, part.stop)
+        self.placed, self._accelerated = ((k, rows[k]) for k in map(np.flatnonzero, (~self.direct, self.direct)))
+        changing = [
+            first(quantity, of_elements) + np.arange(part.start, part.stop)
             for quantity, kind in ((RATE, "kinematic"), (ACCELERATION, "dynamic"))
             for of_elements, part in ((False, n.x_class[kind]), (True, n.e_class[kind]))
         ]
-        self._changing = np.concatenate(rows)
+        self._changing = np.concatenate(changing)
 
     def _driven(self, kind: str, sign: float) -> Driven:
         chosen = [(k, s.index) for k, s in enumerate(self.u_signals) if s.kind == kind]
@@ -250,8 +237,7 @@ class Spasim(Block):
     def start(self) -> Array:
         self._at = self._solved = None
         self.motion.push(np.zeros(self.n_in))
-        x0 = self.motion.start()
-        self.doubt = self.motion.doubt
+        x0, self.doubt = self.motion.start()
         return x0
 
     def forget(self) -> None:
