@@ -146,16 +146,13 @@ class HeldDerivation:
     def split(self, beam: Beam, value: Vector) -> list[VectorPart]:
         """A vector that is linear in x and in the field symbols u(x, t), u_t, u_tt, with the assumed fields put in."""
         known = beam_functions(beam, self.system.accelerations)
-        mark = {symbol: sp.Dummy() for symbol in known}
-        split = LinearSplit(mark.values())
-        terms: dict[sp.Basic, dict[Key, sp.Expr]] = {key: {} for key in mark.values()}
-        for key, c in value.xreplace(mark).terms.items():
-            for dummy, coefficient in split(c)[0].items():
-                terms[dummy][key] = coefficient
-        directions = ((symbol, Vector(terms[dummy])) for symbol, dummy in mark.items() if terms[dummy])
-        return [
-            VectorPart(direction, factor, form) for symbol, direction in directions for factor, form in known[symbol]
-        ]
+        split = LinearSplit(known)
+        terms: dict[sp.Basic, dict[Key, sp.Expr]] = {symbol: {} for symbol in known}
+        for key, c in value.terms.items():
+            for symbol, coefficient in split(c)[0].items():
+                terms[symbol][key] = coefficient
+        directions = ((Vector(parts), known[symbol]) for symbol, parts in terms.items() if parts)
+        return [VectorPart(direction, factor, form) for direction, forms in directions for factor, form in forms]
 
     def section_momentum_rate(self, beam: Beam) -> Vector:
         """d/dt of the polar momentum ρ_p (w·b1 + θ_t) b1 of a section."""
