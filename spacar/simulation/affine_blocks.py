@@ -111,18 +111,14 @@ def _behind(s: Schedule, asking: Sequence[Block]) -> tuple[list[Block], list[Gro
     of_inputs = np.zeros(len(s.wiring), bool)
     for b in asking:
         of_inputs[s.inputs[b.name]] = True
-
-    def wanted(blocks: Sequence[Block]) -> bool:
-        signals = (s.wiring[of_inputs] != 0.0).any(axis=0)
-        return any(signals[s.outputs[b.name]].any() for b in blocks)
-
     groups = []
     for group in reversed(s.later):
         if any((s.wiring[of_inputs][:, s.outputs[b.name]][:, b.direct] != 0.0).any() for b in group.blocks):
             groups.append(group)
             for b in group.blocks:
                 of_inputs[s.inputs[b.name]] |= b.period is None and not b.lag
-    return [b for b in s.first if wanted([b])], groups[::-1]
+    signals = (s.wiring[of_inputs] != 0.0).any(axis=0)
+    return [b for b in s.first if signals[s.outputs[b.name]].any()], groups[::-1]
 
 
 def diagram_jacobian(s: Schedule, t: float, x: Array, u: Array, absolute: float) -> Array:

@@ -142,13 +142,10 @@ def _group(
             " accelerations, or delay a sampled block (delay, unit-delay), or use a block with states"
         )
         raise UsageError(text, "simulation.algebraic-loop")
-    into = {
-        source: rows[diagram.blocks[source].direct[rows]]
-        for source in part
-        for rows in [
-            np.unique(np.concatenate([r for s, r, target, _, _ in diagram.wires if s == source and target in part]))
-        ]
-    }
+    into = {}
+    for source in part:
+        rows = np.unique(np.concatenate([r for s, r, t, _, _ in diagram.wires if s == source and t in part]))
+        into[source] = rows[diagram.blocks[source].direct[rows]]
     order, torn = torn_order(needs, part, {name: len(rows) for name, rows in into.items()})
     return Group(
         tuple(diagram.blocks[name] for name in (*order, *torn)),
