@@ -140,10 +140,8 @@ class CompiledFunction:
             module.bind(*(self._buffer[name].ctypes.data for name in ("c", "p", "u")))
             self._direct = module.rhs
 
-    def _call(self, name: str, *arguments: str, time: float | None = None) -> int:
-        addresses = [self._at[a] for a in arguments]
-        done: int = getattr(self.library, name)(*([] if time is None else [time]), *addresses)
-        return done
+    def _call(self, name: str, *arguments: str | float) -> int:
+        return int(getattr(self.library, name)(*(self._at[a] if isinstance(a, str) else a for a in arguments)))
 
     def _feed(self, t: float, y: Any) -> None:
         for i, function in self._fed:
@@ -187,20 +185,20 @@ class CompiledFunction:
     def jac(self, t: float, y: Any) -> np.ndarray:
         """∂ẏ/∂y at (t, y)."""
         self._at_state(t, y)
-        self._report(self._call("jac", "c", "p", "y", "u", "jac", time=t))
+        self._report(self._call("jac", t, "c", "p", "y", "u", "jac"))
         size = len(self.program.state)
         return self._buffer["jac"].reshape(size, size).copy()
 
     def inputs(self, t: float, y: Any) -> tuple[float, ...]:
         """The inputs at (t, y)."""
         self._at_state(t, y)
-        self._call("eom_feed", "c", "p", "y", "u", time=t)
+        self._call("eom_feed", t, "c", "p", "y", "u")
         return tuple(self._buffer["u"][: len(self.program.inputs)].tolist())
 
     def outputs(self, t: float, y: Any) -> tuple[float, ...]:
         """The named outputs at (t, y)."""
         self._at_state(t, y)
-        self._report(self._call("outputs", "c", "p", "y", "u", "out", time=t))
+        self._report(self._call("outputs", t, "c", "p", "y", "u", "out"))
         return tuple(self._buffer["out"][: len(self.program.outputs)].tolist())
 
     def accel(self, y: Any, u: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
