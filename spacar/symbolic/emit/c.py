@@ -8,21 +8,21 @@ speed j (counted from 1) is not positive, or -1 when the constraints depend on e
 """
 
 from spacar.symbolic.emit import solvers
-from spacar.symbolic.emit.routines import Routine, compiled_routines
+from spacar.symbolic.emit.routines import Routine, compiled_routines, sizes
 from spacar.symbolic.emit.scalars import CText, Writer
 from spacar.symbolic.ordered import OrderedProgram
 
 _PREAMBLE = """\
 #include <math.h>
 
-#define NP {np}  /* parameters p */
-#define NC {nc}  /* once c */
-#define NQ {nq}  /* coordinates */
-#define N {n}  /* speeds */
-#define NY {ny}  /* state y */
-#define NU {nu}  /* inputs u */
-#define NOUT {nout}  /* outputs */
-#define NM {nm}  /* constraints */
+#define NP {p}  /* parameters p */
+#define NC {c}  /* once c */
+#define NQ {ydot}  /* coordinates */
+#define N {f}  /* speeds */
+#define NY {y}  /* state y */
+#define NU {u}  /* inputs u */
+#define NOUT {out}  /* outputs */
+#define NM {h}  /* constraints */
 #define NG {ng}  /* of them with a position */
 
 static inline double power_2(double x) {{ return x*x; }}
@@ -95,13 +95,9 @@ int jac(double t, const double *c, const double *p, const double *y, double *u, 
 
 def source(program: OrderedProgram, jacobian: bool, head: list[str]) -> str:
     once, routines = compiled_routines(program, jacobian)
-    sizes = {
-        "np": len(program.parameters), "nc": len(once), "nq": len(program.coordinates), "n": program.n,
-        "ny": len(program.state), "nu": len(program.inputs), "nout": len(program.outputs), "nm": program.m,
-        "ng": len(program.constraints.position) if program.constraints else 0,
-    }  # fmt: skip
+    ng = len(program.constraints.position) if program.constraints else 0
     comment = ["/*", *(f" * {line}".rstrip() for line in head), " */"] if head else []
-    parts = [*comment, _PREAMBLE.format(**sizes)]
+    parts = [*comment, _PREAMBLE.format(ng=ng, **sizes(program, once))]
     parts += [_function(program, r) for r in routines]
     return "\n".join([*parts, *_solving(program, jacobian)])
 

@@ -14,7 +14,7 @@ from spacar.symbolic.ordered import OrderedProgram
 _WIDTH = 120
 
 SIZES = """\
-  integer, parameter :: n_q = {nq}, n_s = {n}, n_y = {ny}, n_g = {nm}  ! coordinates, speeds, state, constraints
+  integer, parameter :: n_q = {ydot}, n_s = {f}, n_y = {y}, n_g = {h}  ! coordinates, speeds, state, constraints
 """
 
 SOLVE = """\
@@ -166,7 +166,7 @@ def source(program: OrderedProgram, jacobian: bool, head: list[str]) -> str:
         "module equations_of_motion",
         "  use, intrinsic :: iso_c_binding, only: dp => c_double, c_int",
         "  implicit none",
-        *SIZES.format(nq=len(program.coordinates), n=program.n, ny=len(program.state), nm=program.m).splitlines(),
+        *SIZES.format(**lengths).splitlines(),
         f"  private :: accelerations, solve{', constrained' * (program.m > 0)}{', eom_slopes' * jacobian}",
         "  private :: n_q, n_s, n_y, n_g",
     ]
