@@ -79,9 +79,8 @@ class HeldDerivation:
         self.table = ZTable(forbidden=self.accelerations)
         self.cosines = DirectionCosines(self.table if recurrence else None)
         self.values: dict[sp.Expr, sp.Expr] = {}
-        self._accelerations_of: dict[Vector, Vector] = {}
-        self._relative: dict[Beam, list[VectorPart]] = {}
         self.integrals = cache(partial(Integrals, self.read))  # of a beam, memory reads when recurrence is on
+        self.acceleration, self.relative_acceleration = cache(self._acceleration), cache(self._relative_acceleration)
 
     # -- Z variables -------------------------------------------------------------------------------------------
 
@@ -94,11 +93,9 @@ class HeldDerivation:
         gathered = gather_vectors(vector)
         return gathered.map(lambda c: read_scalar(c, self.table, self.accelerations)) if self.recurrence else gathered
 
-    def acceleration(self, velocity: Vector) -> Vector:
+    def _acceleration(self, velocity: Vector) -> Vector:
         """Acceleration in N of a point or frame with this velocity; its measure numbers are read from Z."""
-        if velocity not in self._accelerations_of:
-            self._accelerations_of[velocity] = self.remember(self.system.ddt(self.system.N, velocity))
-        return self._accelerations_of[velocity]
+        return self.remember(self.system.ddt(self.system.N, velocity))
 
     # -- bodies ------------------------------------------------------------------------------------------------
 
@@ -136,12 +133,10 @@ class HeldDerivation:
         )
         return Wrench(beam.root.velocity, force, omega(self.system.N, beam.frame), torque)
 
-    def relative_acceleration(self, beam: Beam) -> list[VectorPart]:
+    def _relative_acceleration(self, beam: Beam) -> list[VectorPart]:
         """Acceleration in N of the mass point x relative to the root, in parts."""
-        if beam not in self._relative:
-            N = self.system.N
-            self._relative[beam] = self.split(beam, self.system.ddt(N, self.system.ddt(N, beam.offset)))
-        return self._relative[beam]
+        N = self.system.N
+        return self.split(beam, self.system.ddt(N, self.system.ddt(N, beam.offset)))
 
     def split(self, beam: Beam, value: Vector) -> list[VectorPart]:
         """A vector that is linear in x and in the field symbols u(x, t), u_t, u_tt, with the assumed fields put in."""
