@@ -38,8 +38,6 @@ def _across(a: Array, b: Array) -> Any:
 
 @dataclass
 class PlanarModel(DeckModel):
-    """The model file of a planar input file."""
-
     # -- orientations ------------------------------------------------------------------------------------------------
 
     def drive_orientation(self, node: int) -> None:
@@ -165,8 +163,6 @@ class PlanarModel(DeckModel):
 
 @dataclass
 class SpatialModel(DeckModel):
-    """The model file of a spatial input file."""
-
     # -- orientations ------------------------------------------------------------------------------------------------
 
     def drive_orientation(self, node: int) -> None:

@@ -182,7 +182,6 @@ def tell(environment: Environment, severity: str, text: str) -> None:
 
 
 def tell_notes(environment: Environment, notes: Iterable[str]) -> None:
-    """Print warnings about what was read."""
     for note in notes:
         tell(environment, "warning", note)
 

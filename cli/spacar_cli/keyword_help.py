@@ -54,7 +54,6 @@ def explanation(name: str) -> Iterator[str]:
 
 
 def _setting(name: str) -> Iterator[str]:
-    """A setting of the pictures."""
     rule = RULES[name]
     yield f"{name}: {rule.help}"
     yield f"  {PICTURES}"

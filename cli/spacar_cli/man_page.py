@@ -30,7 +30,6 @@ def paragraphs(text: str) -> Iterator[str]:
 
 
 def command_section(name: str, command: click.Command, context: click.Context) -> list[str]:
-    """Usage, description and options of a mode or a command."""
     inner = click.Context(command, context, name)
     usage = " ".join([f"spacar {name}", *command.collect_usage_pieces(inner)])
     lines = [f'.SS "spacar {name}"', f".B {escaped_text(usage)}"]
@@ -49,7 +48,6 @@ def command_section(name: str, command: click.Command, context: click.Context) -
 
 
 def page() -> str:
-    """The whole page."""
     assert isinstance(program, CommandGroup)
     context = click.Context(program, info_name="spacar")
     lines = [

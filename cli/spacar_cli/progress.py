@@ -29,11 +29,9 @@ class Bar:
 
     @property
     def due(self) -> bool:
-        """Is it time to show something new?"""
         return time.perf_counter() >= self._due
 
     def show(self, done: float, total: float | None, text: str) -> None:
-        """`done` of `total`."""
         self._due = time.perf_counter() + REFRESH
         if self._bar is None:
             self._open()
@@ -45,7 +43,6 @@ class Bar:
         self.show(done, total, f"t = {t:.6g} s  {speed:.3g} s/s")
 
     def close(self) -> None:
-        """Take it away."""
         if self._bar is not None:
             self._bar.stop()
 

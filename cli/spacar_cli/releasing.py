@@ -26,11 +26,9 @@ class Done:
 
     @property
     def status(self) -> ExitStatus:
-        """Failed when over-constraints are left."""
         return ExitStatus.FAILED if self.release.left else ExitStatus.DONE
 
     def tell(self, environment: Environment) -> None:
-        """Print what was done, and as an error what could not be done."""
         found = self.release.diagnosis
         if self.release.parts:
             environment.wrote(f"released {len(self.release.parts)} flexible deformations; lines of the input file:")
@@ -46,7 +44,6 @@ class Done:
             tell(environment, "error", f"{text}; by hand: {which}" if which else text)
 
     def record(self) -> dict[str, Any]:
-        """For --json."""
         return {
             "released": [_part(p) for p in self.release.parts], "lines": list(self.lines),
             "written": str(self.written) if self.written is not None else None, "left": self.release.left,
@@ -76,7 +73,6 @@ def solve(source: Path, output: str) -> Done:
 
 
 def solved(deck: Deck) -> Done:
-    """Release what can be released in a deck."""
     from spacar.kinematics.advice import paste_lines
     from spacar.kinematics.release import release
 

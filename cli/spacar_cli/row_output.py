@@ -49,7 +49,6 @@ def finite(value: Any) -> Any:
 
 
 def put_rows(environment: Environment, path: Path, heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
-    """Write all rows."""
     text = csv_text(heads, rows)
     if str(path) == "-":
         environment.stdout.write(text)
@@ -59,7 +58,6 @@ def put_rows(environment: Environment, path: Path, heads: Sequence[str], rows: I
 
 
 def put_columns(environment: Environment, path: Path, columns: Mapping[str, np.ndarray]) -> None:
-    """Write named columns of one length."""
     put_rows(environment, path, list(columns), zip(*(c.tolist() for c in columns.values()), strict=True))
 
 
@@ -105,7 +103,6 @@ def show_scopes(
     environment: Environment, table: SignalTable, t: np.ndarray, panels: Sequence[Panel], title: str, show: bool,
     pictures: Sequence[Path],
 ) -> None:  # fmt: skip
-    """Write the pictures, then open the window."""
     if show or pictures:
         from spacar_drawing.history import scope_figure
 

@@ -178,7 +178,6 @@ def _plain(expression: Any) -> str:
 
 
 def equations_text(model: SymbolicModel, eq: SymbolicEquations, show: str, form: str) -> str:
-    """The equations in the asked notation and format."""
     if show == "program":
         return _program_text(model, eq, form)
     held = eq.held if show == "held" else eq.transform()

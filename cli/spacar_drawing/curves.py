@@ -171,7 +171,6 @@ def columns_of(table: SignalTable, text: str) -> tuple[str, list[int]] | None:
 
 
 def panel_title(panel: Panel) -> str:
-    """With its unit."""
     return f"{panel.title} ({panel.unit})" if panel.unit else panel.title
 
 

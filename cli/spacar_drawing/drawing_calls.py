@@ -203,7 +203,6 @@ def flexure_page(study: Flexure, path: str | Path | None = None, *, view: str | 
 
 
 def _page(text: str, path: str | Path | None) -> str:
-    """The page, written where a path is given."""
     if path is not None:
         write_text(path_of(path), text)
     return text

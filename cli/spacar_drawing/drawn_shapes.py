@@ -231,6 +231,5 @@ def merge_bounds(shapes: Sequence[Shape]) -> tuple[Array, Array] | None:
 
 
 def wider(bounds: tuple[Array, Array], shapes: Sequence[Shape]) -> tuple[Array, Array]:
-    """The box that holds these shapes too."""
     box = merge_bounds(shapes)
     return bounds if box is None else (np.minimum(bounds[0], box[0]), np.maximum(bounds[1], box[1]))

@@ -227,7 +227,6 @@ def divided(scene: Scene, look: Look) -> tuple[list[Element], list[tuple[DrawOne
 
 
 def element_shapes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
-    """All elements at one configuration."""
     lines, single = divided(scene, look)
     shapes = bodies(scene, pose, look, lines)
     for draw, e in single:

@@ -164,7 +164,6 @@ def save(figure: Figure, path: Path, dpi: float = 150.0) -> None:
 
 
 def kept(figure: Figure, path: str | Path | None, dpi: float = 150.0) -> Figure:
-    """The figure, saved where a path is given."""
     if path is not None:
         save(figure, path_of(path), dpi)
     return figure

@@ -47,7 +47,6 @@ def _forces(loads: Loads, nx: int) -> Array:
 
 
 def start_model(mechanism: Mechanism) -> dict[str, Any]:
-    """What the page shows of the start position."""
     source = start_source(mechanism)
     scene, x = source.scene, source.x(1)
     look = look_of(scene, x[None], source.settings)

@@ -130,7 +130,6 @@ def title_of(scene: Scene, extras: Extras, *texts: str) -> str:
 
 
 def corner_note(axes: Axes, text: str) -> None:
-    """A line in the lower left corner of the picture."""
     if text:
         axes.text(0.005, 0.01, text, transform=axes.transAxes, fontsize=7.5, color="#4d565e", zorder=31)
 

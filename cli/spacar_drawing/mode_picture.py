@@ -90,7 +90,6 @@ def mode_pictures(
 
 
 def constraints(source: PictureSource, step: int) -> Redundancy:
-    """The over- and under-constraints at a step."""
     return redundancy(source.scene, stored_gradient(source, step), extent_of(source, step))
 
 

@@ -122,7 +122,6 @@ class ModeShape:
 
     @property
     def label(self) -> str:
-        """The line above the picture."""
         name = f"{self.kind} mode {self.number}"
         if self.kind == "buckling":
             return f"{name}   load multiplier {self.value.real:.6g}".replace("-", "\N{MINUS SIGN}")

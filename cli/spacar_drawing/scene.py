@@ -109,7 +109,6 @@ class Scene:
 
     @cached_property
     def bars(self) -> dict[int, Element]:
-        """Beams and trusses by number."""
         return {e.number: e for e in self.elements if e.shape in ("beam", "truss")}
 
     def bar(self, number: int, asked: str = "", code: str = "stress.element") -> Element:
@@ -127,7 +126,6 @@ class Scene:
 
     @cached_property
     def position_nodes(self) -> Index:
-        """Numbers of the nodes with positions."""
         return np.flatnonzero((self.lnp[:, 1] > 0) & (self.lnp[:, 3] == 0)) + 1
 
     @cached_property

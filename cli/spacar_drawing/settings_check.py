@@ -40,7 +40,6 @@ def check_settings(source: Path, deck: Deck | None, text: str | None = None) -> 
 
 
 def _numbers(deck: Deck | None) -> tuple[Collection[int] | None, Collection[int] | None]:
-    """The element and node numbers of a deck."""
     if deck is None:
         return None, None
     found = element_list(deck)

@@ -179,7 +179,6 @@ def corners(low: Array, high: Array) -> Array:
 
 
 def _length(value: float, metre: float) -> str:
-    """A number on an axis."""
     return f"{value / metre:g}".replace("-", "\N{MINUS SIGN}")
 
 

@@ -84,7 +84,6 @@ class Resultants:
         return np.zeros_like(self.N) if value is None else value
 
     def part(self, places: slice) -> Resultants:
-        """Those at some of the places."""
         found: dict[str, Any] = {name: None if v is None else v[places] for name, v in vars(self).items()}
         return Resultants(**found)
 

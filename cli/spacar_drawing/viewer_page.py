@@ -121,7 +121,6 @@ def view_page(
 
 
 def script_text(name: str) -> str:
-    """One of the scripts of the page."""
     return files("spacar_drawing").joinpath(name).read_text("utf-8")
 
 

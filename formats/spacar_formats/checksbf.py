@@ -62,7 +62,6 @@ def checksbf(name: str | os.PathLike[str]) -> SbfCheck:
 
 
 def listing(check: SbfCheck) -> list[str]:
-    """The lines that `spacar checksbf` prints."""
     lines = [f"{check.path}: SBF version 1, kind {check.kind} ({KINDS[check.kind]}), {check.state}"]
     rows = [(r.id, r.type, r.rows, r.cols, v) for r, v in zip(check.header, check.values, strict=True)]
     rows.append(("TDEF", 1, check.steps, len(check.step_variables), f"{check.steps} steps"))
@@ -77,7 +76,6 @@ def listing(check: SbfCheck) -> list[str]:
 
 
 def as_json(check: SbfCheck) -> dict[str, object]:
-    """The same for machines."""
     header, steps = (
         [{"id": r.id, "type": r.type, "rows": r.rows, "cols": r.cols} for r in records]
         for records in (check.header, check.step_variables)

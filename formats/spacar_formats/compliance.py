@@ -36,7 +36,6 @@ class NodeCompliance:
 
     @property
     def labels(self) -> tuple[list[str], list[str]]:
-        """Rows and columns."""
         if len(self.fixed) == 3:
             return ["ux", "uy", "phi"], ["Fx", "Fy", "M"]
         return [f"{k}{a}" for k in ("u", "phi") for a in "xyz"], [f"{k}{a}" for k in "FM" for a in "xyz"]

@@ -39,7 +39,6 @@ def check_tables(file: SbfFile) -> None:
 
 
 def _among(names: Iterable[str], records: Mapping[str, Record]) -> list[tuple[str, Record]]:
-    """Those of the variables that are there."""
     return [(ident, records[ident]) for ident in names if ident in records]
 
 

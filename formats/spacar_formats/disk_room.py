@@ -19,7 +19,6 @@ UNITS = ("bytes", "kB", "MB", "GB", "TB", "PB")
 
 
 def steps_of(run: Run) -> int:
-    """The number of steps that will be stored."""
     s, deck = run.mechanism.settings, run.mechanism.deck
     if run.mode.gives_setpoints:
         legs = [trtime.integers(1) for trtime in deck.of("TRTIME", block=3)]
@@ -59,7 +58,6 @@ def require_room(run: Run, folder: Path) -> None:
 
 
 def require_room_for_rows(rows: int, columns: int, folder: Path) -> None:
-    """The same of a table of numbers."""
     _require({"rows": rows * columns * NUMBER}, f"{rows} rows", "ask for fewer cases", folder)
 
 

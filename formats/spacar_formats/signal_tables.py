@@ -87,7 +87,6 @@ class SignalTable:
     panels: tuple[Panel, ...] = ()
 
     def columns(self, block: str) -> list[int]:
-        """Those of a block, in order."""
         return [k for k, name in enumerate(self.blocks) if name == block]
 
     def header(self) -> dict[str, Any]:

@@ -129,7 +129,6 @@ class Section:
         return word
 
     def value(self, key: str) -> Any:
-        """What its kind says."""
         read: dict[str, Callable[[str], Any]] = {
             "number": self.number, "numbers": self.numbers, "matrix": self.matrix, "integer": self.integer,
             "flag": self.flag, "text": self.text, "file": self.path,

@@ -107,7 +107,6 @@ def to_xarray(result: Result) -> xarray.Dataset:
 
 
 def dimensions(result: Result) -> Dimensions:
-    """The units of the variables of a result."""
     return Dimensions.of(result.mechanism.numbering, find_mode(result.mode).stationary)
 
 

@@ -176,6 +176,5 @@ RANGES: dict[str, tuple[tuple[Any, ...], ...]] = {
 
 
 def check_ranges(findings: Findings, s: Statement) -> None:
-    """Those of RANGES."""
     for check, *given in RANGES.get(s.keyword, ()):
         check(findings, s, *given)

@@ -24,7 +24,6 @@ class _Trajectory:
 
 
 def check_trajectories(scene: CheckMaterial) -> None:
-    """Everything about TRAJECT and the statements that follow it."""
     trajectories = _collect(scene)
     whole = 3 not in scene.outline.broken_blocks
     needed = scene.analysis is not None and scene.analysis.gives_setpoints

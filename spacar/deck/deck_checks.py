@@ -48,7 +48,6 @@ _HARM = ("not supported", "slips")  # what a type may have that speaks against i
 
 
 def check_elements(scene: CheckMaterial) -> None:
-    """Everything that concerns the element statements as such."""
     outline, findings = scene.outline, scene.findings
     elements = scene.of(*ELEMENT_TYPES) if not outline.regular or not outline.traits.isdisjoint(_HARM) else []
     if not outline.types and outline.complete and not findings.errors:

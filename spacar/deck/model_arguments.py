@@ -71,7 +71,6 @@ class Argument:
 
     @property
     def text(self) -> str:
-        """Meaning, unit and default."""
         first = self.parameters[0]
         meaning = without_component(first.meaning) if self.count > 1 and not first.of else first.meaning
         if self.count > 1 and first.of:
@@ -82,7 +81,6 @@ class Argument:
 
     @property
     def repeated_text(self) -> str:
-        """The same of an argument that may be repeated."""
         first = self.parameters[0]
         if first.of:
             return f"{first.meaning}s; none: all"

@@ -33,7 +33,6 @@ WIDTH = 112  # of a description
 
 
 def methods() -> Iterator[Callable[..., int | None]]:
-    """All methods."""
     for row in rows():
         yield _element(row) if row.name in ELEMENT_TYPES else _statement(row)
 
@@ -195,7 +194,6 @@ class ModelStatements(ABC):
 
 
 def stub() -> str:
-    """The text of keyword_methods.pyi."""
     parts = [STUB]
     for method in methods():
         described = indent(f'r"""{method.__doc__}\n"""', "        ")

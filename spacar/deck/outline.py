@@ -63,14 +63,12 @@ class Outline:
         return independent_of(self.roles[node], self.space == "planar")
 
     def missing_element(self, number: int) -> str:
-        """Sentence about an element that does not exist."""
         if not self.elements:
             return f"element {number} is not defined; no elements exist"
         verb = "element {} exists" if len(self.elements) == 1 else "elements {} exist"
         return f"element {number} is not defined; {verb.format(ranges(set(self.elements)))}"
 
     def missing_node(self, number: int) -> str:
-        """Sentence about a node that no element uses."""
         return f"node {number} is not used by any element; nodes {ranges(set(self.roles))} exist"
 
     def user(self, node: int) -> Statement:

@@ -41,7 +41,6 @@ def rules(keyword: Keyword) -> list[str]:
 
 
 def markdown() -> str:
-    """The whole reference page."""
     lines = [
         "# Keywords of the input file",
         "",

@@ -67,7 +67,6 @@ class _Splitter:
         self.findings.add("error", word.line, "", text, code)
 
     def run(self) -> Split:
-        """All of it."""
         if not self._lines():
             self._unfinished(" after a single END" if self.end is not None else "")
         self.result.convert()

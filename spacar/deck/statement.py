@@ -90,7 +90,6 @@ class StatementGroup(Sequence[Statement]):
 
     @classmethod
     def of(cls, *statements: Statement) -> StatementGroup:
-        """That of some statements."""
         first = statements[0]
         group = cls(first.keyword, first.block, len(first.values))
         group.values = [*chain.from_iterable([s.values for s in statements])]

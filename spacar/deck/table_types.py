@@ -15,7 +15,6 @@ COORDINATES = {"position": (2, 3), "orientation": (1, 4), "warping": (0, 1)}
 
 
 def coordinates_of(role: str, planar: bool) -> int:
-    """Number of coordinates of a node with this role."""
     return COORDINATES[role][0 if planar else 1]
 
 
@@ -236,12 +235,10 @@ class ElementType:
 
 
 def integer(meaning: str, of: str = "", default: float | None = None) -> Parameter:
-    """An integer position."""
     return Parameter(meaning, "integer", "", default, of)
 
 
 def real(meaning: str, unit: str = "", default: float | None = None) -> Parameter:
-    """A real position."""
     return Parameter(meaning, "real", unit, default)
 
 
@@ -293,7 +290,6 @@ def third_block(mode: Purpose) -> BlockKind | None:
 
 
 def uses(mode: Purpose, block: int) -> bool:
-    """Whether a mode uses block 1, 2 or 3."""
     if mode is None or block == 1:
         return True
     if block == 2:

@@ -41,7 +41,6 @@ def command(environment: Environment, shell: str | None, install: bool) -> None:
 
 
 def source(shell: str) -> str:
-    """The script of a shell."""
     from spacar_cli.main import COMPLETING, program
 
     maker = get_completion_class(shell)

@@ -44,7 +44,6 @@ class EditedFile:
         self.path = path
 
     def digest(self) -> str:
-        """That of the file now."""
         data = self._bytes()
         return "" if data is None else sha256(data).hexdigest()
 

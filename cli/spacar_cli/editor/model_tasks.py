@@ -42,7 +42,6 @@ MOST_MODES = 12  # vibration or buckling modes that are listed
 
 
 def deck_of_text(text: str, file: str, mode: int | None) -> Deck:
-    """The deck of a text that would stand in a file."""
     beside = Path(file).with_suffix(".spv")
     settings = visualization_of(beside.read_text("utf-8", "replace")) if beside.is_file() else None
     return parse(text, Path(file).name, mode, path=Path(file), visualization=settings)
@@ -54,7 +53,6 @@ def _checked(text: str, file: str) -> CheckedDeck:
 
 
 def check(text: str, file: str) -> Answer:
-    """All messages, and what can be run."""
     found = _checked(text, file)
     messages = [
         {"severity": m.severity, "line": m.line, "keyword": m.keyword, "text": m.text, "code": m.code,
@@ -106,7 +104,6 @@ def freedom(text: str, file: str) -> Answer:
 
 
 def released(text: str, file: str) -> Answer:
-    """The text with the releases that keep the physics."""
     found = release(deck_of_text(text, file, 0))
     return {"text": found.deck.text, "left": found.left, "released": len(found.parts)}
 
@@ -160,7 +157,6 @@ def _shapes(source: PictureSource) -> Sequence[ModeShape]:
 
 
 def curve(file: str, expressions: list[str]) -> Answer:
-    """Numbers of expressions at all steps of a result."""
     source = _opened(file)
     metre = source.scene.metre
     found = [in_units(evaluate(source, text), metre) for text in ("t", *expressions)]
@@ -172,7 +168,6 @@ def curve(file: str, expressions: list[str]) -> Answer:
 
 
 def progress(file: str) -> Answer:
-    """How far a run is that writes its results."""
     part = part_path(result_file(Path(file), "sbd"))
     if not part.is_file():
         return {"steps": 0, "t": None}

@@ -60,7 +60,6 @@ MOST_TOLD = 4000  # letters of what a run says
 
 
 def page_file(name: str) -> str:
-    """The text of a script or style of the page."""
     if name in OF_VIEWER:
         return script_text(name)
     return files("spacar_cli.editor").joinpath("page", name).read_text("utf-8")
@@ -116,7 +115,6 @@ class ModeJob:
             kill.start()
 
     def close(self) -> None:
-        """End a run that goes on."""
         self.abort()
         if self._process is not None:
             self._process.wait()
@@ -155,7 +153,6 @@ class PageCalls:
         return found
 
     def _log(self) -> str:
-        """The log of the last run, empty without one."""
         path = result_file(self.file.path, "log")
         return path.read_text("utf-8", "replace") if path.is_file() else ""
 
@@ -164,7 +161,6 @@ class PageCalls:
         return self._processes[typed].ask(task, {**arguments, "file": str(self.file.path)}, SECONDS[typed])
 
     def close(self) -> None:
-        """End the processes."""
         self._job.close()
         for process in self._processes:
             process.close()

@@ -81,7 +81,6 @@ def transfer_functions(run: Run, frame: Frame) -> list[str]:
 
 
 def integration(mechanism: Mechanism, evaluated_by: tuple[str, str] | None = None) -> list[str]:
-    """Name of the integrator and its accuracy settings; the engine."""
     s = mechanism.settings
     method = METHODS.get(s.integrator)
     lines = [f"Integrator: INTEGRAT {s.integrator}, {method.name if method else 'unknown'}"]
@@ -103,7 +102,6 @@ def engine(found: tuple[str, str] | None) -> list[str]:
 
 
 def iteration(mechanism: Mechanism) -> list[str]:
-    """Settings of the stationary solution (ITERSTEP)."""
     s = mechanism.settings
     initial = s.initial_steps or (1 if s.stationary_type in WITH_ADDITIONAL else s.load_steps)
     rows: list[list[object]] = [
