@@ -158,6 +158,12 @@ def open_matrices(source: PictureSource) -> Any:
     return file
 
 
+def modes_of(source: PictureSource, kind: str, step: int) -> list[ModeShape]:
+    """The "vibration" or "buckling" modes of a step. Raises UsageError."""
+    with open_matrices(source) as matrices:
+        return (vibration_modes if kind == "vibration" else buckling_modes)(source, matrices, step)
+
+
 def vibration_modes(source: PictureSource, matrices: Any, step: int) -> list[ModeShape]:
     """All vibration modes of a step, in the order of the module. Raises UsageError when dx is missing."""
 

@@ -17,7 +17,7 @@ from spacar_drawing.history import axis_text, history_figure
 from spacar_drawing.look import extent_of
 from spacar_drawing.mechanism_picture import Extras, picture
 from spacar_drawing.mode_picture import constraint_still, constraints, mode_still
-from spacar_drawing.mode_shapes import buckling_modes, open_matrices, suitable_factor, vibration_modes
+from spacar_drawing.mode_shapes import modes_of, suitable_factor
 from spacar_drawing.page_parts import html_figure, html_table, number_text, page
 from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.scene import Scene
@@ -200,8 +200,7 @@ def _modes(source: PictureSource, extras: Extras) -> str:
     step, extent = source.steps, extent_of(source, source.steps)
     for kind in kinds:
         try:
-            with open_matrices(source) as matrices:
-                found = (vibration_modes if kind == "vibration" else buckling_modes)(source, matrices, step)
+            found = modes_of(source, kind, step)
         except UsageError as error:
             out += f'<h2>{kind.capitalize()} modes</h2><p class="warn">{escape(str(error))}</p>'
             continue

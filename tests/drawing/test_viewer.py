@@ -11,7 +11,6 @@ from html import unescape
 
 import numpy as np
 import pytest
-from spacar_cli.commands import visual
 from spacar_drawing import view
 from spacar_drawing.bodies import beam_lines
 from spacar_drawing.drawn_shapes import Faces, cylinder
@@ -306,10 +305,6 @@ def test_wrong_stress(results):
         view(results / "trike3v", stress="size")
     wrong = call.refused("view", results / "trike3v", "--stress", "mises")
     assert "von Mises stress: no element has a cross-section" in wrong
-
-
-def test_the_command_knows_every_quantity():
-    assert set(visual.QUANTITIES) == set(QUANTITIES)
 
 
 @pytest.mark.slow

@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import click
+from spacar_drawing.stresses import QUANTITIES
 
 from spacar_cli import vocabulary as words
-from spacar_cli.commands.visual import QUANTITIES
 from spacar_cli.environment import Environment
 
 
@@ -14,7 +14,7 @@ from spacar_cli.environment import Environment
 @words.option("frames", default=150)
 @words.option("view", ", the first one", default="iso")
 @words.option("fps", default=25.0)
-@words.option("stress", ", as spacar visual does", type=click.Choice(QUANTITIES, case_sensitive=False))
+@words.option("stress", ", as spacar visual does", type=click.Choice(tuple(QUANTITIES), case_sensitive=False))
 @words.option("show", ": here the page in the browser")
 @words.option("stale_ok")
 @words.option("watch", ": the start position of the input file, and its result where it has one")

@@ -7,7 +7,7 @@ listed; runs execute them.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from spacar_drawing.curves import evaluate, in_units
 from spacar_drawing.history import axis_text
 from spacar_drawing.live_picture import free_motions, motion_model, motion_of_freedom, start_model, start_source
 from spacar_drawing.mechanism_picture import chosen_steps
-from spacar_drawing.mode_shapes import ModeShape, buckling_modes, open_matrices, vibration_modes
+from spacar_drawing.mode_shapes import ModeShape, modes_of
 from spacar_drawing.picture_source import PictureSource, open_source
 from spacar_drawing.viewer_page import view_model
 from spacar_formats.locate import open_result
@@ -147,13 +147,10 @@ def _opened(file: str) -> PictureSource:
     return open_source(unfinished if unfinished.is_file() and not written.is_file() else written)
 
 
-def _shapes(source: PictureSource) -> Sequence[ModeShape]:
-    mode = source.scene.analysis
-    if not (mode.linearized or mode.buckling) or mode.integrated:
-        return []
-    matrices, step = open_matrices(source), chosen_steps(source, None, None, False)[0]
-    found = vibration_modes(source, matrices, step)[:MOST_MODES] if mode.linearized else []
-    return [*found, *(buckling_modes(source, matrices, step)[:MOST_MODES] if mode.buckling else [])]
+def _shapes(source: PictureSource) -> list[ModeShape]:
+    mode, step = source.scene.analysis, chosen_steps(source, None, None, False)[0]
+    given = {"vibration": mode.linearized and not mode.integrated, "buckling": mode.buckling}
+    return [m for kind, has in given.items() if has for m in modes_of(source, kind, step)[:MOST_MODES]]
 
 
 def curve(file: str, expressions: list[str]) -> Answer:
