@@ -5,14 +5,14 @@ Checks that come from the table: statements that may be given once, classes to w
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 from typing import Any
 
 from spacar import modes
 from spacar.deck.findings import Findings, alternatives
-from spacar.deck.keyword_table import KEYWORDS, kind_of
+from spacar.deck.keyword_table import KEYWORDS, keyword_of, kind_of
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement, StatementIndex
 from spacar.deck.table_types import ELEMENT_CLASSES, NODE_CLASSES, BlockKind, Keyword, Purpose, facts
@@ -37,18 +37,6 @@ class CheckMaterial:
     def analysis(self) -> modes.Mode | None:
         """The row of the mode that the file is checked for, if it is checked for one."""
         return facts(self.mode)
-
-    def has(self, keywords: Iterable[str], block: int) -> bool:
-        """Whether there is a statement with one of these keywords in the block."""
-        return not self.index.keywords(block).isdisjoint(keywords)
-
-    def of(self, *keywords: str, block: int | None = None) -> list[Statement]:
-        """Statements with one of these keywords, in file order."""
-        return self.index.of(*keywords, block=block)
-
-    def row(self, name: str, block: int) -> Keyword:
-        """The row of the table that statements with this keyword in a block belong to."""
-        return KEYWORDS[name, kind_of(block, self.third)]
 
     def doubtful(self, what: str, number: int) -> bool:
         """Whether a statement that gives a class to this node or element could not be read."""
@@ -100,7 +88,7 @@ def check_classes(scene: CheckMaterial, block: int) -> None:
     """A time function needs a prescribed coordinate, a start value a dynamic one, an output no fixed one, ..."""
     along = scene.analysis is not None and scene.analysis.takes_setpoints
     for name in filter(OF_A_CLASS.__contains__, scene.index.keywords(block)):
-        keyword = scene.row(name, block)
+        keyword = keyword_of(name, block, scene.third)
         subject = keyword.subject
         if subject is not None and (keyword.classes or keyword.holonomic):
             what = "element" if keyword.of_element else "node"

@@ -58,7 +58,7 @@ def _put(
     if len(classes) == count and not (noun == "mode" and "released" in scene.outline.traits):
         return
     classes.clear()
-    for s in scene.of(*names, block=1):
+    for s in scene.index.of(*names, block=1):
         given = s.integers(1) or every(s.integer(0))
         if noun == "mode":
             given = _without_released(scene, s, given)
@@ -108,9 +108,9 @@ def _check_euler_parameters(scene: CheckMaterial) -> None:
 
 
 def _check_kinematic(scene: CheckMaterial) -> None:
-    if not (scene.has(("KINX", "KINE"), 1) and scene.outline.complete) or "slips" in scene.outline.traits:
+    if not scene.outline.complete or "slips" in scene.outline.traits:
         return
-    for s in scene.of("KINX", "KINE"):
+    for s in scene.index.of("KINX", "KINE"):
         wheels = ", ".join(t.keyword for t in ELEMENT_TYPES.values() if t.slips)
         text = f"there is no non-holonomic element ({wheels}), so no kinematic coordinate can exist"
         scene.findings.error(s, None, text, "no-wheel")

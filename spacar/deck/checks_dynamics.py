@@ -22,7 +22,7 @@ def check_dynamics(scene: CheckMaterial) -> None:
         if _may_have_signs(group):
             for s in group:
                 _check_signs(scene, s)
-    for s in scene.of(*((*_SETTINGS, "EM") if "carries flow" in traits else _SETTINGS), block=2):
+    for s in scene.index.of(*((*_SETTINGS, "EM") if "carries flow" in traits else _SETTINGS), block=2):
         _check_settings(scene, s)
     if "axial" in traits and "DYNE" in classed:
         _check_stiffness(scene)
@@ -117,7 +117,7 @@ def _check_stiffness(scene: CheckMaterial) -> None:
 
 def _check_warping(scene: CheckMaterial) -> None:
     """A warping node that neither a stiffness nor a class holds makes the stiffness matrix singular."""
-    given = {s.integer(0): s for s in scene.of("ESTIFF", block=2)}
+    given = {s.integer(0): s for s in scene.index.of("ESTIFF", block=2)}
     held: dict[int, bool] = {}
     for number, kind in scene.outline.types.items():
         for place in kind.warping:
@@ -157,7 +157,7 @@ def _check_preload(scene: CheckMaterial) -> None:
 
 def _check_moments(scene: CheckMaterial) -> None:
     """Which reading of the numbers of XF on Euler parameters was used."""
-    for s in scene.of("XF", "DELXF", block=2):
+    for s in scene.index.of("XF", "DELXF", block=2):
         node = s.integer(0)
         if scene.outline.roles[node] != "orientation" or scene.outline.coordinates(node) != 4:
             continue
@@ -171,11 +171,11 @@ def _check_moments(scene: CheckMaterial) -> None:
 
 def _check_additional(scene: CheckMaterial) -> None:
     """ITERSTEP types 2 and 3 apply the additional loading, types 0 and 1 do not."""
-    step = next(iter(scene.of("ITERSTEP")), None)
+    step = next(iter(scene.index.of("ITERSTEP")), None)
     kind = int(step.real(4)) if step is not None else 0
-    loads = scene.of(*_ADDITIONAL, block=2)
+    loads = scene.index.of(*_ADDITIONAL, block=2)
     fluid = {row[0] for row in scene.index.rows("EM", 2) if any(row[2:3])}
-    for s in scene.of("DELOMF", block=2):
+    for s in scene.index.of("DELOMF", block=2):
         if s.real(1) and s.integer(0) not in fluid and not scene.doubtful("element", s.integer(0)):
             text = f"the tube has no fluid that could flow; EM {s.integer(0)} gives its mass per length in third place"
             scene.findings.error(s, 1, text, "flow")
@@ -189,7 +189,7 @@ def _check_additional(scene: CheckMaterial) -> None:
 
 
 def _check_motion(scene: CheckMaterial) -> None:
-    if scene.of("USERINP"):
+    if scene.index.of("USERINP"):
         return
     moved = {(name, *row[:2]) for name in ("INPUTX", "INPUTE") for row in scene.index.rows(name, 2)}
     for keyword, classes, noun in (("INPUTX", scene.coordinates, "coordinate"), ("INPUTE", scene.deformations, "mode")):

@@ -44,11 +44,9 @@ def check_geometry(scene: CheckMaterial) -> None:
             size = _size(scene, positions) if size is None else size
             for s in group:
                 _check_element(scene, s, kind, positions, size)
-    if not scene.has(("ORPINBOD", "ORTUBE"), 1):
-        return
-    for s in scene.of("ORPINBOD"):
+    for s in scene.index.of("ORPINBOD"):
         _check_directions(scene, s)
-    for s in scene.of("ORTUBE"):
+    for s in scene.index.of("ORTUBE"):
         for first, what in ((1, "tangent at p"), (4, "tangent at q"), (7, "direction of y' at q")):
             if not any(s.reals(first, 3)):
                 scene.findings.error(s, first, f"the {what} is a zero vector", "direction")

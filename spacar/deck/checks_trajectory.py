@@ -48,7 +48,7 @@ def check_trajectories(scene: CheckMaterial) -> None:
 def _collect(scene: CheckMaterial) -> list[_Trajectory]:
     trajectories: list[_Trajectory] = []
     lost = False
-    for s in scene.of(*_NAMES, block=3):
+    for s in scene.index.of(*_NAMES, block=3):
         if s.keyword == "TRAJECT":
             trajectories.append(_Trajectory(s))
         elif trajectories:

@@ -13,7 +13,7 @@ from typing import Any
 
 from spacar.deck.cross_section import BeamSection, Expansion
 from spacar.deck.deck_reader import NOT_UTF8, Span, read_text
-from spacar.deck.deck_writer import Row, splice, write, write_rows
+from spacar.deck.deck_writer import Row, rows, splice, write_rows
 from spacar.deck.lexer import scan, visualization_of
 from spacar.deck.statement import Statement, StatementIndex, Value, grouped
 from spacar.deck.table_elements import ELEMENT_TYPES
@@ -155,7 +155,7 @@ class Deck(ModelCalls):
 
     def to_text(self) -> str:
         """Canonical text, one statement a line, that reads back to the same statements."""
-        return write(self.statements, self.visualization)
+        return write_rows(rows(self.statements), self.visualization)
 
     def set(
         self, keyword: str, number: int | str | None, position: int, value: Value, block: int | None = None

@@ -9,6 +9,7 @@ from spacar.deck.checks_dynamics import check_dynamics
 from spacar.deck.checks_geometry import check_geometry
 from spacar.deck.checks_trajectory import check_trajectories
 from spacar.deck.findings import Findings, ranges
+from spacar.deck.keyword_table import keyword_of
 from spacar.deck.outline import Outline
 from spacar.deck.statement import Statement, StatementIndex
 from spacar.deck.table_elements import ELEMENT_TYPES
@@ -25,7 +26,7 @@ def check(
     check_geometry(scene)
     classify(scene)
     check_once(scene, 1)
-    for s in scene.of("OUTLEVEL", block=1):
+    for s in scene.index.of("OUTLEVEL", block=1):
         for i, most in enumerate((15, 3)[: len(s.values)]):
             if not -1 <= s.integer(i) <= most:
                 text = f"output level {s.values[i]} has flags without meaning; allowed: -1 to {most}"
@@ -49,7 +50,7 @@ _HARM = ("not supported", "slips")  # what a type may have that speaks against i
 
 def check_elements(scene: CheckMaterial) -> None:
     outline, findings = scene.outline, scene.findings
-    elements = scene.of(*ELEMENT_TYPES) if not outline.regular or not outline.traits.isdisjoint(_HARM) else []
+    elements = scene.index.of(*ELEMENT_TYPES) if not outline.regular or not outline.traits.isdisjoint(_HARM) else []
     if not outline.types and outline.complete and not findings.errors:
         findings.add("error", None, "", "the kinematics block defines no element", "no-element")
     first_of_kind: dict[bool, Statement] = {}
@@ -96,8 +97,9 @@ def _check_nodes(s: Statement, scene: CheckMaterial) -> None:
 def check_ports(scene: CheckMaterial) -> None:
     """The numbers are the positions in the vectors u and y, so there must be no gap and no second use."""
     used: dict[str, dict[int, Statement]] = {"input": {}, "output": {}}
-    nouns = {name: scene.row(name, 3).variants[0].parameters[0].of for name in scene.index.keywords(3)}
-    for s in scene.of(*(name for name, noun in nouns.items() if noun in used), block=3):
+    rows = [keyword_of(name, 3, scene.third) for name in scene.index.keywords(3)]
+    nouns = {row.name: row.variants[0].parameters[0].of for row in rows}
+    for s in scene.index.of(*(name for name, noun in nouns.items() if noun in used), block=3):
         noun, number = nouns[s.keyword], s.integer(0)
         first = used[noun].setdefault(number, s)
         if number < 1:

@@ -32,11 +32,6 @@ def _row(keyword: str, values: Iterable[Value]) -> str:
     return "\n".join(lines)
 
 
-def write(statements: Iterable[Statement], visualization: Sequence[str] = ()) -> str:
-    """Canonical text of statements in the order of their blocks, with the visualization section."""
-    return write_rows(rows(statements), visualization)
-
-
 def rows(statements: Iterable[Statement], *more: Row) -> list[list[Row]]:
     """Those of each block, with some `more` in the first one."""
     blocks: list[list[Row]] = [[], [], []]

@@ -163,7 +163,7 @@ def statement_arguments(row: Keyword) -> tuple[list[Argument], list[Argument], A
     variants = row.variants
     fewest = min(n for v in variants for n in v.counts)
     longest = max((v.parameters for v in variants), key=len)
-    if all(continues(longest, v.parameters) for v in variants):
+    if is_one_list(row):
         head, repeated = _repeated(longest)
         return grouped(head, fewest), [], repeated
     common = in_common(row)
@@ -187,8 +187,10 @@ def in_common(row: Keyword) -> int:
     return common
 
 
-def continues(longest: Sequence[Parameter], shorter: Sequence[Parameter]) -> bool:
-    return all(p.meaning == q.meaning for p, q in zip(shorter, longest, strict=False))
+def is_one_list(row: Keyword) -> bool:
+    """Whether all forms of a statement are the beginning of the longest one."""
+    longest = max((v.parameters for v in row.variants), key=len)
+    return all(p.meaning == q.meaning for v in row.variants for p, q in zip(v.parameters, longest, strict=False))
 
 
 def _repeated(parameters: Sequence[Parameter]) -> tuple[Sequence[Parameter], Argument | None]:

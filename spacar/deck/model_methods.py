@@ -19,8 +19,8 @@ from spacar.deck.keyword_table import ELEMENT_TYPES, KEYWORDS
 from spacar.deck.model_arguments import (
     Argument,
     argument_name,
-    continues,
     element_arguments,
+    is_one_list,
     method_name,
     statement_arguments,
 )
@@ -75,7 +75,7 @@ def _element(row: Keyword) -> Callable[..., int | None]:
 def _statement(row: Keyword) -> Callable[..., int | None]:
     arguments, named, repeated = statement_arguments(row)
     declared = [_declared(a) for a in arguments]
-    more = repeated.name if repeated else "values" if row.variants[1:] and not _one_list(row) else ""
+    more = repeated.name if repeated else "values" if row.variants[1:] and not is_one_list(row) else ""
     if more:
         declared.append(Given(more, Given.VAR_POSITIONAL, annotation=repeated.kind if repeated else "float"))
     declared += [_declared(a, Given.KEYWORD_ONLY if more else Given.POSITIONAL_OR_KEYWORD) for a in named]
@@ -130,11 +130,6 @@ def _declared(a: Argument, kind: Any = Given.POSITIONAL_OR_KEYWORD) -> Given:
     return Given(a.name, kind, default=None, annotation=f"{a.kind} | None")
 
 
-def _one_list(row: Keyword) -> bool:
-    longest = max((v.parameters for v in row.variants), key=len)
-    return all(continues(longest, v.parameters) for v in row.variants)
-
-
 def _documentation(
     row: Keyword, arguments: Sequence[Argument], named: Sequence[Argument], repeated: Argument | None
 ) -> list[str]:
@@ -151,7 +146,7 @@ def _documentation(
             lines += [f"{a.name:<{width}}{first}", *(f"{'':<{width}}{r}" for r in rest)]
     if row.name in ELEMENT_TYPES and takes_section(row.name):
         lines += ["", *wrap("section, material and parts: its BEAMSEC, names of `section` and `material`.", WIDTH)]
-    if row.variants[1:] and row.name not in ELEMENT_TYPES and not _one_list(row):
+    if row.variants[1:] and row.name not in ELEMENT_TYPES and not is_one_list(row):
         how = "In the order of the deck"
         if named:
             how += ", or by name (what has no name is zero, or its default)"

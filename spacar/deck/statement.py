@@ -67,10 +67,10 @@ class Statement(NamedTuple):
         """The values from `start`, which the table declares integers."""
         return self.values[start:]  # type: ignore[return-value]
 
-    def reals(self, start: int, count: int, default: float = 0.0) -> tuple[float, ...]:
-        """`count` values from `start`, missing ones replaced by `default`."""
+    def reals(self, start: int, count: int) -> tuple[float, ...]:
+        """`count` values from `start`, zero for those that were left out."""
         given = tuple(map(number, self.values[start : start + count]))
-        return given + (default,) * (count - len(given))
+        return given + (0.0,) * (count - len(given))
 
 
 class StatementGroup(Sequence[Statement]):
