@@ -1,7 +1,7 @@
 """Results on their way out of Python: files as the command writes them, tables of pandas and xarray, notebooks."""
 
-import builtins
 import re
+import sys
 
 import numpy as np
 import pytest
@@ -86,14 +86,7 @@ def test_a_data_set():
 @pytest.mark.parametrize("package", ["pandas", "xarray"])
 def test_without_the_extra_one_sentence(package, monkeypatch):
     result = spacar.run(0, DATA / "crank.dat")
-    real = builtins.__import__
-
-    def absent(name, *rest):
-        if name == package:
-            raise ImportError(name)
-        return real(name, *rest)
-
-    monkeypatch.setattr(builtins, "__import__", absent)
+    monkeypatch.setitem(sys.modules, package, None)  # an import of it raises
     with pytest.raises(UsageError, match=rf"to_{package} needs {package}: pip install 'spacar\[tables\]'"):
         getattr(result, f"to_{package}")()
 

@@ -92,18 +92,14 @@ class Environment:
         return self.stdout.isatty()
 
     @property
-    def error_is_terminal(self) -> bool:
-        return self.stderr.isatty()
-
-    @property
     def shows_progress(self) -> bool:
         """Bars and counters: on terminals, unless quiet."""
-        return self.error_is_terminal and not self.quiet
+        return self.stderr.isatty() and not self.quiet
 
     def paint(self, text: str, colour: str) -> str:
         """`text` in a colour when standard error is a terminal and NO_COLOR (no-color.org) does not refuse."""
         refused = self.variables.get("NO_COLOR") or self.variables.get("TERM") == "dumb"
-        return text if refused or not self.error_is_terminal else f"\x1b[{colour}m{text}\x1b[0m"
+        return text if refused or not self.stderr.isatty() else f"\x1b[{colour}m{text}\x1b[0m"
 
     def say(self, *lines: str) -> None:
         """Lines for the user of the result: standard output."""

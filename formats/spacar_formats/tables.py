@@ -6,6 +6,7 @@ Columns are called as in expressions: `x[6,1]`, `sig[2,3]`; units are in `attrs`
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,8 +36,8 @@ def to_pandas(result: Result, expressions: Sequence[str] = ()) -> pandas.DataFra
 
     Raises UsageError without pandas and for an expression that cannot be evaluated.
     """
-    pandas = _pandas()
-    units = dimensions(result)
+    pandas = _extra("pandas")
+    units = Dimensions.of(result.mechanism.numbering, find_mode(result.mode).stationary)
     if expressions:
         found = {text: evaluate(parse(text), result, units) for text in texts("an expression", expressions)}
         columns = {text: np.broadcast_to(np.asarray(value), len(result.frames)) for text, (value, _) in found.items()}
@@ -55,37 +56,29 @@ def to_pandas(result: Result, expressions: Sequence[str] = ()) -> pandas.DataFra
 
 def frame_of_rows(rows: Sequence[Mapping[str, Any]]) -> pandas.DataFrame:
     """A table of rows that have the same names. Raises UsageError without pandas."""
-    return _pandas().DataFrame(list(rows))
+    return _extra("pandas").DataFrame(list(rows))
 
 
 def frame_of_response(response: Response) -> pandas.DataFrame:
     """The signals of a simulation over t, columns (block, signal). Raises UsageError without pandas."""
-    pandas, table = _pandas(), table_of(response)
+    pandas, table = _extra("pandas"), table_of(response)
     names = pandas.MultiIndex.from_arrays([table.blocks, table.names], names=["block", "signal"])
     return pandas.DataFrame(table.values, index=pandas.Index(response.t, name="t"), columns=names)
 
 
-def _pandas() -> Any:
+def _extra(package: str) -> Any:
     try:
-        import pandas
+        return import_module(package)
     except ImportError:
-        raise _missing("pandas") from None
-    return pandas
-
-
-def _missing(package: str) -> UsageError:
-    text = f"to_{package} needs {package}: pip install 'spacar[tables]'"
-    return UsageError(text, f"result.{package}-missing")
+        text = f"to_{package} needs {package}: pip install 'spacar[tables]'"
+        raise UsageError(text, f"result.{package}-missing") from None
 
 
 def to_xarray(result: Result) -> xarray.Dataset:
     """Variables over t and coordinate (node, number) or deformation (element, mode); matrices of the linearized
     equations over t, q and q2. Raises UsageError without xarray.
     """
-    try:
-        import xarray
-    except ImportError:
-        raise _missing("xarray") from None
+    xarray = _extra("xarray")
     n = result.mechanism.numbering
     arrays: dict[str, Any] = {}
     for variable, _, values in variables(result):
@@ -104,10 +97,6 @@ def to_xarray(result: Result) -> xarray.Dataset:
         "element": ("deformation", [a for a, _ in e_owners]),
     }
     return xarray.Dataset(arrays, places, {"model": result.mechanism.deck.source, "mode": result.mode})
-
-
-def dimensions(result: Result) -> Dimensions:
-    return Dimensions.of(result.mechanism.numbering, find_mode(result.mode).stationary)
 
 
 def variables(result: Result) -> Iterator[tuple[str, list[tuple[int, int]], Array]]:

@@ -122,17 +122,6 @@ def _lines(study: Flexure, body: bool) -> list[str]:
 
     lines = []
     for part in stroke_tables(study, body):
-        rows = [[_Right(cell) for cell in row] for row in part.rows]
         note = [f"  {part.note}"] if part.note else []
-        lines += ["", part.title, *note, "", *table(part.heads, rows)]
+        lines += ["", part.title, *note, "", *table(part.heads, part.rows, words_left=False)]
     return lines[1:]
-
-
-class _Right:
-    """A text that stands to the right in a table, as numbers do."""
-
-    def __init__(self, text: str) -> None:
-        self.text = text
-
-    def __str__(self) -> str:
-        return self.text

@@ -79,7 +79,7 @@ def compliances(n: Numbering, frame: Frame, metre: float = 1.0) -> list[str]:
     if frame.xcompl is None:
         return []
     names, _ = coordinates(n)
-    values = ShownUnits.of(n, metre).compliances(frame.xcompl).tolist()
+    values = (ShownUnits.of(n, metre).compliances * frame.xcompl).tolist()
     rows = [[node, name, value] for (node, name), value in zip(names, values, strict=True)]
     title = "Directional nodal compliances: displacement of a coordinate by a unit force dual to it"
     return [title, "", *table(["node", "coordinate", "compliance"], rows), ""]

@@ -2,6 +2,7 @@
 
 from spacar.arrays import Array
 from spacar.deck.keyword_table import KEYWORDS
+from spacar.deck.length_unit import shown_in
 from spacar.frame import Frame
 from spacar.integrators import AUTOMATIC, METHODS
 from spacar.mechanism.mechanism import WITH_ADDITIONAL, Mechanism
@@ -25,13 +26,16 @@ def state(n: Numbering, frame: Frame, motion: bool = True, metre: float = 1.0) -
     x_names, e_names = coordinates(n, metre)
     shown = ShownUnits.of(n, metre)
     x_class, e_class = class_letters(n)
-    x_columns = [("x", frame.x), ("dx/dt", frame.xd), ("d2x/dt2", frame.xdd)]
-    x_columns = [(head, shown.coordinates(v)) for head, v in x_columns]
-    x_columns += [("applied force", shown.forces(frame.fx)), ("total force", shown.forces(frame.fxtot))]
-    e_columns = [("e", frame.e), ("de/dt", frame.ed), ("d2e/dt2", frame.edd)]
-    e_columns = [(head, shown.deformations(v)) for head, v in e_columns]
-    e_columns.append(("stress resultant", shown.stresses(frame.sig)))
-    title = "Coordinates" + f" in {shown.unit('m')}" * (metre != 1.0)
+    x_columns = [
+        ("x", shown.coordinates * frame.x), ("dx/dt", shown.coordinates * frame.xd),
+        ("d2x/dt2", shown.coordinates * frame.xdd), ("applied force", shown.forces * frame.fx),
+        ("total force", shown.forces * frame.fxtot),
+    ]  # fmt: skip
+    e_columns = [
+        ("e", shown.deformations * frame.e), ("de/dt", shown.deformations * frame.ed),
+        ("d2e/dt2", shown.deformations * frame.edd), ("stress resultant", shown.stresses * frame.sig),
+    ]  # fmt: skip
+    title = "Coordinates" + f" in {shown_in('m', metre)[1]}" * (metre != 1.0)
     title += "; total force: applied force, gravity and force of supports and drives" if motion else ""
     lines = [title, "", *_columns("node", "coordinate", x_names, x_class, x_columns[: None if motion else 1]), ""]
     if n.ne:

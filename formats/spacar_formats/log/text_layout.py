@@ -33,8 +33,8 @@ def cell(value: object) -> str:
     return real(value) if isinstance(value, float) else str(value)
 
 
-def table(headings: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
-    """Lines of a table, indented by two blanks; numbers stand to the right, words to the left."""
+def table(headings: Sequence[str], rows: Iterable[Sequence[object]], words_left: bool = True) -> list[str]:
+    """Lines of a table, indented by two blanks; numbers stand to the right, words to the left, if `words_left`."""
     body = list(zip(*rows, strict=True)) or [()] * len(headings)
     columns = []
     for head, values in zip(headings, body, strict=True):  # column by column: tables of large models have 1e5 cells
@@ -42,7 +42,7 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str
         plain = not any(issubclass(kind, float) for kind in kinds)
         cells = [head, *map(str if plain else cell, values)]
         width = max(map(len, cells))
-        words = any(issubclass(kind, str) for kind in kinds)
+        words = words_left and any(issubclass(kind, str) for kind in kinds)
         columns.append([c.ljust(width) for c in cells] if words else [c.rjust(width) for c in cells])
     return [("  " + "  ".join(line)).rstrip() for line in zip(*columns, strict=True)]
 
@@ -74,45 +74,28 @@ def matrix(
 
 @dataclass(frozen=True)
 class ShownUnits:
-    """metre: unit of length of the input in metres;  x (nx,), e (ne,): powers of the metre."""
+    """Factors that show numbers in SI in the unit of length of the input.
 
-    metre: float
-    x: Array
-    e: Array
+    coordinates (nx,)   of x and its rates;  forces, compliances (nx,)  dual to x, and x by its own force
+    deformations (ne,)  of e and its rates;  stresses (ne,)  dual to e
+    """
+
+    coordinates: Array
+    forces: Array
+    compliances: Array
+    deformations: Array
+    stresses: Array
 
     @classmethod
     def of(cls, n: Numbering, metre: float) -> ShownUnits:
-        x, e = np.zeros(n.nx), np.zeros(n.ne)
+        x, e = np.zeros(n.nx), np.zeros(n.ne)  # powers of the metre
         if metre != 1.0:
             x[:] = [COORDINATE_POWER[n.kind[n.x_owner(i)[0]]] for i in range(n.nx)]
             for i in range(n.ne):
                 element, mode = n.e_owner(i)
                 if element > 0:
                     e[i] = metres(ELEMENT_TYPES[n.keyword[element]].modes[mode - 1][1])
-        return cls(metre, x, e)
-
-    def coordinates(self, values: Array) -> Array:
-        """x and its rates."""
-        return values * self.metre**-self.x
-
-    def forces(self, values: Array) -> Array:
-        """Dual to x."""
-        return values * self.metre ** (self.x - 1.0)
-
-    def deformations(self, values: Array) -> Array:
-        """e and its rates."""
-        return values * self.metre**-self.e
-
-    def stresses(self, values: Array) -> Array:
-        """Dual to e."""
-        return values * self.metre ** (self.e - 1.0)
-
-    def compliances(self, values: Array) -> Array:
-        """Coordinates by their own forces."""
-        return values * self.metre ** (1.0 - 2.0 * self.x)
-
-    def unit(self, text: str) -> str:
-        return shown_in(text, self.metre)[1]
+        return cls(metre**-x, metre ** (x - 1.0), metre ** (1.0 - 2.0 * x), metre**-e, metre ** (e - 1.0))
 
 
 def shown_values(s: Statement, variant: Variant, n: Numbering, metre: float) -> tuple[Value, ...]:
