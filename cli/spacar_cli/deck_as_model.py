@@ -35,11 +35,9 @@ Ends = tuple[int, int, int, int]  # position and orientation node of the root of
 
 @dataclass
 class DeckModel(DeckText, ABC):
-    """The tree of the parts of an input file. `frames`: of the orientation nodes."""
+    """The tree of the parts of an input file; abstract is what plane and space do apart. `frames` of orientation nodes."""
 
     frames: dict[int, Orientation] = field(default_factory=dict)
-
-    # -- what the plane and space do in their own way ----------------------------------------------------------------
 
     @abstractmethod
     def turn(self, node: int) -> Orientation:
@@ -99,8 +97,6 @@ class DeckModel(DeckText, ABC):
         """The unit vector of a direction of the reference configuration, (steps, d), turned by the coordinates `rows`
         (steps, 4) of an orientation node."""
 
-    # -- the file ------------------------------------------------------------------------------------------------
-
     def text(self) -> str:
         """The model file. Raises UsageError for an element or statement that cannot be exported."""
         self._ground()
@@ -144,8 +140,6 @@ class DeckModel(DeckText, ABC):
             return self.driven(node, k)
         return self.parameter(f"{self.axes[k]}{node}{suffix}", float(self.place(node)[k]))
 
-    # -- supports, masses, forces --------------------------------------------------------------------------------
-
     def _supports(self) -> None:
         """Coordinates that are fixed or prescribed on parts of the tree."""
         for node in self.numbering.nodes:
@@ -175,8 +169,6 @@ class DeckModel(DeckText, ABC):
                 names = self.named(f"F*{n}", force[rows])
                 self.table("force", name=f"f{n}", at=self.points[n], vector=self.vector(names))
 
-    # -- orientations ------------------------------------------------------------------------------------------------
-
     def turned_about_z(self) -> list[int]:
         """Orientation nodes of which an output ANGLEn is the only coordinate."""
         return [n for n, found in self.frames.items() if found.frame != "N" and found.angle]
@@ -194,8 +186,6 @@ class DeckModel(DeckText, ABC):
         if len(turns) > 1:
             keys = {"axis": "".join(str(axis) for axis, _ in turns), "angle": [angle for _, angle in turns]}
         self.table("frame", name=name, parent=parent, **keys)
-
-    # -- the tree ----------------------------------------------------------------------------------------------------
 
     def readiness(self, part: Part) -> tuple[int, int]:
         """What needs no new coordinate first, then what hangs on something that is known."""
@@ -246,8 +236,6 @@ class DeckModel(DeckText, ABC):
         half = self.vector([f"{v}/2" if v != "0" else v for v in offset])
         self.table("point", name=f"G{n}", base=self.points[p], offset=half, **{"in": found.frame})
         self.table("body", name=f"rod{n}", frame=found.frame, at=f"G{n}", mass=f"{m}*{L}", inertia=inertia)
-
-    # -- beams -------------------------------------------------------------------------------------------------------
 
     def _beam(self, part: Part) -> None:
         """A flexible beam from p, clamped in the frame there; its tip carries the frame at q."""

@@ -16,7 +16,6 @@ from spacar.mechanism import Mechanism
 
 MARK = "# made by spacar symbolic export"
 
-
 UNKNOWN = ("USERSIG", "USERINP", "MEE", "XGYRO")
 # the places of p, its orientation, q, its orientation among the nodes of an element
 PLANAR: dict[str, tuple[int | None, ...]] = {
@@ -162,8 +161,6 @@ class DeckText:
         units = ("", "*t", "*t**2/2")
         return " + ".join(n + unit for n, unit in zip(names, units, strict=True) if n != "0") or "0"
 
-    # -- points --------------------------------------------------------------------------------------------------
-
     def point(self, node: int, base: str, offset: list[str], frame: str | None = None) -> None:
         self.points[node] = f"P{node}"
         self.table("point", name=f"P{node}", base=base, offset=self.vector(offset), **({"in": frame} if frame else {}))
@@ -206,8 +203,6 @@ class DeckText:
         L = self.parameter(f"L{part.number}", self.length(part))
         squares = " + ".join(f"({b}.{axis} - {a}.{axis})**2" for axis in self.axes)
         self.table("constraint", expression=f"({squares} - {L}**2)/(2*{L})")
-
-    # -- springs -------------------------------------------------------------------------------------------------
 
     def spring(self, part: Part) -> None:
         """An elastic truss without mass."""

@@ -38,8 +38,6 @@ def _across(a: Array, b: Array) -> Any:
 
 @dataclass
 class PlanarModel(DeckModel):
-    # -- orientations ------------------------------------------------------------------------------------------------
-
     def drive_orientation(self, node: int) -> None:
         if self.class_of(node, 0) == "input":
             open_by = f"{self.turn(node).angle} - ({self.driven(node, 0)})"
@@ -74,8 +72,6 @@ class PlanarModel(DeckModel):
         known = self.frames.setdefault(node, found)
         if known.angle != found.angle:
             self.table("constraint", expression=f"{known.angle} - ({found.angle})")
-
-    # -- the tree ----------------------------------------------------------------------------------------------------
 
     def hinge(self, part: Part) -> None:
         """A weld, a prescribed angle, or a torque of stiffness, damping and preload between two frames."""
@@ -130,8 +126,6 @@ class PlanarModel(DeckModel):
             self.point(there, self.points[here], [f"{v}*l{n}" if v != "0" else v for v in offset], angle.frame)
         self.elastic(part)
 
-    # -- beams and rods ----------------------------------------------------------------------------------------------
-
     def sections(self, part: Part, axes: Array, rotary: Sequence[float]) -> list[Any]:
         return [0, 0, self.parameter(f"J{part.number}", rotary[0])]
 
@@ -163,8 +157,6 @@ class PlanarModel(DeckModel):
 
 @dataclass
 class SpatialModel(DeckModel):
-    # -- orientations ------------------------------------------------------------------------------------------------
-
     def drive_orientation(self, node: int) -> None:
         if any(self.class_of(node, k) == "input" for k in range(4)):
             where = self.deck.source
@@ -214,8 +206,6 @@ class SpatialModel(DeckModel):
         turns = [(3, alpha), (2, beta), (3, angle), (2, f"-{beta}"), (3, f"-{alpha}")]
         self.frame(name, parent, [(a, v) for a, v in turns if v not in ("0", "-0")])
 
-    # -- the tree ----------------------------------------------------------------------------------------------------
-
     def hinge(self, part: Part) -> None:
         """The frame of one node turned against that of the other; a torque of stiffness, damping and preload."""
         _, p, _, q = part.nodes
@@ -260,8 +250,6 @@ class SpatialModel(DeckModel):
         for node in (part.nodes[0], part.nodes[2]):
             self.float_point(node)
         self.distance(part)
-
-    # -- beams and rods ----------------------------------------------------------------------------------------------
 
     def _frame_rows(self, part: Part) -> Array:
         """x', y', z' of an element as rows, (3, 3)."""

@@ -34,7 +34,6 @@ def overview() -> Iterator[str]:
 
 def explanation(name: str) -> Iterator[str]:
     """All meanings of a keyword or setting, one for each block where it may stand. Raises UsageError."""
-
     if name.lower() in sim_blocks.BY_NAME:
         yield from sim_blocks.explanation(name.lower())
         yield ""

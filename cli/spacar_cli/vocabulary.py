@@ -81,7 +81,6 @@ POSITIVE = Real(min=0.0, min_open=True)
 TOLERANCE = Real(min=0.0, min_open=True, max=1.0)
 STEPS = Whole(min=1)
 
-
 MODE = re.compile(r"[+-]?\d+")
 FILE, TABLE = click.Path(path_type=Path), TablePath()
 

@@ -45,7 +45,6 @@ footer { margin-top: 36px; color: #8a97a3; font-size: 12px; }
 @media print { body { background: #fff; } main { padding: 0; } figure, table { break-inside: avoid; } }
 """
 
-
 DPI = 120
 
 

@@ -22,7 +22,6 @@ from spacar.errors import InputError
 DIMENSIONS = {"RECT": 2, "RECTHOL": 4, "CIRC": 1, "CIRCHOL": 2, "I": 4, "LINE": 0}
 ALL = 0  # the key of a setting that holds for all elements
 
-
 # Kind of the values behind a setting -> how many (None: any number), and what they are.
 KINDS: dict[str, tuple[int | None, str]] = {
     "none": (0, ""), "element": (None, "element numbers"), "node": (None, "node numbers"), "shape": (1, "shape"),

@@ -25,7 +25,6 @@ def built(kind: Callable[..., Block], *keys: str, each: Sequence[str] = ()) -> C
 
 
 def spasim(s: Section) -> Block:
-
     model = s.path("model")
     return Spasim(model if model.is_file() else model.with_name(f"{model.name}.dat"), s.name)
 

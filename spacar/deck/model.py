@@ -81,7 +81,6 @@ class Model(ModelStatements, ModelCalls):
         model._visualization = list(deck.visualization if lines is None and not deck.sections else lines or ())
         return model
 
-    # -- what is not one keyword ------------------------------------------------------------------------------------
     def node(self, number: int, place: Vector) -> int:
         """A position node and where it is: the statement X. Returns its number.
 
@@ -121,7 +120,6 @@ class Model(ModelStatements, ModelCalls):
         self._check(row, words, place)
         self._rows.append((row.name, block, words, place))
 
-    # -- results ----------------------------------------------------------------------------------------------------
     def deck(self, mode: Purpose = None) -> Deck:
         """The checked deck; `mode` as `spacar.read_deck`. Raises InputError with the lines of the Python file."""
         text = str(self)
@@ -151,7 +149,6 @@ class Model(ModelStatements, ModelCalls):
         """For notebooks: the model with a picture of the start position, once it is complete enough to be drawn."""
         return with_picture(repr(self), "inline_model", self)
 
-    # -- inside -----------------------------------------------------------------------------------------------------
     def _moved(self, messages: Sequence[Message], text: str) -> list[Message]:
         """Messages about the text with the places of the calls where they are about one."""
         ordered = sorted(self._rows, key=lambda row: row[1])  # the blocks; inside them the order stays

@@ -154,8 +154,6 @@ class _Splitter:
         if self.fresh:
             self.opened, self.fresh = line, False
 
-    # -- statements ----------------------------------------------------------------------------------------
-
     def _begin(self, name: str, word: Word, block: int) -> None:
         self.current, self.lines = Raw(name, block, word.line), None
         self.result.statements.append(self.current)
@@ -238,8 +236,6 @@ class _Splitter:
             if name in NAMES[self.block] and {b.number for b in blocks_of(name)} == {self.block}:
                 return True
         return False
-
-    # -- blocks --------------------------------------------------------------------------------------------
 
     def _open(self) -> str:
         return f"{_BLOCK_NAMES[self.block]} (open since line {self.opened})"

@@ -271,7 +271,6 @@ COORDINATE = integer("coordinate number", "coordinate")
 MODE = integer("mode number", "mode")
 SURPLUS = "Surplus zeros are ignored; a surplus value that is not zero is an error."  # a note of some rows
 
-
 Purpose = int | str | None
 """A mode number, "simulation" for the controlled simulation, or None for checking a file without a mode."""
 

@@ -45,7 +45,6 @@ def command(
     or over the expression --against (the speed of a rotor: Campbell diagram), and the root locus. Of a large model in
     mode 4 or 9, whose equations are stored sparse, the N lowest are computed, without --lowest 20.
     """
-
     found, names, warnings = read_vibrations(file, *([] if lowest is None else [lowest]))
     tell_notes(environment, warnings)
     if not found:
@@ -68,7 +67,6 @@ def command(
 
 def _rows(step: int, vibration: Vibration, names: list[str], lowest: int | None) -> list[tuple]:
     """Rows of the table in the order in which modes are shown; the last column is where the value is stored."""
-
     values, damping, dominant = vibration.values, vibration.damping, vibration.dominant(names)
     order = shown_order(values)
     numbers = mode_numbers(values, order)
@@ -84,7 +82,6 @@ def _pictures(
     environment: Environment, file: str, steps: list[Vibration], numbers: list[int], against: str | None,
     output: tuple[Path, ...],
 ) -> None:  # fmt: skip
-
     check_stills(output)
     across: np.ndarray = np.array([s.t for s in steps])
     text = "load step" if np.array_equal(across, np.round(across)) else "time (s)"

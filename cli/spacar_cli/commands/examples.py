@@ -13,7 +13,6 @@ from spacar_cli.environment import Environment
 HERE = Path(__file__).resolve().parent.parent
 PLACES = (HERE / "examples", HERE.parent.parent / "data")  # in an installed wheel, in a checkout
 
-
 ENDING = re.compile(r"\.(dat|sim|toml|py)\Z")
 
 

@@ -44,7 +44,6 @@ POLICY = (
     "img-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 
-
 TYPED = ("check", "picture")  # tasks that follow the keys
 SECONDS = 120.0, 20.0  # for what a click asks for, and for what follows the keys
 READING = ("state", "open", "task", "log", "end")  # what a page that watches may ask
