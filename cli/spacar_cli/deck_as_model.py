@@ -35,7 +35,7 @@ Ends = tuple[int, int, int, int]  # position and orientation node of the root of
 
 @dataclass
 class DeckModel(DeckText, ABC):
-    """The tree of the parts of an input file; abstract is what plane and space do apart. `frames` of orientation nodes."""
+    """The tree of the parts of an input file; abstract is what plane and space do apart. `frames`: by node."""
 
     frames: dict[int, Orientation] = field(default_factory=dict)
 

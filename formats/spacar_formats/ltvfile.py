@@ -64,7 +64,7 @@ def write_ltv(data: TimeVarying, target: Path, source: Path) -> None:
     A, B, C = data.need("A", "B", "C")
     header: dict[str, Any] = {}
     with open_result(source, "ltv") as file:
-        header |= {ident: _plain(file.header[ident]) for ident in COPIED if file.has(ident)}
+        header |= {ident: file.header[ident] for ident in COPIED if file.has(ident)}
     header |= {
         "NNOM": data.n_nominal, "NX": A.shape[1], "NU": B.shape[2], "NY": C.shape[1], "NRBM": data.n_rigid,
         "NYS": len(data.second_rows), "DFT": int(data.D is not None),
@@ -83,13 +83,6 @@ def write_ltv(data: TimeVarying, target: Path, source: Path) -> None:
     with safety.replacing(target) as side, SbfWriter(side, "ltv", header, {"T": (1, 1), **shapes}) as writer:
         for k, t in enumerate(data.t):
             writer.append({"T": t} | {ident: value[k] for ident, value in fields.items()})
-
-
-def _plain(value: Any) -> Any:
-    """A header value in the form in which the writer takes it: one line of text as text, one number as a number."""
-    if isinstance(value, list):
-        return value[0] if len(value) == 1 else value
-    return value.ravel()[0] if value.size == 1 else value
 
 
 def _matrices(file: SbfFile, ident: str, count: int) -> np.ndarray | None:

@@ -81,13 +81,9 @@ def _put_one(
         else:
             text = f"{noun} {index} cannot be {name}: it was {_DONE[before[0]]} by {by.keyword} at line {by.line}"
             scene.findings.error(s, place, text, "two-classes")
-    for line, repeated in again.items():
-        which = f"{noun} {repeated[0]} was" if len(repeated) == 1 else f"{noun}s {_listed(repeated)} were"
+    for line, (*others, last) in again.items():
+        which = f"{noun}s {', '.join(map(str, others))} and {last} were" if others else f"{noun} {last} was"
         scene.findings.warning(s, 1, f"{which} already {_DONE[name]} at line {line}", "repeated")
-
-
-def _listed(numbers: list[int]) -> str:
-    return f"{', '.join(map(str, numbers[:-1]))} and {numbers[-1]}"
 
 
 def _check_euler_parameters(scene: CheckMaterial) -> None:

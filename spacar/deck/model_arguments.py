@@ -122,8 +122,6 @@ def grouped(parameters: Sequence[Parameter], needed: int) -> list[Argument]:
     found: list[Argument] = []
     for parts in _together(parameters, vectors):
         name = argument_name(parts[0])
-        while name in {a.name for a in found}:
-            name += "_2"
         kind = "Vector" if len(parts) > 1 else TYPES[parts[0].kind]
         required = sum(a.count for a in found) + len(parts) <= needed and parts[0].default is None
         found.append(Argument(name, kind, tuple(parts), required))

@@ -68,7 +68,10 @@ class _Splitter:
 
     def run(self) -> Split:
         if not self._lines():
-            self._unfinished(" after a single END" if self.end is not None else "")
+            self._close(self.last_line, 10**6)
+            where = " after a single END" if self.end is not None else ""
+            text = f"end of file{where} inside the {self._open()}; END END is missing"
+            self.findings.add("error", self.last_line, "", text, "structure")
         self.result.convert()
         return self.result
 
@@ -272,11 +275,6 @@ class _Splitter:
             self._next_block(end)
             self._open_since(word.line)
         return False, False
-
-    def _unfinished(self, where: str) -> None:
-        self._close(self.last_line, 10**6)
-        text = f"end of file{where} inside the {self._open()}; END END is missing"
-        self.findings.add("error", self.last_line, "", text, "structure")
 
 
 def nearest_keyword(name: str, block: int, cutoff: float = 0.6) -> str:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from spacar.deck.cross_section import MATERIALS, SHAPES
 from spacar.deck.table_elements import ELEMENT_TYPES, types_with
 from spacar.deck.table_types import (
+    COORDINATE,
     ELEMENT,
+    MODE,
     NODE,
     BlockKind,
     Keyword,
     Parameter,
-    Variant,
     form,
     integer,
     real,
@@ -29,24 +30,18 @@ _DEFAULT_X = "A coordinate without FIX, INPUTX, DYNX or KINX is calculable."
 _DEFAULT_E = "A deformation without RLSE, INPUTE, DYNE or KINE is fixed."
 
 
-def _coordinates() -> tuple[Variant, ...]:
-    more = integer("coordinate number", "coordinate")
-    return (
-        form((NODE, more, more), *span(1, 3), space="planar"),
-        form((NODE, more, more, more), *span(1, 4), space="spatial", role="position"),
-        form((NODE, more, more, more, more), *span(1, 5), space="spatial", role="orientation"),
-        form((NODE, more), 1, 2, space="spatial", role="warping"),
-    )
-
-
-def _modes() -> tuple[Variant, ...]:
-    more = integer("mode number", "mode")
-    most = max(len(t.modes) for t in ELEMENT_TYPES.values())
-    return (form((ELEMENT, *(more,) * most), *span(1, 1 + most)),)
+_COORDINATES = (
+    form((NODE, *(COORDINATE,) * 2), *span(1, 3), space="planar"),
+    form((NODE, *(COORDINATE,) * 3), *span(1, 4), space="spatial", role="position"),
+    form((NODE, *(COORDINATE,) * 4), *span(1, 5), space="spatial", role="orientation"),
+    form((NODE, COORDINATE), 1, 2, space="spatial", role="warping"),
+)
+_MOST = max(len(t.modes) for t in ELEMENT_TYPES.values())
+_MODES = (form((ELEMENT, *(MODE,) * _MOST), *span(1, 1 + _MOST)),)
 
 
 def _class(name: str, text: str, of: str, note: str = "") -> Keyword:
-    variants = _coordinates() if of == "node" else _modes()
+    variants = _COORDINATES if of == "node" else _MODES
     notes = (_K5, _DEFAULT_X) if of == "node" else (_K6, _DEFAULT_E)
     return Keyword(name, BlockKind.KINEMATICS, text, variants, notes=(*notes, note) if note else notes)
 

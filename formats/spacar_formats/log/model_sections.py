@@ -9,8 +9,7 @@ from spacar.deck.cross_section import SHAPES
 from spacar.deck.findings import ranges
 from spacar.deck.keyword_table import KEYWORDS
 from spacar.deck.length_unit import shown_in
-from spacar.deck.statement import Value
-from spacar.deck.table_types import BlockKind, Keyword, Variant
+from spacar.deck.table_types import BlockKind, Keyword
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import CLASSES, Numbering
 from spacar_formats.log.text_layout import real, shown_head, shown_values, table
@@ -127,7 +126,7 @@ def statements(mechanism: Mechanism, name: str, block: BlockKind) -> list[str]:
         variant, metre = keyword.variants[index], mechanism.deck.metre
         heads = [shown_head(p, metre) for p in variant.parameters[:count]]
         values = [shown_values(s, variant, mechanism.numbering, metre) for s in group]
-        rows = [[*_shown(v, variant), *[""] * (count - len(v))] for v in values]
+        rows = [[*v, *[""] * (count - len(v))] for v in values]
         lines += [f"{name}: {keyword.help}", "", *table(heads, rows), ""]
     return lines
 
@@ -161,15 +160,6 @@ def variant_of(n: Numbering, keyword: Keyword, s: Statement) -> int:
     fitting = [i for i, v in enumerate(keyword.variants) if v.fits(space, role, kind)]
     of_size = [i for i in fitting if len(s.values) in keyword.variants[i].counts]
     return (of_size or fitting or [0])[0]
-
-
-def _shown(values: Sequence[Value], variant: Variant) -> Sequence[object]:
-    """Values as printed: integers as integers, all other numbers with ten digits."""
-    whole = [p.kind == "integer" for p in variant.parameters]
-    return [
-        v if isinstance(v, str) else int(v) if is_whole else float(v)
-        for v, is_whole in zip(values, [*whole, *[False] * len(values)], strict=False)
-    ]
 
 
 def coordinates(n: Numbering, metre: float = 1.0) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:

@@ -10,9 +10,9 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from itertools import islice, takewhile
 
-from spacar.deck.keyword_table import KEYWORDS
+from spacar.deck.keyword_table import KEYWORDS, blocks_of
 from spacar.deck.statement import Statement, Value
-from spacar.deck.table_types import NODE_OR_ELEMENT, BlockKind
+from spacar.deck.table_types import NODE_OR_ELEMENT
 
 ELEMENT, NODE = "element", "node"
 MOVED = {"TRE": ELEMENT, "TROT": NODE, "TRANS": NODE, "TRCIRL": NODE}  # path -> what it moves
@@ -20,13 +20,10 @@ MOVED = {"TRE": ELEMENT, "TROT": NODE, "TRANS": NODE, "TRCIRL": NODE}  # path ->
 
 @cache
 def _places(keyword: str, block: int, count: int) -> tuple[tuple[int, str], ...]:
-    for kind in BlockKind:
-        row = KEYWORDS.get((keyword, kind)) if kind.number == block else None
-        if row is not None:
-            variant = next((v for v in row.variants if count in v.counts), row.variants[0])
-            kinds = [p.of if p.of in (ELEMENT, NODE_OR_ELEMENT) else NODE for p in variant.parameters]
-            return tuple((i, kinds[i]) for i in range(count) if kinds[i] in variant.parameters[i].of)
-    return ()
+    row = KEYWORDS[keyword, next(kind for kind in blocks_of(keyword) if kind.number == block)]
+    variant = next((v for v in row.variants if count in v.counts), row.variants[0])
+    kinds = [p.of if p.of in (ELEMENT, NODE_OR_ELEMENT) else NODE for p in variant.parameters]
+    return tuple((i, kinds[i]) for i in range(count) if kinds[i] in variant.parameters[i].of)
 
 
 def places(s: Statement) -> tuple[tuple[int, str], ...]:

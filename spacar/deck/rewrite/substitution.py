@@ -62,9 +62,7 @@ class _Template:
         return None if findings.errors or others.messages != self.skipped else findings.messages
 
 
-@lru_cache(maxsize=4)
-def _template(deck: Deck) -> _Template:
-    return _Template(deck)
+_template = lru_cache(maxsize=4)(_Template)
 
 
 def with_numbers(deck: Deck, edits: Sequence[Edit]) -> Deck | None:
