@@ -81,8 +81,7 @@ class DeckModel(DeckText, ABC):
 
     @abstractmethod
     def deflection(self, ends: Ends, axes: Array, x: Array) -> tuple[Array, Array]:
-        """Place of the tip from the root, and rotation (3,) from the root to it, along the axes of the root; complex x
-        is allowed."""
+        """Place of the tip and rotation (3,) to it from the root, along the axes of the root; complex x is allowed."""
 
     @abstractmethod
     def drive_orientation(self, node: int) -> None:

@@ -47,8 +47,7 @@ class Part:
 
 @dataclass
 class DeckText:
-    """The text of a model file that is made from the first frame x, xd (nx,) of a run of mode 1; `shapes` in a flexible
-    beam."""
+    """The text of a model file of the first frame x, xd (nx,) of a run of mode 1; `shapes` in a flexible beam."""
 
     mechanism: Mechanism
     x: Array

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from spacar_formats.result_files import write_steps
 from spacar_formats.safety import Claim, write_text
-from spacar_formats.sinks import write_steps
 
 import spacar
 from spacar.errors import AnalysisError, SpacarError, UsageError

@@ -74,8 +74,7 @@ def section_axes(points: Array, y_p: Array, y_q: Array, slopes: Array | None = N
 
 
 def chord_axes(ends: Array, y_p: Array, y_q: Array) -> Array:
-    """(..., 2, 3) y', z' normal to the chords of ends (..., 2, 3), midway between the ends: the directions in which the
-    shear part acts."""
+    """(..., 2, 3) y', z' normal to the chords of ends (..., 2, 3), midway between them: where the shear part acts."""
     d = unit(ends[..., 1, :] - ends[..., 0, :])
     y = y_p + y_q
     y = unit(y - np.sum(y * d, axis=-1, keepdims=True) * d)

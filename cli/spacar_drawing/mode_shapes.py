@@ -233,8 +233,7 @@ def buckling_modes(source: PictureSource, matrices: Any, step: int) -> list[Mode
 
 
 def suitable_factor(scene: Scene, motion: NDArray, extent: float) -> float:
-    """The factor at which the largest displacement of a motion (nx,) is SHARE of the extent [m] and no rotation exceeds
-    MOST_TURN."""
+    """The factor at which a motion (nx,) moves at most SHARE of the extent [m] and no rotation exceeds MOST_TURN."""
     amplitude = np.abs(motion)
     k = 2 if scene.planar else 3
     rows = scene.position_nodes - 1

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 from spacar_formats.locate import open_result, stale_note
+from spacar_formats.result_files import sbd_header
 from spacar_formats.sbf import SbfFile
 from spacar_formats.signal_tables import SignalTable, read_table
-from spacar_formats.sinks.results import sbd_header
 
 from spacar.arrays import Array
 from spacar.errors import UsageError

@@ -29,8 +29,7 @@ ROUND = ("belt", "planar wheel", "wheel")  # shapes that turn about a node: no b
 
 @dataclass(frozen=True)
 class Element:
-    """One element: number, keyword, shape (of the element table), node numbers (0: none) at its ends, and its warping
-    nodes."""
+    """One element: number, keyword, shape (of the element table), nodes at its ends (0: none), its warping nodes."""
 
     number: int
     keyword: str

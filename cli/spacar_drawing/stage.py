@@ -253,8 +253,7 @@ def _space_grid(axes: Axes, camera: Camera, low: Array, high: Array) -> None:
 
 
 def _edge_for_numbers(camera: Camera, k: int, low: Array, high: Array, far: Array, near: Array) -> Array:
-    """A point of the edge along axis k that lies on the outline of the box: for x and y the lower one near the viewer,
-    for z the leftmost."""
+    """A point of the edge along axis k on the outline of the box: of x and y the lower near one, of z the left one."""
     i, j = (m for m in range(3) if m != k)
     candidates = np.tile(0.5 * (low + high), (2, 1))  # an edge between a near and a far side is part of the outline
     candidates[:, i], candidates[:, j] = (far[i], near[i]), (near[j], far[j])

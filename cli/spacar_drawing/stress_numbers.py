@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from spacar_formats.sinks.results import sbd_header
+from spacar_formats.result_files import sbd_header
 
 from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES
@@ -46,8 +46,7 @@ AT_ONCE = 100_000  # places times points of a section that are evaluated togethe
 class LargestStress:
     """Where a quantity has its largest modulus.
 
-    value [unit];  step (from 1), t;  element;  xi from 0 at p to 1 at q;  y, z place in the section [m], nan for
-    resultants
+    value [unit];  step (from 1), t;  element;  xi from 0 at p to 1 at q;  y, z in the section [m], nan for resultants
     """
 
     quantity: str

@@ -126,8 +126,7 @@ POSITIVE, NEGATIVE = "#c0392b", "#2471a3"
 
 
 def courses(source: PictureSource, step: int, quantity: str, n: int) -> list[tuple[Element, Array]]:
-    """The quantity (n,) at a step along every element that has it, in the unit of the scene. Raises UsageError when no
-    element has."""
+    """The quantity (n,) at a step along every element that has it, in the unit of the scene; UsageError if none has."""
     state, found = _state(source, step), []
     factor = shown_in(QUANTITIES[quantity][1], source.scene.metre)[0]
     for e, section in _seen(source):
@@ -149,8 +148,7 @@ def stress_still(
     source: PictureSource, step: int, extras: Extras, quantity: str, note: str = "", surface: bool = False
 ) -> Figure:
     """The mechanism at a step with the quantity as colours along its beams, and a scale with the unit. `surface`: a
-    stress at every point of the surface, instead of the largest in the section. Raises UsageError when no element has
-    it."""
+    stress at every point of the surface, not the largest in the section. Raises UsageError when no element has it."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 

@@ -153,8 +153,7 @@ def overview_figure(study: Flexure, body: bool) -> Figure:
 
 
 def all_figures(study: Flexure, body: bool) -> list[tuple[Figure, str]]:
-    """Every figure that has something to show, with its caption; of a support that is rigid in all directions nothing
-    is shown."""
+    """Every figure that has something to show, with its caption; a support that is rigid in all directions has none."""
     c = by_name(study, body)
     k, left = ([s for s in supported(study, c, kind) if np.isfinite(s.values).any()] for kind in ("k", "remaining"))
     made = (

@@ -69,8 +69,7 @@ class TriangleMesh:
         self, moving: Sequence[Array], frame: Array, place: Array, colour: Array, element: Array, triangles: Array,
         normal: Array | None = None,
     ) -> None:  # fmt: skip
-        """Frames p, Y, Z (pictures, n, 3) each and the corners in them; numbers of frames and corners count from 0
-        here."""
+        """Frames p, Y, Z (pictures, n, 3) each and the corners in them; both are counted from 0 here."""
         normal = np.zeros_like(place) if normal is None else normal
         self._moving.append(np.stack(moving))
         self._corner.append(np.column_stack((place, normal, colour, frame + self.frames, element)))

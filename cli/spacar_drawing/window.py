@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from spacar_formats.sinks.results import sbd_header
+from spacar_formats.result_files import sbd_header
 
 from spacar.errors import UsageError
 from spacar.frame import Frame

@@ -15,7 +15,7 @@ from spacar.modes import find_mode
 from spacar.result import Result
 from spacar.stream import Run
 from spacar_formats.log import LogSink
-from spacar_formats.sinks import begin, result_sinks
+from spacar_formats.result_files import begin, result_sinks
 
 ENDINGS = (".dat", ".log", ".sbd", ".sbm", ".ltv")
 

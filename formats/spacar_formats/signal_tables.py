@@ -34,11 +34,10 @@ from spacar.simulation.plant import Spasim
 from spacar.simulation.response import Response
 from spacar.stream import Run
 from spacar_formats.exports import export_to, to_csv, to_mat, to_npz
+from spacar_formats.result_files import KINDS, write_steps
 from spacar_formats.safety import Claim
 from spacar_formats.sbf import SbfFile
 from spacar_formats.sbf.record_layout import require
-from spacar_formats.sinks import write_steps
-from spacar_formats.sinks.results import KINDS
 
 KIND = re.compile(r"(?:IN|OUT|NOM|REF|INPUT)(E|X|S|F)(DP|P|S)? ")
 NODE = re.compile(r"node \d+ (?:([xyz])|w|phi|lambda\d)")
@@ -121,8 +120,7 @@ def table_of_arrays(arrays: Mapping[str, tuple[Sequence[str], np.ndarray]]) -> S
 
 
 def panels_by_quantity(table: SignalTable, block: str, rows: Iterable[int] | None = None) -> list[Panel]:
-    """The signals of a block (from 0, default all), those of one keyword (OUTX, OUTE ...) or of one letter and of one
-    unit together."""
+    """The signals of a block (from 0, default all), those of one keyword (OUTX ...) or letter, and unit, together."""
     groups: dict[tuple[str, Unit | None], list[int]] = {}
     own = table.columns(block)
     for k in own if rows is None else (own[row] for row in rows):

@@ -42,8 +42,7 @@ def rows(statements: Iterable[Statement], *more: Row) -> list[list[Row]]:
 
 
 def write_rows(blocks: Sequence[Iterable[Sequence[Value]]], visualization: Sequence[str] = ()) -> str:
-    """Text of up to three blocks of rows (keyword, values ...), empty ones at the end left out, and of the
-    visualization section."""
+    """Text of up to three blocks of rows (keyword, values ...) without empty ones at the end, and of VISUALIZATION."""
     texts = ["\n".join(_row(str(row[0]), row[1:]) for row in block) for block in blocks]
     while len(texts) > 1 and not texts[-1]:
         texts.pop()

@@ -127,8 +127,7 @@ class _Form:
 
 @cache
 def _forms(keyword: Keyword, space: str, count: int) -> tuple[_Form, ...]:
-    """The forms that so many ordinary numbers take in such a model; none with names. Several differ in what they are
-    about."""
+    """The forms that so many ordinary numbers take in such a model, none with names; they differ in their subject."""
     subject = keyword.subject
     things: list[tuple[Any, str, str]] = [(role, role, "") for role in COORDINATES]
     if keyword.of_element:
@@ -192,8 +191,7 @@ def _in_range(values: Sequence[Any], count: int, form: _Form) -> bool:
 
 
 def _known(values: Sequence[Any], count: int, form: _Form, outline: Outline) -> bool:
-    """Whether everything that the values of plain lines refer to exists and is of the right kind; `arguments` says what
-    does not."""
+    """Whether all that the values of plain lines refer to exists and is right; `arguments` says what does not."""
     most: Sequence[Any] = ()  # number of parts of what the value before refers to
     for i, of_element, parts in form.references:
         numbers = values[i::count]

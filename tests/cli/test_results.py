@@ -4,10 +4,9 @@ import hashlib
 
 import numpy as np
 import pytest
+from spacar_formats.result_files import result_sinks, sbd_header
 from spacar_formats.sbf import SbfFile
 from spacar_formats.setpoint_files import find_setpoints
-from spacar_formats.sinks import result_sinks
-from spacar_formats.sinks.results import sbd_header
 
 import spacar
 from spacar.errors import UsageError

@@ -11,7 +11,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 from spacar_formats.log import LogSink
-from spacar_formats.sinks import begin, result_sinks
+from spacar_formats.result_files import begin, result_sinks
 
 import spacar
 from spacar.compiled.library import unavailable

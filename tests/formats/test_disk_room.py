@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from spacar_formats import disk_room
 from spacar_formats.disk_room import bytes_of_a_step, steps_of
+from spacar_formats.result_files import result_sinks
 from spacar_formats.sbf import SbfFile
 from spacar_formats.sbf.record_layout import matlab_name
-from spacar_formats.sinks.results import result_sinks
 
 import spacar
 from spacar.errors import InputError, UsageError

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from spacar_formats.disk_room import require_room
 from spacar_formats.log import LogSink
-from spacar_formats.sinks import ResultSink, begin, result_sinks
+from spacar_formats.result_files import ResultSink, begin, result_sinks
 
 from spacar.calls import BEAMS, check_modes, frames, integrator
 from spacar.errors import InputError, SpacarError, UsageError
@@ -110,18 +110,6 @@ def _accuracy_asked(file: Path | None, options: dict[str, Any]) -> tuple[Path | 
     return file, asked | {"accuracy": target}
 
 
-def _accuracy_flags(asked: dict[str, Any]) -> dict[str, Any]:
-    """The options as given, for the log."""
-    if not asked:
-        return {}
-    target = asked["accuracy"]
-    found = {
-        "--accuracy": "measured" if target is True else target, "--variable": ", ".join(asked["variables"]),
-        "--fixed-mesh": "mesh" in asked,
-    }  # fmt: skip
-    return {name: value for name, value in found.items() if value}
-
-
 def run_mode(
     mode: Mode, environment: Environment, *, file: Path | None, output_dir: Path | None, as_json: bool,
     wait: bool = False, regardless: bool = False, setpoints: str | None = None, show: bool = False,
@@ -155,7 +143,7 @@ def run_mode(
     with result_sinks(stem, mode.files, wait) as results:
         log = LogSink(
             stem.with_name(f"{stem.name}.log"), mode, Path("standard input") if piped else source,
-            _flags(overrides, setpoints) | _accuracy_flags(asked),
+            _flags(overrides, asked, setpoints),
         )  # fmt: skip
         try:
             try:
@@ -208,14 +196,19 @@ def run_mode(
     return status
 
 
-def _flags(overrides: dict[str, Any], setpoints: str | None) -> dict[str, Any]:
+def _flags(overrides: dict[str, Any], asked: dict[str, Any], setpoints: str | None) -> dict[str, Any]:
     """The given options under their names on the command line, for the log."""
     given: dict[str, Any] = {}
     for name in (*OVERRIDES, *FLAGS):
         if name in overrides:
             yes, _, no = words.VOCABULARY[name].spelled.partition("/")
             given[yes if overrides[name] or not no else no] = True if no else overrides[name]
-    return given | ({"--setpoints": setpoints} if setpoints else {})
+    target = asked.get("accuracy")
+    more = {
+        "--accuracy": "measured" if target is True else target, "--variable": ", ".join(asked.get("variables", ())),
+        "--fixed-mesh": "mesh" in asked, "--setpoints": setpoints,
+    }  # fmt: skip
+    return given | {name: value for name, value in more.items() if value}
 
 
 def _check_timestep(run: Run) -> None:

@@ -22,7 +22,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.resources import files
 from pathlib import Path
 from threading import Event, Lock, Thread, Timer
-from typing import Any, ClassVar
+from typing import Any
 from urllib.parse import urlsplit
 
 from spacar_drawing.viewer_page import STYLE, script_text, stage_html
@@ -36,7 +36,6 @@ from spacar_cli.keyword_help import keywords_json
 
 HOST = "127.0.0.1"
 LARGEST = 32_000_000  # bytes of a call
-JAVASCRIPT = "text/javascript; charset=utf-8"
 OF_VIEWER = ("viewer.js", "viewer_controls.js")
 SCRIPTS = ("codemirror.js", "language.js", "editor.js", "results.js", "curves.js", *OF_VIEWER)
 POLICY = (
@@ -191,7 +190,6 @@ class PageHandler(BaseHTTPRequestHandler):
     server_version, sys_version = "spacar", ""
     protocol_version = "HTTP/1.1"
     timeout = 60
-    kinds: ClassVar = {".js": JAVASCRIPT, ".css": "text/css; charset=utf-8"}
 
     def do_GET(self) -> None:
         name = self._name(False)
@@ -201,7 +199,8 @@ class PageHandler(BaseHTTPRequestHandler):
             nonce = secrets.token_urlsafe(16)
             self._send(HTTPStatus.OK, self._page(nonce), "text/html; charset=utf-8", nonce)
         elif name in SCRIPTS or name == "editor.css":
-            self._send(HTTPStatus.OK, page_file(name), self.kinds[Path(name).suffix])
+            kind = "css" if name == "editor.css" else "javascript"
+            self._send(HTTPStatus.OK, page_file(name), f"text/{kind}; charset=utf-8")
         elif name == "keywords.json":
             self._send(HTTPStatus.OK, json.dumps(keywords_json()), "application/json")
         else:

@@ -67,8 +67,7 @@ class ResultSink:
 def result_sinks(stem: Path, kinds: tuple[str, ...], wait: bool = False) -> Iterator[list[ResultSink]]:
     """The sinks `stem.sbd`, `stem.sbm`, `stem.ltv` of a mode, claimed for this run; `begin` starts their files.
 
-    Raises UsageError when another run is writing one of them (with `wait`: waits for it) or the folder does not allow
-    it.
+    Raises UsageError when another run is writing one of them (with `wait`: waits for it) or the folder cannot be used.
     """
     with ExitStack() as claims:
         yield [
