@@ -1,7 +1,7 @@
 """Names and one-line helps of all commands: what `spacar --help` prints without importing anything.
 
-The command NAME is `spacar_cli.commands.NAME:command`, imported when it is called; the modes have their own table,
-`spacar.modes.MODES`.
+The command NAME is `spacar_cli.commands.NAME:command`, or one of `commands.stored_results`, imported when it is called;
+the modes have their own table, `spacar.modes.MODES`.
 """
 
 COMMANDS = {
@@ -39,6 +39,7 @@ COMMANDS = {
     "symbolic": "equations of motion of a model file by computer algebra",
     "completion": "completion of the command line by the TAB key, for bash, zsh, fish",
 }
+OF_RESULT_FILES = ("checksbf", "getfrsbf", "repinsbf", "loadsbd", "loadsbm", "combsbd", "getss")
 OF_THE_MANUAL = {"spadraw": "draw", "spavisual": "visual", "spasim": "sim"}  # names in SPACAR's manual
 
 TOPICS = {  # word of `spacar help` -> page of docs/, which wheels have in spacar_cli/pages

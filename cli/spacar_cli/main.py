@@ -18,7 +18,7 @@ import click
 import spacar
 from spacar.errors import SpacarError, UsageError
 from spacar.modes import MODES
-from spacar_cli.command_table import COMMANDS, OF_THE_MANUAL
+from spacar_cli.command_table import COMMANDS, OF_RESULT_FILES, OF_THE_MANUAL
 from spacar_cli.environment import (
     Environment,
     ExitStatus,
@@ -79,7 +79,8 @@ class CommandGroup(click.Group):
         if cmd_name not in COMMANDS:
             return None
         with without_collection():
-            command: click.Command = import_module(f"spacar_cli.commands.{cmd_name}").command
+            module, name = ("stored_results", cmd_name) if cmd_name in OF_RESULT_FILES else (cmd_name, "command")
+            command: click.Command = getattr(import_module(f"spacar_cli.commands.{module}"), name)
         return with_file_names(command)
 
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:

@@ -2,7 +2,6 @@
 
 import contextlib
 import signal
-from importlib import import_module
 
 import click
 import numpy as np
@@ -10,13 +9,14 @@ import pytest
 from spacar_cli import command_table
 from spacar_cli.commands.run_mode import command_of_mode
 from spacar_cli.environment import ExitStatus
+from spacar_cli.main import program
 
 import spacar
 from spacar.modes import MODES
 
 
 def test_every_row_of_the_table_is_a_command_and_every_parameter_is_documented():
-    commands = [import_module(f"spacar_cli.commands.{name}").command for name in command_table.COMMANDS]
+    commands = [program.get_command(click.Context(program), name) for name in command_table.COMMANDS]
     commands += [command_of_mode(str(number)) for number in MODES]
     for command in commands:
         assert command.help, command.name

@@ -1,14 +1,15 @@
 """The subcommands in process: output, warnings on standard error, and which error each mistake raises."""
 
 import json
-from importlib import import_module
 from io import StringIO
 from types import SimpleNamespace
 
+import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from spacar_cli.environment import Environment
+from spacar_cli.main import program
 
 from spacar.errors import AnalysisError, UsageError
 
@@ -16,7 +17,7 @@ from .samples import LNP, ltv, sbd, sbm
 
 
 def call(name, *words):
-    command = import_module(f"spacar_cli.commands.{name}").command
+    command = program.get_command(click.Context(program), name)
     env = Environment(StringIO(), StringIO(), StringIO(), {})
     done = CliRunner().invoke(command, [str(w) for w in words], obj=env)
     return SimpleNamespace(
