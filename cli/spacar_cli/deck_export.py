@@ -100,10 +100,8 @@ def export_deck(
     flexible = bool(model.system.beams)
     compared = compare(made, result, run)
     if not flexible and compared.position[0] > RIGID_LIMIT * compared.size:
-        raise AnalysisError(
-            f"{path.name}: the model moves otherwise than mode 1: " + "; ".join(compared.lines(False, shapes)[1:2]),
-            "export",
-        )
+        found = compared.lines(False, shapes)[1]
+        raise AnalysisError(f"{path.name}: the model moves otherwise than mode 1: {found}", "export")
     counts = program.counts()
     if language is None:
         write_text(target, text)

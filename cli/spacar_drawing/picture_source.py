@@ -92,6 +92,10 @@ class PictureSource:
     def time(self, k: int) -> float:
         return float(np.ravel(self.get("t", k))[0])
 
+    def beside(self, ending: str) -> Path:
+        """A file with the name of the result and another ending."""
+        return Path(self.name).parent / f"{self.scene.title}{ending}"
+
 
 def open_source(name: str | Path, stale_ok: bool = False, drawn: bool = True) -> PictureSource:
     """The `.sbd` result of this name (extension optional), with the settings of the input file beside it.

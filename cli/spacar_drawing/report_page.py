@@ -4,7 +4,6 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from html import escape
-from pathlib import Path
 
 import numpy as np
 
@@ -228,7 +227,7 @@ def _constraints(source: PictureSource, extras: Extras) -> str:
 
 
 def _log(source: PictureSource, lines: int) -> str:
-    path = Path(source.name).parent / f"{source.scene.title}.log"
+    path = source.beside(".log")
     if not lines or not path.is_file():
         return ""
     text = path.read_text("utf-8", "replace").splitlines()

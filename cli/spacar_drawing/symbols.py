@@ -35,10 +35,8 @@ def start_of(source: PictureSource) -> Array:
 def stored(source: PictureSource, name: str, what: str) -> Array:
     """A table of the header. Raises UsageError when the result was written before there was such a table."""
     if name not in source.header:
-        raise UsageError(
-            f"{source.name} does not hold {what} ({name.lower()}): an earlier version wrote it; run the analysis again",
-            "draw.missing",
-        )
+        text = f"{source.name} does not hold {what} ({name.lower()}): an earlier version wrote it;"
+        raise UsageError(f"{text} run the analysis again", "draw.missing")
     return np.asarray(source.header[name], float)
 
 

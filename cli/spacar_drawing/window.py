@@ -57,12 +57,11 @@ def _on_screen() -> bool:
 
 
 def slider_window(
-    pictures: Pictures, count: int, first: int, bounds: tuple[Array, Array], camera: Camera, title: str,
-    fps: float = 25.0,
-) -> Any:  # fmt: skip
+    pictures: Pictures, count: int, bounds: tuple[Array, Array], camera: Camera, title: str, fps: float = 25.0
+) -> Any:
     """A window with a time slider and a play button; dragging in a spatial picture turns it. Blocks until it is closed.
 
-    `pictures(k)` gives frame k from 0; `first` is the frame shown at the start. Returns the figure.
+    `pictures(k)` gives frame k from 0, the first one at the start. Returns the figure.
     """
     import matplotlib.pyplot as plt
     from matplotlib.widgets import Button, Slider
@@ -70,9 +69,8 @@ def slider_window(
     figure = open_window(title)
     moving = MovingFigure(figure, furnish(figure, bounds, camera, " ", FOOT), camera)
     slider = Slider(
-        figure.add_axes((0.18, 0.03, 0.62, 0.03)), "step ", 1, max(count, 2), valinit=first + 1, valstep=1,
-        color="#2f74b5",
-    )  # fmt: skip
+        figure.add_axes((0.18, 0.03, 0.62, 0.03)), "step ", 1, max(count, 2), valinit=1, valstep=1, color="#2f74b5"
+    )
     button = Button(figure.add_axes((0.86, 0.02, 0.10, 0.05)), "play")
     state: dict[str, Any] = {"drag": None, "playing": False}
 

@@ -36,11 +36,8 @@ def combsbd(
     if len(names) < 2:
         raise UsageError("combsbd needs two or more files", "files.combine")
     if target.exists() and not force:
-        raise UsageError(
-            f"{target} exists and may hold the only copy of a result; the original overwrites it without a word, "
-            "here --overwrite (force=True) replaces it",
-            "files.exists",
-        )
+        text = f"{target} exists and may hold the only copy of a result; the original overwrites it without a word,"
+        raise UsageError(f"{text} here --overwrite (force=True) replaces it", "files.exists")
     with ExitStack() as stack:
         files = [stack.enter_context(open_result(name, "sbd")) for name in names]
         for other in files[1:]:
@@ -76,6 +73,5 @@ def _check_same(first: SbfFile, other: SbfFile) -> None:
     for ident in _MECHANISM:
         mine, theirs = first.header.get(ident), other.header.get(ident)
         if (mine is None) != (theirs is None) or (mine is not None and not np.array_equal(mine, theirs)):  # type: ignore[arg-type]
-            raise UsageError(
-                f"{first.path} and {other.path} are of different mechanisms: {ident} differs", "files.combine"
-            )
+            text = f"{first.path} and {other.path} are of different mechanisms: {ident} differs"
+            raise UsageError(text, "files.combine")

@@ -35,9 +35,8 @@ def result_path(name: str | os.PathLike[str], kind: str | None = None) -> Path:
     wanted = candidates[0]
     unfinished = [part_path(c) for c in candidates if part_path(c).is_file()]
     if unfinished:
-        raise UsageError(
-            f"{wanted} not found; the run did not finish, its results are in {unfinished[0]}", "files.not-found"
-        )
+        text = f"{wanted} not found; the run did not finish, its results are in {unfinished[0]}"
+        raise UsageError(text, "files.not-found")
     suffix = wanted.suffix[1:].lower()
     text = f"{wanted} not found"
     if suffix in _WRITTEN_BY:

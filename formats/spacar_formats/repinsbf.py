@@ -74,9 +74,8 @@ def _payload(record: Record, value: np.ndarray | float | str | Sequence, file: s
         raise UsageError(f"the new value of {record.id} must be finite", "files.value")
     vector = array.ndim <= 1 and 1 in shape and array.size == record.size
     if not vector and array.shape != shape:
-        raise UsageError(
-            f"{record.id} in {file} is {shape[0]} x {shape[1]}, the new value has the shape {array.shape}", "files.size"
-        )
+        text = f"{record.id} in {file} is {shape[0]} x {shape[1]}, the new value has the shape {array.shape}"
+        raise UsageError(text, "files.size")
     with np.errstate(all="ignore"):
         stored = array.astype(DTYPES[record.type])
     if array.dtype.kind == "f" and record.type != 2 and not np.array_equal(stored, array):

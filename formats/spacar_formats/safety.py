@@ -166,11 +166,8 @@ class Claim:
             self._made = not self.part.exists()
             while not self._locked():
                 if not wait:
-                    raise UsageError(
-                        f"another run is writing {final}{locks.holder(self.part)}: wait for it (--wait does), or write "
-                        "somewhere else",
-                        "files.busy",
-                    )
+                    text = f"another run is writing {final}{locks.holder(self.part)}: wait for it (--wait does),"
+                    raise UsageError(f"{text} or write somewhere else", "files.busy")
                 time.sleep(PAUSE)
         except OSError as err:
             raise UsageError(f"cannot write {final}: {err.strerror}", "files.open") from None
@@ -231,9 +228,8 @@ class Claim:
     def publish(self) -> None:
         """End of a successful run: the .part gets its final name in one step. Raises AnalysisError."""
         if not _same(self._fd, self.part):
-            raise AnalysisError(
-                f"{self.part} was removed or replaced while the run wrote to it: its results are lost", "files.write"
-            )
+            text = f"{self.part} was removed or replaced while the run wrote to it: its results are lost"
+            raise AnalysisError(text, "files.write")
         if os.name == "nt":
             os.close(self._fd)  # open files cannot be renamed there; the lock is on another file
             self._fd = -1

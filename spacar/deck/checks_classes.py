@@ -35,10 +35,8 @@ def _without_released(scene: CheckMaterial, s: Statement, indices: tuple[int, ..
         for place, index in enumerate(s.integers(1), 1):
             if index in released:
                 kind = scene.outline.types[number]
-                text = (
-                    f"mode {index} ({kind.modes[index - 1][0]}) of the {kind.keyword} is always calculable: it follows "
-                    "from its warping node; to prescribe warping give FIX or INPUTX for that node"
-                )
+                text = f"mode {index} ({kind.modes[index - 1][0]}) of the {kind.keyword} is always calculable: it"
+                text += " follows from its warping node; to prescribe warping give FIX or INPUTX for that node"
                 scene.findings.error(s, place, text, "released-mode")
     return tuple(i for i in indices if i not in released)
 
@@ -95,11 +93,9 @@ def _check_euler_parameters(scene: CheckMaterial) -> None:
         by = [s for i in (1, 2, 3, 4) if (s := scene.giver("node", node, i)) is not None]
         if len(by) == 4:
             last = max(by, key=lambda s: s.line)
-            text = (
-                f"all four Euler parameters of node {node} are given (lines"
-                f" {', '.join(str(n) for n in sorted({s.line for s in by}))}): over-determines their normalization;"
-                " leave lambda0 (coordinate 1) calculable"
-            )
+            lines = ", ".join(map(str, sorted({s.line for s in by})))
+            text = f"all four Euler parameters of node {node} are given (lines {lines}): over-determines their"
+            text += " normalization; leave lambda0 (coordinate 1) calculable"
             scene.findings.error(last, None, text, "normalization")
 
 

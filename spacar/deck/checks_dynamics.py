@@ -148,10 +148,8 @@ def _check_preload(scene: CheckMaterial) -> None:
             modes = [place for place, given in found if given == name]
             if modes:
                 which = f"mode {modes[0]} is" if len(modes) == 1 else f"modes {', '.join(map(str, modes))} are"
-                text = (
-                    f"no effect: {which} {name}, so that the stress follows from equilibrium alone; "
-                    "a preload needs a deformation with DYNE or RLSE"
-                )
+                text = f"no effect: {which} {name}, so that the stress follows from equilibrium alone; a preload"
+                text += " needs a deformation with DYNE or RLSE"
                 scene.findings.warning(group[k], modes[0], text, "preload-lost")
 
 
@@ -195,8 +193,6 @@ def _check_motion(scene: CheckMaterial) -> None:
     for keyword, classes, noun in (("INPUTX", scene.coordinates, "coordinate"), ("INPUTE", scene.deformations, "mode")):
         for (number, index), (name, by, k) in classes.items():
             if name == "prescribed" and (keyword, number, index) not in moved:
-                text = (
-                    f"{noun} {index} has no time function ({keyword} in the dynamics block): constant "
-                    "at its initial value"
-                )
+                text = f"{noun} {index} has no time function ({keyword} in the dynamics block): constant"
+                text += " at its initial value"
                 scene.findings.information(by[k], None, text, "constant")

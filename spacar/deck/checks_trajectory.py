@@ -31,9 +31,8 @@ def check_trajectories(scene: CheckMaterial) -> None:
         scene.findings.add("error", None, "", NO_TRAJECTORY, "no-trajectory")
     for before, after in pairwise(trajectories):
         if after.start.integer(0) <= before.start.integer(0):
-            text = (
-                f"trajectory numbers must ascend; the one before is {before.start.values[0]} (line {before.start.line})"
-            )
+            last = f"{before.start.values[0]} (line {before.start.line})"
+            text = f"trajectory numbers must ascend; the one before is {last}"
             scene.findings.error(after.start, 0, text, "trajectory-order")
     for trajectory in trajectories:
         _check_one(scene, trajectory, whole)
@@ -67,9 +66,8 @@ def _check_one(scene: CheckMaterial, t: _Trajectory, whole: bool) -> None:
     if not paths and not user and whole:
         findings.error(t.start, None, f"a path is missing: {', '.join(PATHS)} or USERTRAJ", "no-path")
     if paths and user:
-        findings.error(
-            user[0], None, f"USERTRAJ replaces all paths, but {paths[0].subject} is given too", "user-trajectory"
-        )
+        text = f"USERTRAJ replaces all paths, but {paths[0].subject} is given too"
+        findings.error(user[0], None, text, "user-trajectory")
     if len(paths) > MOST_PATHS:
         text = f"{len(paths)} path statements in one trajectory; at most {MOST_PATHS}"
         findings.error(paths[MOST_PATHS], None, text, "too-many-paths")
@@ -144,10 +142,8 @@ def _check_path(scene: CheckMaterial, s: Statement) -> None:
     lacking = [i for i in needed if scene.class_of("node", number, i) not in enough]
     if lacking:
         found = scene.class_of("node", number, lacking[0])
-        text = (
-            f"coordinate {lacking[0]} of node {number} is {found}; {s.keyword} moves all its coordinates and needs"
-            f" INPUTX {number} {' '.join(map(str, needed))} in the kinematics block"
-        )
+        text = f"coordinate {lacking[0]} of node {number} is {found}; {s.keyword} moves all its coordinates and needs"
+        text += f" INPUTX {number} {' '.join(map(str, needed))} in the kinematics block"
         scene.findings.error(s, 0, text, "path-class")
 
 

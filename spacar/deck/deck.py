@@ -142,7 +142,7 @@ class Deck(ModelCalls):
 
     def where(self, statement: Statement, value_index: int | None = None) -> str:
         """Place and subject of a statement or of one of its values (value_index from 0): `crank.dat:12: DYNE 7`."""
-        return f"{self.source}:{_line(statement, value_index)}: {statement.subject}"
+        return f"{self.source}:{statement.line_of(value_index)}: {statement.subject}"
 
     def message(
         self, severity: str, statement: Statement, text: str, value_index: int | None = None, code: str = "input"
@@ -151,7 +151,7 @@ class Deck(ModelCalls):
 
         `severity` is "error", "warning" or "information"; `text` says what is wrong, `code` is its stable short name.
         """
-        return Message(severity, self.source, _line(statement, value_index), statement.subject, text, code)
+        return Message(severity, self.source, statement.line_of(value_index), statement.subject, text, code)
 
     def to_text(self) -> str:
         """Canonical text, one statement a line, that reads back to the same statements."""
@@ -224,10 +224,6 @@ Deck.statements = _lazily  # type: ignore[assignment]
 def _counted(found: Counter[str]) -> str:
     words = [f"{n} {name}" if n > 1 else name for name, n in found.most_common()]
     return ", ".join(words[:12]) + (", ..." if len(words) > 12 else "") or "none"
-
-
-def _line(statement: Statement, index: int | None) -> int:
-    return statement.line if index is None or index >= len(statement.lines) else statement.lines[index]
 
 
 def read_deck(path: str | Path, mode: Purpose = None) -> Deck:

@@ -29,8 +29,7 @@ class Findings:
         self, severity: str, statement: Statement, index: int | None, text: str, code: str, bare: bool = False
     ) -> None:
         """A message at the value `index` of a statement (None: at its keyword); `bare` names the keyword only."""
-        line = statement.line if index is None or index >= len(statement.lines) else statement.lines[index]
-        self.add(severity, line, statement.keyword if bare else statement.subject, text, code)
+        self.add(severity, statement.line_of(index), statement.keyword if bare else statement.subject, text, code)
 
     error = partialmethod(about, "error")
     warning = partialmethod(about, "warning")

@@ -41,6 +41,10 @@ class Statement(NamedTuple):
             return (self.line,) * len(self.values)
         return tuple([line for line, _ in self.place])
 
+    def line_of(self, index: int | None) -> int:
+        """That of the value at `index` (from 0); None, or a value that was left out: of the keyword."""
+        return self.line if index is None or index >= len(self.lines) else self.lines[index]
+
     @property
     def columns(self) -> tuple[int, ...]:
         """Those of every value (from 1); none for a statement that follows from another one."""

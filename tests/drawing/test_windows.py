@@ -42,7 +42,7 @@ def test_show_without_display_is_refused(results, monkeypatch):
 
 def test_slider_shows_the_step(no_screen):
     shown = series(result_source("crank", 1, 0.035, 14), Extras(), range(1, 16), [], False)
-    figure = window.slider_window(shown.whole, 15, 0, shown.bounds, shown.camera, "crank")
+    figure = window.slider_window(shown.whole, 15, shown.bounds, shown.camera, "crank")
     axes = figure.axes[0]
     assert axes.get_title(loc="left") == "crank   t = 0 s"
     slider = figure._spacar[0]
@@ -54,11 +54,9 @@ def test_play_goes_round(no_screen):
     def pictures(k):
         return [Mark(np.zeros(3))], f"picture {k}"
 
-    figure = window.slider_window(
-        pictures, 3, 2, (np.zeros(3), np.ones(3)), Camera.towards(-60, 30), "three"
-    )
+    figure = window.slider_window(pictures, 3, (np.zeros(3), np.ones(3)), Camera.towards(-60, 30), "three")
     slider, button, timer = figure._spacar
-    assert slider.val == 3
+    slider.set_val(3)
     button._observers.process("clicked", None)
     assert button.label.get_text() == "pause"
     timer.callbacks[0][0]()
@@ -75,7 +73,7 @@ def test_dragging_turns_a_spatial_picture(no_screen):
     seen = []
     start = Camera.towards(-60, 30)
     figure = window.slider_window(
-        lambda k: ([Mark(np.array([1.0, 0, 0]))], ""), 3, 0, (-np.ones(3), np.ones(3)), start, "x"
+        lambda k: ([Mark(np.array([1.0, 0, 0]))], ""), 3, (-np.ones(3), np.ones(3)), start, "x"
     )
     box = figure.axes[0].bbox
     x, y = 0.5 * (box.x0 + box.x1), 0.5 * (box.y0 + box.y1)

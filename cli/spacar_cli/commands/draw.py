@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -46,7 +45,7 @@ def command(
     extras = replace(choices.extras(), scale=scale, symbols=symbol_kinds(symbols))
     source = choices.opened(file)
     scene = source.scene
-    outputs = choices.output or (() if choices.show else (Path(source.name).parent / f"{scene.title}.png",))
+    outputs = choices.output or (() if choices.show else (source.beside(".png"),))
     for path in outputs:
         check_name(path)
     nodes = [] if no_trace else list(trace or source.settings.traces)
@@ -81,7 +80,7 @@ def command(
             if table is not None:
                 line = TimeLine(open_window(f"{scene.title}: scopes"), table, t)
                 whole = _with_line(line, whole, [source.time(k) for k in shown.numbers])
-            slider_window(whole, len(shown.numbers), 0, shown.bounds, shown.camera, scene.title, choices.fps)
+            slider_window(whole, len(shown.numbers), shown.bounds, shown.camera, scene.title, choices.fps)
     environment.wrote(*outputs)
 
 

@@ -49,7 +49,7 @@ def command(
     tell_notes(environment, warnings([*curves, across]))
     outputs = list(output)
     if not outputs and csv_file is None and not show:
-        outputs = [Path(source.name).parent / f"{source.scene.title}_plot.png"]
+        outputs = [source.beside("_plot.png")]
     check_stills(outputs)
     if csv_file is not None:
         columns = [across, *curves]

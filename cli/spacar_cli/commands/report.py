@@ -28,7 +28,7 @@ def command(
     from spacar_formats.safety import write_text
 
     source = open_source(file, stale_ok)
-    path = output or Path(source.name).parent / f"{source.scene.title}.html"
+    path = output or source.beside(".html")
     page = report_page(source, plot, log_lines, view, viewer, symbol_kinds(symbols))
     write_text(path, page)
     environment.wrote(path)

@@ -39,7 +39,7 @@ def command(
     from spacar_formats.safety import write_text
 
     source = open_source(file, stale_ok)
-    path = output or Path(source.name).parent / f"{source.scene.title}_view.html"
+    path = output or source.beside("_view.html")
     write_text(path, view_page(source, frames, view, fps, stress))
     environment.wrote(path)
     if show:

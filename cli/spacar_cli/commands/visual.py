@@ -118,7 +118,7 @@ def _numbers(text: str | None, modes: list[ModeShape], default: int) -> list[Mod
 def _outputs(source: PictureSource, choices: Choices, what: str, several: bool = False) -> list[Path]:
     """The files to write; with several modes the kind of picture is added to the given names."""
     if not choices.output:
-        return [] if choices.show else [Path(source.name).parent / f"{source.scene.title}_{what}.png"]
+        return [] if choices.show else [source.beside(f"_{what}.png")]
     paths = [p.with_name(f"{p.stem}_{what}{p.suffix}") if several else p for p in choices.output]
     for p in paths:
         check_name(p)
@@ -149,7 +149,7 @@ def _mode(
         if choices.show:
             from spacar_drawing.window import slider_window
 
-            slider_window(pictures, PHASES, 0, bounds, camera, mode.label, choices.fps)
+            slider_window(pictures, PHASES, bounds, camera, mode.label, choices.fps)
     environment.wrote(*outputs)
 
 

@@ -59,13 +59,12 @@ class EditedFile:
         digest = sha256(data).hexdigest()
         return {"text": lines, "digest": digest, "newline": newline, "marked": text.startswith(MARK)}
 
-    def save(self, text: str, digest: str, newline: str, marked: bool, force: bool = False) -> str:
+    def save(self, text: str, digest: str, newline: str, marked: bool) -> str:
         """Replace the file as a whole; returns its new digest.
 
-        Raises UsageError when it is not the one with this digest (edit.changed, unless `force`), and when it cannot be
-        written.
+        Raises UsageError when it is not the one with this digest (edit.changed), and when it cannot be written.
         """
-        if not force and self.digest() != digest:
+        if self.digest() != digest:
             raise UsageError(f"{self.path.name} was changed by another program", "edit.changed")
         end = newline if newline in ("\n", "\r\n", "\r") else "\n"
         data = (MARK * marked + text.replace("\n", end)).encode("utf-8", "surrogateescape")

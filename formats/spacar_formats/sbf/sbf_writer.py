@@ -120,10 +120,8 @@ class SbfWriter:
             while done < len(data):
                 done += self._file.write(memoryview(data)[done:])
         except OSError as err:
-            raise AnalysisError(
-                f"cannot write {self.path} (step {self.steps + 1}): {err.strerror}; earlier steps are kept",
-                "files.write",
-            ) from None
+            text = f"cannot write {self.path} (step {self.steps + 1}): {err.strerror}; earlier steps are kept"
+            raise AnalysisError(text, "files.write") from None
 
 
 def _fit(name: str, value: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
