@@ -34,14 +34,14 @@ def overview() -> Iterator[str]:
 
 def explanation(name: str) -> Iterator[str]:
     """All meanings of a keyword or setting, one for each block where it may stand. Raises UsageError."""
-    if name.lower() in sim_blocks.BY_NAME:
-        yield from sim_blocks.explanation(name.lower())
-        yield ""
-        if not blocks_of(ALIASES.get(name.upper(), name.upper())):
-            return
     wanted = ALIASES.get(name.upper(), name.upper())
     setting = SPELLINGS.get(wanted, wanted)
     blocks = blocks_of(wanted)
+    if name.lower() in sim_blocks.BY_NAME:
+        yield from sim_blocks.explanation(name.lower())
+        yield ""
+        if not blocks:
+            return
     if not blocks and setting not in RULES:
         near = get_close_matches(wanted, {keyword for keyword, _ in KEYWORDS} | set(RULES), 3)
         hint = f"; nearest: {', '.join(near)}" if near else "; `spacar keywords` lists them"

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.elements.rotations.rotation import global_matrix, right_product
 from spacar.errors import UsageError
 from spacar_drawing.bodies import beam_lines, rows_of
 from spacar_drawing.drawn_shapes import Colour, Line, Mark, Shape, arrow_head, circle, normal_pair, unit
@@ -58,9 +59,7 @@ def magnified(scene: Scene, x0: Array, x: Array, factor: float) -> Array:
 
 def product(a: Array, b: Array) -> Array:
     """(n, 4) products of quaternions: the rotation b, then a."""
-    s, t, u, v = a[:, :1], b[:, :1], a[:, 1:], b[:, 1:]
-    scalar = s * t - np.sum(u * v, axis=1, keepdims=True)
-    return np.concatenate((scalar, s * v + t * u + np.cross(u, v)), axis=1)
+    return np.einsum("ijn,nj->ni", right_product(b.T), a)
 
 
 KINDS = ("loads", "reactions", "masses", "gravity", "axes")
@@ -185,8 +184,7 @@ def forces(source: PictureSource, kind: str, k: int) -> Forces:
 
 def moments(euler: Array, f: Array) -> Array:
     """(n, 3) global moments of generalized forces f (n, 4) on Euler parameters (n, 4): L f/2 (files.md section 5)."""
-    l0, l = euler[:, :1], euler[:, 1:]
-    return 0.5 * (l0 * f[:, 1:] - f[:, :1] * l + np.cross(l, f[:, 1:]))
+    return 0.5 * np.einsum("ijn,nj->ni", global_matrix(euler.T), f)
 
 
 def arrow(a: Array, b: Array, size: float, colour: Colour, flat: bool) -> list[Shape]:

@@ -35,9 +35,7 @@ def read_ltv(name: str | os.PathLike[str]) -> tuple[TimeVarying, list[str]]:
             t=np.ravel(file.get("T")).astype(float),
             n_nominal=file.count("NNOM") if file.has("NNOM") else 0,
             n_rigid=file.count("NRBM") if file.has("NRBM") else 0,
-            second_rows=np.ravel(file.header["NYSI"]).astype(np.int64) - 1
-            if file.has("NYSI")
-            else np.zeros(0, np.int64),
+            second_rows=np.ravel(file.header.get("NYSI", ())).astype(np.int64) - 1,
             inputs=file.texts("UNAMES"),
             outputs=file.texts("YNAMES"),
             x0=np.ravel(file.header["X0"]).astype(float) if file.has("X0") else None,
