@@ -13,10 +13,9 @@ import numpy as np
 from spacar_formats.getfrsbf import step_numbers
 
 from spacar.arrays import Array
-from spacar_drawing import look as colours
 from spacar_drawing.bodies import beam_lines
 from spacar_drawing.defaults import plain
-from spacar_drawing.drawn_shapes import Faces, Line, Shape, merge_bounds, together, wider
+from spacar_drawing.drawn_shapes import Colour, Faces, Line, Shape, merge_bounds, together, wider
 from spacar_drawing.element_pictures import element_shapes
 from spacar_drawing.files import MovingFigure, Pictures, evenly
 from spacar_drawing.look import GHOST, Look, look_of
@@ -71,8 +70,9 @@ def ghost_shapes(scene: Scene, x: Array, look: Look, strength: float = 0.35) -> 
     return [fade(s, strength) for s in shapes if not isinstance(s, Faces) or s.layer < 5]
 
 
-def outline_shapes(scene: Scene, x: Array, look: Look, colour: colours.Colour = colours.GHOST) -> list[Shape]:
-    """The elastic lines only, thin, in one colour."""
+def outline_shapes(scene: Scene, x: Array, look: Look, colour: Colour | None = None) -> list[Shape]:
+    """The elastic lines only, thin, in one colour; None: that of the first position."""
+    colour = colour or look.settings.initial_colour or GHOST
     pose = Pose.of(scene, x)
     seen = (e for e in scene.elements if e.p and e.q and e.number not in look.settings.hidden and e.shape not in ROUND)
     alike = together(((e.shape == "beam", bool(e.warping)), e) for e in seen)
@@ -113,8 +113,8 @@ def draw_steps(
     shapes: list[Shape] = trace_lines(scene, every_step, traces) if traces and every_step is not None else []
     bounds = wider(series_bounds(scene, xs, look, extras), [*shapes, *more])
     if behind is not None:
-        shapes += outline_shapes(scene, behind, look, settings.initial_colour or colours.GHOST)
-    figure, axes = new_figure(bounds, camera, scene.title if extras.title is None else extras.title)
+        shapes += outline_shapes(scene, behind, look)
+    figure, axes = new_figure(bounds, camera, title_of(scene, extras))
     n = len(xs)
     for i, x in enumerate(xs[:-1]):
         shapes += ghost_shapes(scene, x, look, 0.18 + 0.30 * (i + 1) / n)
@@ -162,11 +162,10 @@ def configurations(source: PictureSource, numbers: Sequence[int]) -> Array:
 
 
 def step_text(source: PictureSource, k: int) -> str:
-    """What stands above the picture of a step."""
+    """What is said of a step; nothing where there is one only."""
     if source.steps == 1:
-        return source.scene.title
-    where = f"load step {k}" if source.scene.analysis.stationary else f"t = {source.time(k):.6g} s"
-    return f"{source.scene.title}   {where}"
+        return ""
+    return f"load step {k}" if source.scene.analysis.stationary else f"t = {source.time(k):.6g} s"
 
 
 @plain
@@ -174,14 +173,13 @@ def picture(
     source: PictureSource, extras: Extras, numbers: Sequence[int], nodes: Sequence[int], initial: bool
 ) -> Figure:
     """The steps `numbers` in one figure, with paths of `nodes` and, if `initial`, the outline of the first step."""
-    title = extras.title
-    if title is None:
-        title = step_text(source, numbers[-1])
-        if len(numbers) > 1:
-            span = f"t = {source.time(numbers[0]):.4g} to {source.time(numbers[-1]):.4g} s"
-            if source.scene.analysis.stationary:
-                span = f"load steps {numbers[0]} to {numbers[-1]}"
-            title = f"{source.scene.title}   {len(numbers)} steps, {span}"
+    where = step_text(source, numbers[-1])
+    if len(numbers) > 1:
+        span = f"t = {source.time(numbers[0]):.4g} to {source.time(numbers[-1]):.4g} s"
+        if source.scene.analysis.stationary:
+            span = f"load steps {numbers[0]} to {numbers[-1]}"
+        where = f"{len(numbers)} steps, {span}"
+    title = title_of(source.scene, extras, where)
     place = _Placed(source, extras.scale)
     symbols = Symbols.of(source, extras.symbols, numbers[-1:])
     xs = np.stack([place(x) for x in configurations(source, numbers)])
@@ -261,12 +259,14 @@ def series(
     still: list[Shape] = trace_lines(scene, np.stack([place(x) for x in source.x()]), nodes) if nodes else []
     still += place.undeformed(look)
     if initial:
-        still += outline_shapes(scene, place(source.x(1)), look, source.settings.initial_colour or GHOST)
+        still += outline_shapes(scene, place(source.x(1)), look)
     bounds = wider(bounds, still)
 
     def show(i: int) -> tuple[Sequence[Shape], str]:
         k = numbers[i]
-        title = extras.title if extras.title is not None else place.title(step_text(source, k))
+        title = title_of(scene, extras, step_text(source, k))
+        if extras.title is None:
+            title = place.title(title)
         x = place(source.x(k))
         return [*mechanism_shapes(scene, x, look, extras), *symbols.shapes(k, x, look)], title
 

@@ -12,7 +12,7 @@ from spacar.arrays import Array
 from spacar_drawing.defaults import plain
 from spacar_drawing.drawn_shapes import Colour, Line, Shape
 from spacar_drawing.files import Pictures
-from spacar_drawing.look import DRIVE, GHOST, Look, extent_of, look_of
+from spacar_drawing.look import DRIVE, Look, extent_of, look_of
 from spacar_drawing.mechanism_picture import (
     Extras,
     camera_of,
@@ -63,7 +63,7 @@ def mode_still(source: PictureSource, step: int, extras: Extras, mode: ModeShape
     camera = camera_of(scene, extras.view)
     bounds = series_bounds(scene, np.concatenate((x[None], whole)), look, extras)
     figure, axes = new_figure(bounds, camera, title_of(scene, extras, mode.label))
-    shapes: list[Shape] = outline_shapes(scene, x, look, settings.initial_colour or GHOST) if rest else []
+    shapes: list[Shape] = outline_shapes(scene, x, look) if rest else []
     phases = (np.pi / 2, np.pi) if mode.is_complex and mode.oscillates else (np.pi,) if mode.oscillates else ()
     for phase in phases:
         shapes += ghost_shapes(scene, swing(mode, x, factor, phase), look, 0.28)
@@ -80,7 +80,7 @@ def mode_pictures(
     whole = period(mode, x, factor, PHASES)
     look = mode_look(scene, x, settings, whole)
     bounds = series_bounds(scene, np.concatenate((x[None], whole)), look, extras, QUARTERS)
-    behind = outline_shapes(scene, x, look, settings.initial_colour or GHOST) if rest else []
+    behind = outline_shapes(scene, x, look) if rest else []
 
     def picture(k: int) -> tuple[Sequence[Shape], str]:
         shapes = mechanism_shapes(scene, whole[k % PHASES], look, extras)

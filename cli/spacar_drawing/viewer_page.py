@@ -175,7 +175,7 @@ def view_model(
         arrays["field"] = _text(colours.numbers, np.uint16)
     return {
         "planar": scene.planar, "frames": mesh.frames,
-        "times": [step_text(source, k).removeprefix(scene.title).strip() for k in chosen], "fps": fps,
+        "times": [step_text(source, k) for k in chosen], "fps": fps,
         "shown": len(chosen) - 1 if scene.analysis.stationary else 0,
         "nodes": [*node_names(scene).values()], "elements": _elements(scene),
         "modes": {e.keyword: [str(m[0]) for m in ELEMENT_TYPES[e.keyword].modes] for e in scene.elements},

@@ -160,7 +160,7 @@ def _stresses(
     if stress and diagram:
         raise UsageError("--stress and --diagram exclude each other")
     quantity = stress or diagram or ""
-    note = step_text(source, step).removeprefix(source.scene.title).strip()
+    note = step_text(source, step)
     outputs = _outputs(source, choices, quantity)
     check_stills(outputs)
     draw = partial(stress_still, surface=over_section) if stress else diagram_still
