@@ -226,8 +226,7 @@ class SpatialModel(DeckModel):
             self.coordinate(name, *with_rate(lambda x: self._rotation(part, axis, x), self.x, self.xd))
         self._turned(f"B{other}", self.frames[known].frame, axis, f"{sign}{name}", n)
         self.frames[other] = Orientation(f"B{other}")
-        law = self.joint_law(part, name, f"{name}_t") if kind != "input" else ""
-        if law:
+        if kind != "input" and (law := self.joint_law(part, name, f"{name}_t")):
             vector = [f"-({law})*{a}" if a != "0" else "0" for a in self.named(f"n*{n}", axis)]
             self.table(
                 "torque", name=f"T_{n}", frame=self.frames[q].frame, reaction=self.frames[p].frame, vector=vector,

@@ -85,9 +85,8 @@ def sections_of(texts: Sequence[str]) -> dict[int, SectionShape]:
         read = statement_section(text.split())
         if read is None or any(not 0 < d <= 1e100 for d in read[1].dims):
             forms = ", ".join(f"{name} with {n} dimensions" for name, n in DIMENSIONS.items())
-            raise UsageError(
-                f"--section {text}: expected a shape, element numbers (none: all) and positive dimensions; {forms}"
-            )
+            wanted = "a shape, element numbers (none: all) and positive dimensions"
+            raise UsageError(f"--section {text}: expected {wanted}; {forms}")
         if ALL in read[0]:
             found = {}
         found |= dict.fromkeys(read[0], read[1])

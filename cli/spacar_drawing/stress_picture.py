@@ -53,11 +53,11 @@ class SectionStress:
         return np.where(inside(self.section, y, z), of_quantity(quantity, normal, shear)[0], np.nan)
 
     @property
-    def size(self) -> Array:
-        """(2,) extent along y', z' [m]."""
+    def contour(self) -> Array:
+        """(k, 2) points y', z' [m]."""
         contour = outline(self.section, 200)
         assert contour is not None
-        return np.ptp(contour, axis=0)
+        return contour
 
 
 def section_stress(source: PictureSource, step: int, element: int, xi: float) -> SectionStress:
@@ -83,7 +83,7 @@ def section_figure(found: SectionStress, quantity: str, metre: float, title: str
     """The section coloured by a stress, and its course over the height (z' at y' = 0) and the width (y' at z' = 0)."""
     factor, unit = shown_in(STRESSES[quantity][1], metre)
     length = shown_in("m", metre)[1]
-    w, h = found.size
+    w, h = np.ptp(found.contour, axis=0)
     step = max(w, h) / (ACROSS - 1)
     y, z = (np.linspace(-0.5 * s, 0.5 * s, max(41, round(s / step) + 1)) for s in (w, h))
     grid = np.meshgrid(y, z)
@@ -96,9 +96,7 @@ def section_figure(found: SectionStress, quantity: str, metre: float, title: str
         y / metre, z / metre, field, cmap="coolwarm" if signed else "viridis", vmin=-top if signed else 0.0, vmax=top,
         shading="nearest", rasterized=True,
     )  # fmt: skip
-    contour = outline(found.section, 200)
-    assert contour is not None
-    left.fill(*(contour / metre).T, fill=False, ec=INK, lw=0.8)
+    left.fill(*(found.contour / metre).T, fill=False, ec=INK, lw=0.8)
     left.set_aspect("equal" if 0.05 < w / h < 20 else "auto")
     dress(left, f"y' ({length})", f"z' ({length})")
     left.grid(False)

@@ -209,13 +209,10 @@ class LivePlot:
         old, shown = self._seen or box, self._bounds
         low, high = self._seen = np.minimum(old[0], box[0]), np.maximum(old[1], box[1])
         room = ROOM * float(np.max(high - low)) * (np.array([1, 1, 0]) if self._scene.planar else np.ones(3))
-        self._bounds = low, high
         if shown is not None:
-            lower, upper = (
-                np.where(low < shown[0], low - room, shown[0]),
-                np.where(high > shown[1], high + room, shown[1]),
-            )
-            self._bounds = lower, upper
+            low = np.where(low < shown[0], low - room, shown[0])
+            high = np.where(high > shown[1], high + room, shown[1])
+        self._bounds = low, high
         axes = furnish(self._figure, self._bounds, self._camera, " ", FOOT)
         if self._moving is not None:
             self._moving.place(axes, self._camera)

@@ -30,11 +30,9 @@ def build(target: Path) -> list[Path]:
     """
     compilers = {name: found for name in COMPILERS if (found := shutil.which(name)) is not None}
     if not compilers:
-        raise UsageError(
-            "neither mkoctfile (Octave; Debian: octave-dev) nor mex (MATLAB) is on the path; from within MATLAB or "
-            f"Octave: addpath('{FOLDER}'), spacar_build('{target.resolve()}')",
-            "matlab.compiler",
-        )
+        text = "neither mkoctfile (Octave; Debian: octave-dev) nor mex (MATLAB) is on the path; from within MATLAB or"
+        text += f" Octave: addpath('{FOLDER}'), spacar_build('{target.resolve()}')"
+        raise UsageError(text, "matlab.compiler")
     try:
         for path in sorted(FOLDER.rglob("*.[mc]")):
             copy = target / path.relative_to(FOLDER)

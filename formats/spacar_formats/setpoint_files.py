@@ -47,11 +47,9 @@ def find_setpoints(source: Path, name: str | None = None) -> Nominal:
         return nominal if stale is None else replace(nominal, warnings=(stale,))
     refused += [f"absent: {', '.join(absent)}"] if absent else []
     tried = "; ".join(refused) or "the name is too short"
-    raise UsageError(
-        f"no mode 2 result to linearize along for {source.name} ({tried}); run `spacar 2` first"
-        " (or `spacar 10`, whose load steps do as well), or name the result with --setpoints",
-        "files.setpoints-not-found",
-    )
+    text = f"no mode 2 result to linearize along for {source.name} ({tried}); run `spacar 2` first (or `spacar 10`,"
+    text += " whose load steps do as well), or name the result with --setpoints"
+    raise UsageError(text, "files.setpoints-not-found")
 
 
 def _read(path: Path) -> tuple[Nominal, str | None]:

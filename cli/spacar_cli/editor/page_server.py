@@ -192,8 +192,7 @@ class PageHandler(BaseHTTPRequestHandler):
     timeout = 60
 
     def do_GET(self) -> None:
-        name = self._name(False)
-        if name is None:
+        if (name := self._name(False)) is None:
             return
         if name == "":
             nonce = secrets.token_urlsafe(16)
@@ -207,8 +206,7 @@ class PageHandler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.NOT_FOUND, "there is nothing here")
 
     def do_POST(self) -> None:
-        name = self._name(True)
-        if name is None:
+        if (name := self._name(True)) is None:
             return
         length = self.headers.get("Content-Length", "")
         if self.headers.get_content_type() != "application/json" or not length.isdecimal() or int(length) > LARGEST:

@@ -295,10 +295,7 @@ def identifier(name: str) -> str:
 def find(name: str, ids: Container[str]) -> str | None:
     """The identifier in the file that `name` stands for (any case, either of its names), None when absent."""
     ident = name.strip().upper()
-    if ident in ids:
-        return ident
-    other = _OTHER.get(ident)
-    return other if other is not None and other in ids else None
+    return next((known for known in (ident, _OTHER.get(ident, ident)) if known in ids), None)
 
 
 def not_found(name: str, ids: Iterable[str], file: str) -> UsageError:
