@@ -135,33 +135,22 @@ SHAPES = {
     "RECT": Shape(
         "rectangle", (("w along y'", 1), ("t along z'", 1)), rectangle, _right, lambda w, t: ("RECT", (w, t))
     ),
-    "CIRC": Shape(
-        "circle", (("diameter d", 1),), lambda d, nu: _ring(d, 0.0, nu), _right, lambda d: ("CIRC", (d,))
-    ),
+    "CIRC": Shape("circle", (("diameter d", 1),), lambda d, nu: _ring(d, 0.0, nu), _right, lambda d: ("CIRC", (d,))),
     "TUBE": Shape(
         "tube", (("outer diameter d", 1), ("wall t", 1)), lambda d, t, nu: _ring(d, d - 2 * t, nu), _wall,
         lambda d, t: ("CIRCHOL", (d, d - 2 * t)),
     ),
     "RECTHOL": Shape(
-        "hollow rectangle",
-        (("w along y'", 1), ("h along z'", 1), ("inner w", 1), ("inner h", 1)),
-        hollow_rectangle,
-        _inside,
-        lambda w, h, wi, hi: ("RECTHOL", (w, h, wi, hi)),
+        "hollow rectangle", (("w along y'", 1), ("h along z'", 1), ("inner w", 1), ("inner h", 1)), hollow_rectangle,
+        _inside, lambda w, h, wi, hi: ("RECTHOL", (w, h, wi, hi)),
     ),
     "I": Shape(
-        "I section",
-        (("flange b along y'", 1), ("height h along z'", 1), ("web tw", 1), ("flange tf", 1)),
-        i_section,
-        _web,
-        lambda b, h, tw, tf: ("I", (b, h, tw, tf)),
+        "I section", (("flange b along y'", 1), ("height h along z'", 1), ("web tw", 1), ("flange tf", 1)), i_section,
+        _web, lambda b, h, tw, tf: ("I", (b, h, tw, tf)),
     ),
     "CUSTOM": Shape(
-        "constants as given",
-        (("A", 2), ("Iy", 4), ("Iz", 4), ("It", 4), ("ky", 0), ("kz", 0), ("Cw", 6)),
-        lambda *given: SectionConstants(*given[:-1]),
-        _right,
-        None,
+        "constants as given", (("A", 2), ("Iy", 4), ("Iz", 4), ("It", 4), ("ky", 0), ("kz", 0), ("Cw", 6)),
+        lambda *given: SectionConstants(*given[:-1]), _right, None,
     ),
 }  # fmt: skip
 
