@@ -25,7 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from spacar.arrays import Array, Index, places_in
+from spacar.arrays import Array, Index
 from spacar.deck import Deck
 from spacar.dynamics.body_inertia import BodyInertia, NotRigid
 from spacar.dynamics.loaded_mechanism import StressLaw
@@ -36,7 +36,7 @@ from spacar.kinematics import Kinematics
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism import build
 from spacar.mechanism.mechanism import NO_ENTRIES, Mechanism
-from spacar.mechanism.numbering import Numbering
+from spacar.mechanism.numbering import Numbering, places_in
 from spacar.mechanism.rigid_parts import RigidParts
 from spacar.modes import registered
 from spacar.stream import Run

@@ -14,12 +14,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from spacar.arrays import Array, Index, places_in
+from spacar.arrays import Array, Index
 from spacar.dynamics.loaded_mechanism import DeformationInertia
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.linear_systems import assemble
 from spacar.mechanism.mechanism import Mechanism
-from spacar.mechanism.numbering import Numbering
+from spacar.mechanism.numbering import Numbering, places_in
 
 
 def free_coordinates(numbering: Numbering) -> Index:

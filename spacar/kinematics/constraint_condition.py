@@ -11,10 +11,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from spacar.arrays import Array, places_in
+from spacar.arrays import Array
 from spacar.kinematics.constraint_matrices import Entries, entries_of, scaled_difference_matrix
 from spacar.kinematics.kinematics import Kinematics
 from spacar.mechanism.mechanism import Mechanism
+from spacar.mechanism.numbering import places_in
 
 ESTIMATED_FROM = 150
 STEPS = 40  # of the bidiagonalization, at most

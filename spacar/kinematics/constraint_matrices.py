@@ -28,11 +28,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import Array, Index, places_in
+from spacar.arrays import Array, Index
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
 from spacar.linear_systems.reciprocal_condition import smallest
 from spacar.mechanism.mechanism import Mechanism
+from spacar.mechanism.numbering import places_in
 
 EPS = float(np.finfo(float).eps)
 ROUNDING = 64.0 * EPS  # of the scaled residual, per unit of the numbers that enter it

@@ -18,14 +18,14 @@ from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array, Index, places_in
+from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import StressLaw
 from spacar.errors import AnalysisError
 from spacar.linearization.coefficients import Coefficients, structure
 from spacar.linearization.descriptor import DescriptorSystem
 from spacar.linearization.signals import DRIVING_SIGN, ORDER, Signal
-from spacar.mechanism.numbering import Numbering
+from spacar.mechanism.numbering import Numbering, places_in
 
 
 class _Places:

@@ -344,6 +344,13 @@ def owners(places: Index, count: int) -> list[tuple[int, int]]:
     return found
 
 
+def places_in(n: int, of: Index, to: Index | int | None = None) -> Index:
+    """(n,) places by number: those of the numbers `of` in this list, or in `to`; -1 of all others."""
+    found = np.full(n, -1)
+    found[of] = np.arange(len(of)) if to is None else to
+    return found
+
+
 def _count(places: slice) -> int:
     found: int = places.stop - places.start
     return found
