@@ -105,7 +105,7 @@ def rolling(growth: Growth, keyword: str, properties: Sequence[str]) -> End:
         if yields:
             growth.coordinate(p, 2, "DYNX")
         growth.element("PLRBEAM", p, o, q)
-        e = growth.element(keyword, q, o, spin, geometry=(growth.number(0.2, 0.4), Vector((0.0, 1.0))))
+        e = growth.element(keyword, q, o, spin, geometry=(growth.number(0.2, 0.4), Vector((0.3, 1.0))))
         if yields:
             growth.classify(e, 2, "RLSE")
         growth.mass(p, q, role="position")
@@ -120,7 +120,8 @@ def rolling(growth: Growth, keyword: str, properties: Sequence[str]) -> End:
         growth.add("KINX", p, *((1,) if slips else (1, 2)))
         if slips:
             growth.add("DYNX", p, 2)
-        geometry = (Axial((0.0, 1.0, 0.0)),) if keyword == "WHEEL" else (0.5, 0.1, Axial((0.0, 1.0, 0.0)))
+        axis = Axial((0.3, 1.0, 0.0))
+        geometry = (axis,) if keyword == "WHEEL" else (0.5, 0.1, axis)
         e = growth.element(keyword, p, o, q, geometry=geometry)
         if slips:
             growth.classify(e, 6, "RLSE")

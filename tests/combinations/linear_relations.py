@@ -92,6 +92,8 @@ def sparse_form(case: Case) -> Found:
             of_dense = want["C"] @ np.linalg.solve(resolvent, want["B"].astype(complex)) + want.get("D", 0.0)
             error = 1e-12 * case.condition * np.linalg.cond(resolvent)
             found.append(case.close(of_dense, of_sparse, f"response at {w} rad/s", error, 1.0))
+            states = np.linalg.solve(resolvent, want["B"][:, 0].astype(complex))
+            found.append(case.close(states, system.resolvent(1j * w)(want["B"][:, 0]), f"states at {w}", error, 1.0))
     return worst(found)
 
 
