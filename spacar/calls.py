@@ -31,7 +31,8 @@ if TYPE_CHECKING:
 
 POSITIVE = ("atol", "rtol", "step", "duration", "n_steps")
 BEAMS = ("angle", "sine")  # measures of the deformations of beams and tubes
-OPTIONS = {f.name: str(f.type).removesuffix(" | None") for f in fields(SolverSettings)}  # name -> type
+# name -> type, which is a text as that module postpones its annotations
+OPTIONS = {f.name: str(f.type).removesuffix(" | None") for f in fields(SolverSettings)}
 KINDS: dict[str, tuple[Any, Any, str]] = {  # type -> how it is made, of what, in words
     "bool": (bool, (bool, np.bool_), "True or False"), "int": (int, Integral, "a whole number"),
     "float": (float, Real, "a number"), "str": (str, str, "a word"),
