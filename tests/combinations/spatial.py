@@ -29,8 +29,8 @@ def as_spatial(case: Case) -> Found:
         return NOTHING
     try:
         result = case.run(model)
-    except SpacarError as error:
-        if error.code != "study.refine":
+    except SpacarError as error:  # parts of divided beams need their rotary inertia
+        if error.code != "study.refine" and not (angle and error.code == "dynamics.singular-mass"):
             raise
         return NOTHING
     if result.mechanism.deck.divided.keys() != case.base.mechanism.deck.divided.keys():
