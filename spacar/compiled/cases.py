@@ -173,9 +173,11 @@ class InLanes:
         said: list[dict[int, str]] = [{} for _ in range(lanes)]
         wheels = Wheels(self.model, lanes)
         if len(wheels.rows):
-            stresses = rows[:, 6 * self.numbering.nx + 3 * self.numbering.ne + wheels.rows]
-            for t, normal in zip(times.tolist(), stresses, strict=True):
-                for lane, wheel, text in wheels.lifted(t, normal):
+            nx, ne = self.numbering.nx, self.numbering.ne
+            stresses = rows[:, 6 * nx + 3 * ne : 6 * nx + 4 * ne]
+            largest = np.maximum(np.abs(rows[:, 5 * nx : 6 * nx]).max(axis=1), np.abs(stresses).max(axis=1))
+            for t, normal, most in zip(times.tolist(), stresses[:, wheels.rows], largest, strict=True):
+                for lane, wheel, text in wheels.lifted(t, normal, most):
                     said[lane].setdefault(wheel, f"warning: {text}")
         return said
 

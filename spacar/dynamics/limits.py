@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 # A pull above this part of the largest normal force seen: a chosen bound, above the rounding of a difference of forces
 # (eps times their ratio, up to 1e6), far below what matters to a contact.
 LIFTED = 1e-9
+# Part of the largest force or stress of the state below which the sign of a normal force is rounding: a chosen bound,
+# as it is a sum of others, or that of a tyre without deformation.
+NO_FORCE = 1e-12
 
 
 class Limits:
@@ -53,7 +56,8 @@ class Limits:
         if not evaluator.in_range():
             self._elements(evaluator.numpy_evaluator().sweep, frame)
         if len(self.wheels.rows):
-            for _, wheel, text in self.wheels.lifted(frame.t, frame.sig[self.wheels.rows, None]):
+            largest = np.abs(np.concatenate((frame.fxtot, frame.sig))).max(keepdims=True)
+            for _, wheel, text in self.wheels.lifted(frame.t, frame.sig[self.wheels.rows, None], largest):
                 if wheel not in self.warned:
                     self.warned.add(wheel)
                     self.report.add(f"warning: {text}")
@@ -90,14 +94,15 @@ class Wheels:
         """Remember how they were pressed on the ground; normal: (wheels, cases)."""
         np.maximum(self.compression, -normal, out=self.compression)
 
-    def lifted(self, t: float, normal: Array) -> Iterator[tuple[int, int, str]]:
-        """Case, element and what to say of wheels that are pulled; normal: (wheels, cases).
+    def lifted(self, t: float, normal: Array, largest: Array) -> Iterator[tuple[int, int, str]]:
+        """Case, element and what to say of wheels that are pulled; normal: (wheels, cases), largest: (cases,) force or
+        stress of the state.
 
         Raises AnalysisError 'element.lift-off' where something has pressed the wheel on the ground.
         """
         self.press(normal)
         size = np.maximum(np.abs(normal), self.compression).max(axis=0, initial=0.0)
-        pulled = normal > LIFTED * size
+        pulled = normal > np.maximum(LIFTED * size, NO_FORCE * largest)
         if not pulled.any():
             return
         for k, case in np.argwhere(pulled):

@@ -146,6 +146,22 @@ def test_a_wheel_that_leaves_the_ground(old: str, new: str, wheel: str) -> None:
         assert words in str(error)
 
 
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_tyre_without_deformation(compiled: bool) -> None:
+    """Its normal force is zero at the start, with the sign of rounding: no lift-off. A quarter of these starts were
+    refused for 1e-14 N."""
+    rows = [
+        ("X", 1, 0.1, 0.2, 0.5), ("X", 3, 0.1, 0.2, 0.0), ("DYNX", 2, 2, 3, 4), ("KINX", 1, 1), ("DYNX", 1, 2),
+        ("TWHEEL", 1, 1, 2, 3, 0.5, 0.1, 0.3, 1.0, 0.0), ("RLSE", 1, 6), ("DYNE", 1, 1),
+    ]  # fmt: skip
+    dynamics = [("XM", 1, 5.0), ("XM", 2, 0.4, 0.0, 0.0, 0.3, 0.0, 0.3), ("ESTIFF", 1, 66.0)]
+    dynamics += [("GRAVITY", 0.02, 0.03, -1.0)]
+    for turned in np.random.default_rng(1).normal(0.0, 0.06, (20, 3)).tolist():
+        starts = [("STARTDX", 2, c, value, 0.1) for c, value in enumerate(turned, 2)]
+        result = spacar.run(1, spacar.Deck.build(rows, [*dynamics, *starts]), compiled=compiled)
+        assert abs(result.element(1, 1, "sig")[0]) < 1e-12 * 5.0  # of the weight
+
+
 def test_a_disk_that_falls_over() -> None:
     """It stops where the disk lies flat, or the position cannot be found any more; never NaN."""
     rows, dynamics, _, _ = free_wheel(0.35, 0.0)
