@@ -23,6 +23,8 @@ def as_spatial(case: Case) -> Found:
     """Positions, velocities, accelerations and forces of position nodes, stresses in the plane."""
     angle = case.model.has("ADEFORM") or case.model.options.get("beams") == "angle"
     if angle:  # rotary inertia is consistent there, lumped in space (docs/decisions.md)
+        if case.model.has("BEAMSEC"):  # its sections have some
+            return NOTHING
         case = Case(without_rotary_inertia(case.model), case.folder, case.rng)
     model = spatial(case.model)
     if model is None:
