@@ -174,10 +174,9 @@ class InLanes:
         wheels = Wheels(self.model, lanes)
         if len(wheels.rows):
             nx, ne = self.numbering.nx, self.numbering.ne
-            stresses = rows[:, 6 * nx + 3 * ne : 6 * nx + 4 * ne]
-            largest = np.maximum(np.abs(rows[:, 5 * nx : 6 * nx]).max(axis=1), np.abs(stresses).max(axis=1))
-            for t, normal, most in zip(times.tolist(), stresses[:, wheels.rows], largest, strict=True):
-                for lane, wheel, text in wheels.lifted(t, normal, most):
+            forces, stresses = rows[:, 5 * nx : 6 * nx], rows[:, 6 * nx + 3 * ne : 6 * nx + 4 * ne]
+            for t, force, stress in zip(times.tolist(), forces, stresses, strict=True):
+                for lane, wheel, text in wheels.lifted(t, force, stress):
                     said[lane].setdefault(wheel, f"warning: {text}")
         return said
 

@@ -14,6 +14,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
+from spacar.kinematics.constraint_matrices import ROUNDING
 from spacar.kinematics.regularity import PositionMatrix
 
 if TYPE_CHECKING:
@@ -24,9 +25,6 @@ if TYPE_CHECKING:
 # A pull above this part of the largest normal force seen: a chosen bound, above the rounding of a difference of forces
 # (eps times their ratio, up to 1e6), far below what matters to a contact.
 LIFTED = 1e-9
-# Part of the largest force or stress of the state below which the sign of a normal force is rounding: a chosen bound,
-# as it is a sum of others, or that of a tyre without deformation.
-NO_FORCE = 1e-12
 
 
 class Limits:
@@ -56,8 +54,7 @@ class Limits:
         if not evaluator.in_range():
             self._elements(evaluator.numpy_evaluator().sweep, frame)
         if len(self.wheels.rows):
-            largest = np.abs(np.concatenate((frame.fxtot, frame.sig))).max(keepdims=True)
-            for _, wheel, text in self.wheels.lifted(frame.t, frame.sig[self.wheels.rows, None], largest):
+            for _, wheel, text in self.wheels.lifted(frame.t, frame.fxtot[:, None], frame.sig[:, None]):
                 if wheel not in self.warned:
                     self.warned.add(wheel)
                     self.report.add(f"warning: {text}")
@@ -83,8 +80,7 @@ class Wheels:
     """
 
     def __init__(self, model: LoadedMechanism, cases: int = 1) -> None:
-        n = model.mechanism.numbering
-        self.gravity = model.loads.gravity
+        self.model, self.gravity, n = model, model.loads.gravity, model.mechanism.numbering
         rolling = [(rows.numbers.tolist(), rows.kind) for rows in n.types if rows.kind.normal_mode]
         self.found = sorted([(w, kind.keyword, kind.normal_mode) for numbers, kind in rolling for w in numbers])
         self.rows = np.array([n.e_index(w, mode) for w, _, mode in self.found], np.int64)
@@ -94,15 +90,27 @@ class Wheels:
         """Remember how they were pressed on the ground; normal: (wheels, cases)."""
         np.maximum(self.compression, -normal, out=self.compression)
 
-    def lifted(self, t: float, normal: Array, largest: Array) -> Iterator[tuple[int, int, str]]:
-        """Case, element and what to say of wheels that are pulled; normal: (wheels, cases), largest: (cases,) force or
-        stress of the state.
+    def rounding(self, force: Array, stress: Array) -> Array:
+        """What the sign of a normal force is known to, (cases,) [N]: it is a sum of forces and stresses, and these come
+        from deformations, which are known to ROUNDING of their sizes."""
+        m = self.model.mechanism
+        rows, columns, S = self.model.law.stiffness
+        elastic = np.abs(S) * m.deformation_scale[rows] * m.deformation_scale[columns] / m.length
+        forces = np.concatenate((force[m.numbering.positions.ravel()], stress[m.is_length]))
+        return np.asarray(ROUNDING * (np.abs(forces).max(axis=0) + elastic.max(initial=0.0)))
+
+    def lifted(self, t: float, force: Array, stress: Array) -> Iterator[tuple[int, int, str]]:
+        """Case, element and what to say of wheels that are pulled; total external forces (nx, cases) and stresses (ne,
+        cases) of the state.
 
         Raises AnalysisError 'element.lift-off' where something has pressed the wheel on the ground.
         """
+        normal = stress[self.rows]
         self.press(normal)
         size = np.maximum(np.abs(normal), self.compression).max(axis=0, initial=0.0)
-        pulled = normal > np.maximum(LIFTED * size, NO_FORCE * largest)
+        pulled = normal > LIFTED * size
+        if pulled.any():
+            pulled &= normal > self.rounding(force, stress)
         if not pulled.any():
             return
         for k, case in np.argwhere(pulled):

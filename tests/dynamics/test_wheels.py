@@ -9,7 +9,7 @@ from spacar.errors import AnalysisError
 from spacar.mechanism import build
 from tests.examples import DATA
 
-G = 9.81
+G, EPS = 9.81, np.finfo(float).eps
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -147,19 +147,30 @@ def test_a_wheel_that_leaves_the_ground(old: str, new: str, wheel: str) -> None:
 
 
 @pytest.mark.parametrize("compiled", [True, False])
-def test_a_tyre_without_deformation(compiled: bool) -> None:
+@pytest.mark.parametrize("stiffness", [66.0, 2e5, 1e9])
+def test_a_tyre_without_deformation(stiffness: float, compiled: bool) -> None:
     """Its normal force is zero at the start, with the sign of rounding: no lift-off. A quarter of these starts were
-    refused for 1e-14 N."""
+    refused, for 1e-16 of the stiffness."""
     rows = [
         ("X", 1, 0.1, 0.2, 0.5), ("X", 3, 0.1, 0.2, 0.0), ("DYNX", 2, 2, 3, 4), ("KINX", 1, 1), ("DYNX", 1, 2),
         ("TWHEEL", 1, 1, 2, 3, 0.5, 0.1, 0.3, 1.0, 0.0), ("RLSE", 1, 6), ("DYNE", 1, 1),
     ]  # fmt: skip
-    dynamics = [("XM", 1, 5.0), ("XM", 2, 0.4, 0.0, 0.0, 0.3, 0.0, 0.3), ("ESTIFF", 1, 66.0)]
+    dynamics = [("XM", 1, 5.0), ("XM", 2, 0.4, 0.0, 0.0, 0.3, 0.0, 0.3), ("ESTIFF", 1, stiffness)]
     dynamics += [("GRAVITY", 0.02, 0.03, -1.0)]
     for turned in np.random.default_rng(1).normal(0.0, 0.06, (20, 3)).tolist():
         starts = [("STARTDX", 2, c, value, 0.1) for c, value in enumerate(turned, 2)]
         result = spacar.run(1, spacar.Deck.build(rows, [*dynamics, *starts]), compiled=compiled)
-        assert abs(result.element(1, 1, "sig")[0]) < 1e-12 * 5.0  # of the weight
+        assert abs(result.element(1, 1, "sig")[0]) < 64 * EPS * (5.0 + stiffness)  # of the weight, and of 1 m
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_tyre_that_is_pulled_a_little(compiled: bool) -> None:
+    """A millionth of its weight is no rounding."""
+    rows, dynamics, _, _ = free_wheel(0.5, 0.1)
+    dynamics += [("ESTIFF", 4, 2e5), ("STARTDE", 4, 1, 3.0 * G / 2e5 * 1e-6, 0.0)]
+    error, _ = failure(spacar.Deck.build([*rows, ("DYNE", 4, 1)], dynamics), compiled=compiled)
+    assert error.code == "element.lift-off"
+    assert "t = 0:" in str(error)
 
 
 def test_a_disk_that_falls_over() -> None:
