@@ -154,7 +154,7 @@ def simulate(
         raise UsageError(f"{steps} steps: at most {MOST_STEPS:.0e}, as the motion stays in memory")
     names = tuple(s.name for s in program.state)
     for what, given in (("start", start), ("guess", guess), ("atol", atol)):
-        unknown = [name for name in given if name not in names] if isinstance(given, Mapping) else []
+        unknown = [] if isinstance(given, (int, float)) else [name for name in given or () if name not in names]
         if unknown:
             raise UsageError(f"{what}: {unknown[0]} is not a state (states: {', '.join(names)})")
     f = function or make_function(program, values, True, feeds)

@@ -262,6 +262,7 @@ def test_wrong_simulations_say_what_is_wrong():
         ({"t_end": -1.0}, "both must be positive"),
         ({"t_end": 1.0, "integrator": "euler"}, "unknown integrator 'euler'"),
         ({"t_end": 1.0, "atol": {"z": 1.0}}, "z is not a state"),
+        ({"t_end": 1.0, "guess": ["z"]}, "guess: z is not a state"),
     ):
         with pytest.raises(UsageError, match=message):
             program.simulate(values, {"q": 0.1}, **options)
