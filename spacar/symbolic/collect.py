@@ -30,7 +30,7 @@ class ZTable:
     (Z1, -Z1, Z1, -x)
     """
 
-    def __init__(self, forbidden: Iterable[sp.Basic] = ()) -> None:
+    def __init__(self, *, forbidden: Iterable[sp.Basic] = ()) -> None:
         self.forbidden = frozenset(forbidden)
         self.definitions: dict[sp.Symbol, sp.Expr] = {}
         self._symbols: dict[sp.Expr, sp.Expr] = {}

@@ -63,6 +63,8 @@ def test_z_table_refuses_accelerations_and_double_names():
     table.read(a + b, name="u")
     with pytest.raises(ValueError, match="already"):
         table.read(a + c, name="u")
+    with pytest.raises(TypeError):
+        co.ZTable("W")  # letters are no accelerations
 
 
 def test_linear_parts():
