@@ -21,8 +21,9 @@ def as_control(block: Block, numbered: bool = False) -> Any:
     """
     control = python_control("simulation.control-missing")
     piecewise = "is smooth only piecewise, and python-control does not stop where a piece ends: simulate it with"
+    sampled = block.period is not None
     for refused, text, code in (
-        (block.period, "is sampled: write it as a discrete-time system of python-control itself", "sampled"),
+        (sampled, "is sampled: write it as a discrete-time system of python-control itself", "sampled"),
         (block.lag, "remembers its input, which python-control cannot: use its pade() for a delay", "delay"),
         (block.n_events, f"{piecewise} spacar.simulation", "piecewise"),
     ):

@@ -10,7 +10,7 @@ from spacar_formats.fmu import export_fmu, identifier, variables
 
 import spacar
 from spacar.errors import UsageError
-from spacar.simulation import Sampled, Saturation, Spasim, TransportDelay, as_control, closed_loop
+from spacar.simulation import Function, Sampled, Saturation, Spasim, TransportDelay, as_control, closed_loop
 from spacar.simulation.co_simulation import CoSimulation
 from tests.examples import DATA
 
@@ -89,10 +89,11 @@ def test_mode_3_names_every_column(robot):
     ("block", "there", "said"),
     [
         (Sampled("c", lambda t, x, u: (x, u), 0.1, 1, 1), True, "c is sampled"),
+        (type("Now", (Function,), {"period": 0.0})("c", lambda t, u: u, 1, 1), True, "c is sampled"),
         (TransportDelay("late", 1.0), True, "late remembers its input"),
         (Sampled("c", lambda t, x, u: (x, u), 0.1, 1, 1), False, r"pip install 'spacar\[control\]'"),
     ],
-    ids=["sampled", "delay", "without python-control"],
+    ids=["sampled", "period zero", "delay", "without python-control"],
 )
 def test_what_is_no_system_of_states(monkeypatch, block, there, said):
     if there:
