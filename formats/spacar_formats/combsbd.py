@@ -31,6 +31,8 @@ def combsbd(
     with `force`. Raises UsageError for all this, SbfError for a damaged step.
     """
     target = Path(output)
+    if not target.name:
+        raise UsageError(f"cannot write {target}: it is a folder", "files.open")
     if target.suffix.lower() != ".sbd":
         target = target.with_name(target.name + ".sbd")
     if len(names) < 2:

@@ -277,7 +277,8 @@ def _pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Array, Array
         with suppress(np.linalg.LinAlgError):
             if wanted is not None and wanted * FEW <= n:
                 squares, vectors = eigh(K, M, subset_by_index=(0, wanted + BESIDE - 1), check_finite=False)
-                if squares[0] >= 0.0:  # with a negative one those of lowest modulus may not be among them
+                # None of a matrix with nan; with a negative one those of lowest modulus may not be among them.
+                if (squares[:1] >= 0.0).any():
                     return squares, vectors
             found: tuple[Array, Array] = eigh(K, M, check_finite=False)
             return found

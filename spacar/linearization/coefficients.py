@@ -100,13 +100,8 @@ def gradient_matrix(sweep: ElementSweep) -> Matrix:
 
 def inertia_blocks(sweep: ElementSweep, v: Array, a: Array) -> tuple[Blocks, Blocks]:
     """d(M a + h)/dx and dh/dv per batch of the configuration-dependent families."""
-    found = [(b, b.family.inertia_gradient(configuration_of(sweep, b), v[b.x], a[b.x])) for b in sweep.moving]
+    found = [(b, b.family.inertia_gradient(sweep.configured(b), v[b.x], a[b.x])) for b in sweep.moving]
     return [(b, by_x) for b, (by_x, _) in found], [(b, by_v) for b, (_, by_v) in found]
-
-
-def configuration_of(sweep: ElementSweep, b: Batch) -> object:
-    """Configuration of a batch at the sweep's x, also for families without deformations."""
-    return sweep.configured(b)
 
 
 @dataclass(frozen=True)

@@ -111,8 +111,9 @@ class UserForces:
 
     def scaled(self, part: float) -> UserForces:
         """A part of all stresses and forces."""
-        numbers = {name: part * values for name, values in vars(self).items() if name != "lost"}
-        return self if part == 1.0 else replace(self, **numbers)
+        if part == 1.0:
+            return self
+        return replace(self, **{name: part * values for name, values in vars(self).items() if name != "lost"})
 
 
 Rows = list[tuple[int, Sequence[float]]]  # place in e or x, and a row of 3 or 5 numbers that a user function returned

@@ -26,7 +26,7 @@ from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import moment_gradient
 from spacar.linear_systems import LinearSystem, assemble
 from spacar.linear_systems.reciprocal_condition import entry_rounding
-from spacar.linearization.coefficients import configuration_of, geometric_blocks
+from spacar.linearization.coefficients import geometric_blocks
 from spacar.mechanism.mechanism import Batch
 from spacar.stationary.flexibility import Flexibility, squares
 from spacar.stationary.loading import is_tube
@@ -264,7 +264,7 @@ class SparseTangent:
         """d(h - gravity)/dx (0) or dh/dv (1) at rest."""
         sweep, zero = self.dynamics.sweep, np.zeros(self.dynamics.numbering.nx)
         a = -self.dynamics.forces.field
-        found = [b.family.inertia_gradient(configuration_of(sweep, b), zero[b.x], a[b.x])[which] for b in batches]
+        found = [b.family.inertia_gradient(sweep.configured(b), zero[b.x], a[b.x])[which] for b in batches]
         return np.concatenate([NONE, *(block.ravel() for block in found)])
 
     def _moments(self, n: int) -> Array:

@@ -73,7 +73,7 @@ def state_space(case: Case) -> Found:
 
 
 def sparse_form(case: Case) -> Found:
-    """The sparse form of large models has the same A, B, C, D, and the transfer function of these."""
+    """The sparse form of large models has the same A, B, C, D, and the transfer function and resolvent of these."""
     with mock.patch.object(form, "LARGE", -1):
         sparse = case.run()
     found = []

@@ -89,11 +89,11 @@ def undeformed(case: Case) -> Found:
     off = np.abs(sweep.e / mechanism.deformation_scale)[free].max(initial=0.0)
     both = [F for batch in mechanism.batches for F in (batch.family.frame_p, batch.family.frame_q) if F is not None]
     frames = np.concatenate([np.zeros((0, 9)), *both]).reshape(-1, 3, 3)
-    skew = np.abs(np.cross(frames[:, 0], frames[:, 1]) - frames[:, 2]).max(initial=0.0)
-    length = np.abs(np.linalg.norm(frames, axis=2) - 1.0).max(initial=0.0)
+    turned = np.abs(np.cross(frames[:, 0], frames[:, 1]) - frames[:, 2]).max(initial=0.0)
+    skew = max(turned, np.abs(frames @ frames.swapaxes(1, 2) - np.eye(3)).max(initial=0.0))
     return worst([
         (float(off / (64 * EPS)), f"a deformation of {off:.3g} of its size at the coordinates of X"),
-        (float(max(skew, length) / (64 * EPS)), f"a frame of an element is no rotation by {max(skew, length):.3g}"),
+        (float(skew / (64 * EPS)), f"a frame of an element is no rotation by {skew:.3g}"),
     ])
 
 

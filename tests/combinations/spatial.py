@@ -32,7 +32,8 @@ def as_spatial(case: Case) -> Found:
     try:
         result = case.run(model)
     except SpacarError as error:  # parts of divided beams need their rotary inertia
-        if error.code != "study.refine" and not (angle and error.code == "dynamics.singular-mass"):
+        massless = angle and case.divides and error.code == "dynamics.singular-mass"
+        if error.code != "study.refine" and not massless:
             raise
         return NOTHING
     if result.mechanism.deck.divided.keys() != case.base.mechanism.deck.divided.keys():

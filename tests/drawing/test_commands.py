@@ -82,6 +82,7 @@ def test_names_and_options_of_draw(results, words):
         (["visual", "crank", "7"], "for pictures of mode 7 run: spacar 7 crank"),
         (["visual", "plbeam5free", "8"], "spacar 8 plbeam5free"),
         (["visual", "plbeam5free", "--mode-number", "11"], "does not exist"),
+        (["visual", "plbeam5free", "--mode-number", "all", "-o", "/"], "/: a picture file ends in"),
         (["visual", "fourbar"], "OUTLEVEL 0 1"),
         (["visual", "plbeam5", "--stress", "mises"], "cross-section"),
         (["visual", "trike2", "--diagram", "N"], "no beams or trusses"),

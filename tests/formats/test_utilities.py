@@ -205,6 +205,9 @@ def test_combsbd_refuses_other_definitions_mechanisms_and_damage(tmp_path):
         with pytest.raises(UsageError, match=text):
             combsbd([a, *(tmp_path / o for o in others)], tmp_path / "out")
     assert c.exists()
+    for nothing in ("", ".", "/"):
+        with pytest.raises(UsageError, match="it is a folder"):
+            combsbd([a, a], nothing)
     with pytest.raises(SbfError, match=r"d\.sbd.*step 3"):
         combsbd([a, d], tmp_path / "out")
     assert not (tmp_path / "out.sbd").exists()

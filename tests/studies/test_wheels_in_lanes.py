@@ -75,6 +75,24 @@ def test_a_wheel_that_leaves_the_ground(gravity):
         assert any("leaves the ground" in line for line in said[0])
 
 
+def test_tyres_without_deformation_stay_on_the_ground():
+    """Their normal forces are zero at the start, with the sign of rounding."""
+    rows = [
+        ("X", 1, 0.1, 0.2, 0.5), ("X", 3, 0.1, 0.2, 0.0), ("DYNX", 2, 2, 3, 4), ("KINX", 1, 1), ("DYNX", 1, 2),
+        ("TWHEEL", 1, 1, 2, 3, 0.5, 0.1, 0.3, 1.0, 0.0), ("RLSE", 1, 6), ("DYNE", 1, 1),
+    ]  # fmt: skip
+    dynamics = [("XM", 1, 5.0), ("XM", 2, 0.4, 0.0, 0.0, 0.3, 0.0, 0.3), ("ESTIFF", 1, 66.0)]
+    dynamics += [("GRAVITY", 0.02, 0.03, -1.0)]
+    decks = []
+    for turned in np.random.default_rng(1).normal(0.0, 0.06, (20, 3)).tolist():
+        starts = [("STARTDX", 2, c, value, 0.1) for c, value in enumerate(turned, 2)]
+        decks.append(Deck.build(rows, [*dynamics, *starts]))
+    results = ensemble(decks, duration=1e-3, n_steps=1)
+    normal = [result.element(1, 1, "sig")[0] for result in results]
+    assert max(normal) > 0.0  # a pull
+    assert np.abs(normal).max() < 1e-12 * 5.0  # of the weight
+
+
 # Every element type, moments, MEE and prescribed motions in lanes: cases with other lengths and masses are their
 # single runs, and their numbers, made for all cases at once, are those of decks of their own.
 ROUNDING = 1e-9

@@ -19,7 +19,7 @@ def command(environment: Environment, file: Path, no_browser: bool) -> None:
     from spacar_cli.editor.page_server import serve
 
     # `crank` stands for `crank.dat`, also when there is no such file
-    named = file.suffix.lower() == ".dat" or file.is_file()
+    named = file.suffix.lower() == ".dat" or not file.name or file.is_file()
     path = file if named else file.with_name(f"{file.name}.dat")
     if path.is_dir() or not path.parent.is_dir():
         raise UsageError(f"{path}: {'it is a folder' if path.is_dir() else 'its folder does not exist'}", "files.open")

@@ -119,10 +119,9 @@ def _outputs(source: PictureSource, choices: Choices, what: str, several: bool =
     """The files to write; with several modes the kind of picture is added to the given names."""
     if not choices.output:
         return [] if choices.show else [source.beside(f"_{what}.png")]
-    paths = [p.with_name(f"{p.stem}_{what}{p.suffix}") if several else p for p in choices.output]
-    for p in paths:
+    for p in choices.output:
         check_name(p)
-    return paths
+    return [p.with_name(f"{p.stem}_{what}{p.suffix}") if several else p for p in choices.output]
 
 
 def _mode(
