@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import EPS, Array
 from spacar.elements.rotations.rotation import body_matrix, rotate
 from spacar.errors import UsageError
 from spacar_cli.deck_as_model import HELD, DeckModel, Ends, Orientation, with_rate
@@ -29,7 +29,6 @@ from spacar_cli.deck_as_text import Part
 
 TENSOR = ((0, 0, "xx"), (1, 1, "yy"), (2, 2, "zz"), (0, 1, "xy"), (1, 2, "yz"), (0, 2, "xz"))  # as in [[body]]
 BACK = np.array([1.0, -1.0, -1.0, -1.0])  # times Euler parameters: the rotation back
-ROUNDING = np.finfo(float).eps
 
 
 def _across(a: Array, b: Array) -> Any:
@@ -219,7 +218,7 @@ class SpatialModel(DeckModel):
             self.frames[other] = self.frames[known]
             return
         axis, name = self._frame_rows(part)[0], f"a{n}"
-        axis = np.where(np.abs(axis) < 4 * ROUNDING, 0.0, axis)  # of a component that is zero
+        axis = np.where(np.abs(axis) < 4 * EPS, 0.0, axis)  # of a component that is zero
         if kind == "input":
             name = f"({self.driven_deformation(part)})"
         else:
@@ -305,8 +304,8 @@ def _tensor(R: Array, j: Sequence[float]) -> Array:
 def _yaw_pitch_roll(R: Array) -> list[float]:
     """Angles of turns about 3, 2, 1 that make R; zero where only rounding is left."""
     level = np.hypot(R[0, 0], R[1, 0])
-    if level > ROUNDING**0.5:
+    if level > EPS**0.5:
         yaw, roll = np.arctan2(R[1, 0], R[0, 0]), np.arctan2(R[2, 1], R[2, 2])
     else:
         yaw, roll = np.arctan2(-R[0, 1], R[1, 1]), 0.0
-    return [0.0 if abs(a) < 8 * ROUNDING else float(a) for a in (yaw, np.arctan2(-R[2, 0], level), roll)]
+    return [0.0 if abs(a) < 8 * EPS else float(a) for a in (yaw, np.arctan2(-R[2, 0], level), roll)]

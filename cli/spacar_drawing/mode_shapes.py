@@ -20,6 +20,7 @@ null vectors are motions that no deformation feels. Singular values below sqrt(e
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +29,7 @@ from numpy.typing import NDArray
 from spacar_formats.locate import open_result
 from spacar_formats.vibration import modes_of_sparse_system, modes_of_stored_matrices, shown_order
 
-from spacar.arrays import Array
+from spacar.arrays import EPS, Array
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import Report, UsageError
 from spacar.kinematics.null_space import norm_estimate, null_space
@@ -38,7 +39,7 @@ from spacar_drawing.scene import Scene
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-ZERO = float(np.sqrt(np.finfo(float).eps))
+ZERO = sqrt(EPS)
 
 
 @dataclass(frozen=True)

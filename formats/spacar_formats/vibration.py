@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from spacar.arrays import EPS
 from spacar.deck import ELEMENT_TYPES
 from spacar.errors import Report, UsageError
 from spacar.linear.eigen import Modes, modes_of_matrices
@@ -48,7 +49,7 @@ class Vibration:
 def zero_size(values: np.ndarray) -> float:
     """Modulus below which an eigenvalue is a zero mode: sqrt(n eps) of the largest. The squares of eigenvalues are
     those of M^-1 K, whose backward error is n eps of the largest one; what is smaller cannot be told from zero."""
-    return float(np.sqrt(len(values) * np.finfo(float).eps) * np.max(np.abs(values), initial=0.0))
+    return float(np.sqrt(len(values) * EPS) * np.max(np.abs(values), initial=0.0))
 
 
 def shown_order(values: np.ndarray) -> list[int]:
@@ -80,7 +81,7 @@ def mode_numbers(values: np.ndarray, order: list[int]) -> list[int]:
 def without_rounding(values: np.ndarray) -> np.ndarray:
     """Eigenvalues (n,) whose parts below n eps times the largest modulus are zero: what an undamped mode has of them is
     the rounding of the eigenvalue problem (backward error n eps |A|), and would be all that a picture shows."""
-    limit = len(values) * np.finfo(float).eps * float(np.max(np.abs(values), initial=0.0))
+    limit = len(values) * EPS * float(np.max(np.abs(values), initial=0.0))
     real, imaginary = (np.where(np.abs(part) <= limit, 0.0, part) for part in (values.real, values.imag))
     return real + 1j * imaginary
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Index
 from spacar.compiled.numbers import ENTRIES, FOREIGN, Elements, Entries, Numbers, elements_of, of_one, summed
 from spacar.dynamics.loaded_mechanism import LoadedMechanism, active_entries
 from spacar.elements import Family, GeometryError
@@ -24,7 +24,7 @@ from spacar.mechanism.lumped_inertia import LumpedMass, lumped
 from spacar.mechanism.mechanism import Mechanism
 
 NONE = np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 1))
-ROUNDING = 64.0 * np.finfo(float).eps  # of the largest number of an array: constants of elements are some dozen sums
+ROUNDING = 64.0 * EPS  # of the largest number of an array: constants of elements are some dozen sums
 
 
 def combined(corners: Sequence[Numbers], weights: Array) -> Numbers | None:

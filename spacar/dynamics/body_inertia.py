@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Index
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.mechanism.mechanism import Mechanism
 
@@ -91,7 +91,7 @@ class BodyInertia:
         for k in range(n):
             m, J = mass[k], moment[k][:, d : d + self.turns]
             largest = np.abs(J).max() + m * extent[k] ** 2
-            J = np.where(np.abs(J) > 64.0 * np.finfo(float).eps * largest, 0.5 * (J + J.T), 0.0)
+            J = np.where(np.abs(J) > 64.0 * EPS * largest, 0.5 * (J + J.T), 0.0)
             of_force, of_moment = _of_rigid_body(d, self.turns, m, J)
             if not (
                 np.all(np.abs(force[k] - of_force) <= ALIKE * m * max(extent[k], 1.0))

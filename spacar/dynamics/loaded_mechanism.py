@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Index
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import NO_ENTRIES, Drive, Loads, Mechanism, UserForces
@@ -131,7 +131,7 @@ def gravity_field(mechanism: Mechanism, loads: Loads) -> Array:
 NEVER, AT_DETERMINANTS, AT_VELOCITIES, ALWAYS = range(4)
 SHARE = 0.1  # of a velocity: change that needs no explanation, more than the trapezoidal rule errs (forward.continuity)
 NOISE = 1e-6  # of the largest scaled velocity: what is slower says nothing
-STILL = 64.0 * float(np.finfo(float).eps)  # way in a step, in model lengths or rad, that is lost in the position
+STILL = 64.0 * EPS  # way in a step, in model lengths or rad, that is lost in the position
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import Array
+from spacar.arrays import EPS, Array
 from spacar.dynamics.loaded_mechanism import DeformationInertia
 from spacar.dynamics.saddle_point import SaddlePoint
 from spacar.errors import AnalysisError
@@ -51,7 +51,6 @@ from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 
-EPS = float(np.finfo(float).eps)
 DOUBTFUL = EPS**0.5  # half of the digits: eigenvalue scaled to a unit diagonal, mass over the largest
 LARGEST_CHECKED = 400  # dense work of order nx nq^2; larger models are asked by the factors of their equations
 ITERATIONS = 3  # of the power method: a motion without inertia exceeds all others by 1/eps in the first

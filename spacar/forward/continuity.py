@@ -55,12 +55,13 @@ from __future__ import annotations
 
 from collections import deque
 from itertools import pairwise
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import Array
+from spacar.arrays import EPS, Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.evaluator import Evaluator
 from spacar.dynamics.loaded_mechanism import NOISE, Accepted, Moving, unexplained
@@ -76,7 +77,7 @@ REMEMBERED = 200  # steps: towards a dead point they become shorter, by orders o
 DEEPEST = 40  # halvings; the path is followed to the dead point, ERROR ends that before
 MET = 1e-6  # part of the duration: a dead point that is nearer has ended an integration that cannot go on
 STANDING = 2  # steps in a row that rounding cannot tell from a dead point
-SAME = float(np.sqrt(np.finfo(float).eps))  # scaled difference of positions: half of the digits, more than rounding
+SAME = sqrt(EPS)  # scaled difference of positions: half of the digits, more than rounding
 
 
 class Continuity:

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import EPS, Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.evaluator import Evaluator
 from spacar.dynamics.loaded_mechanism import Moving
@@ -27,13 +27,12 @@ from spacar.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 from spacar.stream import Run
 
-EPS = float(np.finfo(float).eps)
 OWN = 1e-6  # |lambda0| of a node below which its degrees of freedom have no digits: eps/lambda0^2 = 2e-4
 DEGREES_LOSE = 1e-4  # below it what is linear in them is known to less than the usual ERROR, 2e-8
 LENGTHS, ROTATIONS = "lengths", "rotations"
 UNITS = {LENGTHS: "m", ROTATIONS: "rad"}
 LARGEST = 0.01  # ERROR over the largest motion of its kind, above which the run is warned of
-ROUNDED = 1e4 * float(np.finfo(float).eps)  # of the size of the model, or of a radian
+ROUNDED = 1e4 * EPS  # of the size of the model, or of a radian
 
 
 def forward(run: Run) -> Iterator[Sequence[Frame]]:

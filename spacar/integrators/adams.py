@@ -12,6 +12,7 @@ from math import sqrt
 
 import numpy as np
 
+from spacar.arrays import EPS
 from spacar.errors import AnalysisError
 
 from .failures import LAST_STRETCH, MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
@@ -135,7 +136,7 @@ class Adams:
         if stepper is not None:
             yield from stepper.steps(self, t, t_end, h, float("inf"), self.evaluation.problem.within)
             return
-        h_min = 4.0 * np.finfo(float).eps * max(abs(t), abs(t_end), t_end - t)
+        h_min = 4.0 * EPS * max(abs(t), abs(t_end), t_end - t)
         phi[0] = rhs(t, self.y)
         self._set_weights()
         slope = self._norm(phi[0])

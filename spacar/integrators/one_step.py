@@ -9,13 +9,12 @@ from math import inf
 
 import numpy as np
 
+from spacar.arrays import EPS
 from spacar.errors import AnalysisError
 
 from .failures import LAST_STRETCH, MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
 from .problem import Step
 from .runge_kutta import ExplicitRungeKutta, OneStepMethod
-
-EPS = float(np.finfo(float).eps)
 
 
 def one_step(

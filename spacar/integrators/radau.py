@@ -33,6 +33,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from spacar.arrays import EPS
 from spacar.errors import AnalysisError
 
 from .failures import slow_newton
@@ -41,7 +42,6 @@ from .resolvent import DenseResolvent, Resolvent, eliminated, resolvent
 from .runge_kutta import OneStepMethod, weights
 
 MAX_NEWTON = 10
-EPS = float(np.finfo(float).eps)
 # The iteration ends when its estimated error is below this part of the tolerance of the step.
 KAPPA = 0.01
 # A Jacobian is kept as long as each iteration divides the error at least by 1 / KEEP.

@@ -6,12 +6,13 @@ is looked up by node and coordinate, element and mode.
 """
 
 from dataclasses import dataclass
+from math import sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import Array
+from spacar.arrays import EPS, Array
 from spacar.errors import UsageError
 from spacar.mechanism.mechanism import DriveState, Mechanism
 from spacar.mechanism.numbering import Numbering
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 # A prescribed deformation whose change over its typical size is at most this rests. The position keeps a prescribed
 # value to 1e-11 only, and to the rounding of the coordinates far from the origin: a smaller motion would be lost in it.
-REST = float(np.sqrt(np.finfo(float).eps))
+REST = sqrt(EPS)
 
 
 @dataclass(frozen=True)

@@ -23,19 +23,19 @@ s <= n eps |D'|.
 
 from contextlib import suppress
 from functools import cached_property
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Index
 from spacar.kinematics.element_sweep import ElementSweep
 from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
 from spacar.linear_systems.reciprocal_condition import smallest
 from spacar.mechanism.mechanism import Mechanism
 from spacar.mechanism.numbering import places_in
 
-EPS = float(np.finfo(float).eps)
 ROUNDING = 64.0 * EPS  # of the scaled residual, per unit of the numbers that enter it
 
 
@@ -143,7 +143,7 @@ class ConstraintMatrices:
         return s, u, w, float(u @ (self.sweep.convective(v)[part.rows] * row_scale))
 
 
-ZERO = float(np.sqrt(np.finfo(float).eps))  # singular values below this part of the largest count as zero
+ZERO = sqrt(EPS)  # singular values below this part of the largest count as zero
 Entries = tuple[Index | NDArray[np.int32], Index | NDArray[np.int32], Array]
 
 

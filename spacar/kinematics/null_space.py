@@ -15,9 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import EPS, Array
 
-EPS = float(np.finfo(float).eps)
 LARGEST_DECOMPOSED = 400  # rows or columns up to which a full singular value decomposition is cheap
 BLOCK = 8  # vectors in the block beyond the least dimension of the null space
 ITERATIONS = 6

@@ -14,11 +14,12 @@ probability one).
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Index
 from spacar.kinematics.constraint_matrices import entries_of, scaled_difference_matrix
 from spacar.kinematics.element_sweep import ElementSweep, geometric_blocks
 from spacar.kinematics.null_space import LARGEST_DECOMPOSED, norm_estimate, null_space, on_null_space
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 MORE_MOTIONS = 8  # random motions beyond the number of stresses
-ZERO = float(np.sqrt(np.finfo(float).eps))
+ZERO = sqrt(EPS)
 
 
 def redundancies(mechanism: Mechanism, rows: Index, x: Array | None = None) -> Array:

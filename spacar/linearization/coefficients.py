@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import StressLaw, moment_entries
 from spacar.kinematics.element_sweep import ElementSweep, geometric_blocks, gradient_blocks
@@ -85,7 +85,7 @@ def geometric_rounding(sweep: ElementSweep, sigma: Array, scale: Array, W: Array
         largest = np.abs(block * size[:, None] * size).max(axis=(0, 1))
         most = moved[b.x].max(axis=0)
         out += (most * largest[:, None]).T @ most
-    return np.asarray(8.0 * np.finfo(float).eps * out)
+    return np.asarray(8.0 * EPS * out)
 
 
 def mass_matrix(sweep: ElementSweep) -> Matrix:

@@ -17,11 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import EPS, Array
 from spacar.errors import AnalysisError, UsageError
 
 COLUMNS = 128  # right-hand sides at once
-EPS = float(np.finfo(float).eps)
 PROBES = 3  # of random signs: the chance that all three miss what rounding does
 LARGEST_DENSE = 4.0  # GB of full matrices that are formed when somebody asks for them
 BLOCKS = ("A", "B", "C")

@@ -24,7 +24,7 @@ from functools import cached_property
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import StressLaw
 from spacar.errors import AnalysisError
@@ -158,7 +158,6 @@ def selected(A: Array, rows: Index, columns: Index) -> Array:
     return A.take(rows, axis=0).take(columns, axis=1)
 
 
-EPS = float(np.finfo(float).eps)
 MASSLESS = "singular mass matrix: a degree of freedom carries no mass; add XM or EM"
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import EPS, Array
 from spacar.dynamics.evaluator import Evaluator
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
 from spacar.kinematics.kinematics import CONVERGED
@@ -31,7 +31,7 @@ def state_jacobian(evaluator: Evaluator, t: float, y: Array, within: float = CON
     if depends_on_time(evaluator.model):
         settings = evaluator.model.mechanism.settings
         interval = (settings.duration or 1.0) / max(settings.n_steps, 1)
-        h = np.finfo(float).eps ** 0.2 * interval
+        h = EPS**0.2 * interval
         F_t = sum(w * evaluator.rhs(t + k * h, y, within) for k, w in enumerate(FORWARD)) / h
     dynamics = evaluator.numpy_evaluator()
     found = dynamics.accelerate(t, dynamics.place(t, y, within))

@@ -21,11 +21,11 @@ from typing import Any
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Index
 from spacar.linear_systems.linear_system import Matrix, matrix
 from spacar.mechanism.mechanism import Mechanism, UserForces
 
-STEP_SHARE = float(np.finfo(float).eps) ** 0.25
+STEP_SHARE = EPS**0.25
 EXACT = 1e-10  # relative difference up to which a stated derivative is the difference without its error
 AGREE = 1e-5  # relative difference above which a stated derivative is another one: users write some six digits
 

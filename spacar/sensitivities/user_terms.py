@@ -16,15 +16,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import EPS, Array
 from spacar.deck.directed import STEP
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.linearization.user_derivatives import UserDerivatives
 from spacar.mechanism.mechanism import UserForces
 from spacar.sensitivities.state_derivatives import StateDerivative
 
-SHARE = float(np.finfo(float).eps) ** (1.0 / 6.0)  # of the size of the state: steps of mixed differences
-SLOPE_SHARE = float(np.finfo(float).eps) ** 0.2  # the same of a difference of fourth order
+SHARE = EPS ** (1.0 / 6.0)  # of the size of the state: steps of mixed differences
+SLOPE_SHARE = EPS**0.2  # the same of a difference of fourth order
 
 
 @dataclass(frozen=True)

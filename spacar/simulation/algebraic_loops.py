@@ -18,11 +18,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Index
 from spacar.errors import AnalysisError
 from spacar.simulation.blocks import Block
 
-EPS = float(np.finfo(float).eps)
 DIFFERENCE = EPS**0.5
 MOST_ITERATIONS = 25
 SLOW = 0.1  # contraction beyond which the Jacobian is computed again

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import Array
+from spacar.arrays import EPS, Array
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators import AUTOMATIC, Step, Tolerance, named
 from spacar.simulation.blocks import Block, Function, Sampled
@@ -30,7 +30,6 @@ from spacar.simulation.response import Event, Response, Signals
 from spacar.simulation.stepping import Stepping
 from spacar.simulation.transport_delay import TransportDelay
 
-EPS = float(np.finfo(float).eps)
 MOST_LOOKS = 160  # for one event; every third halves the interval
 
 

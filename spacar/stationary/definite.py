@@ -20,13 +20,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import EPS, Array
 from spacar.linear_systems import DENSE_LIMIT
 from spacar.mechanism.mechanism import Batch
 from spacar.stationary.flexibility import Flexibility
 from spacar.stationary.tangent import STATIC, SparseTangent
 
-EPS = float(np.finfo(float).eps)
 SAFE = 16.0
 WEIGHT = 100.0  # springs of the constraints over the largest stiffness, each times the square of its length
 

@@ -14,16 +14,17 @@ inverse itself is decomposed.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import EPS, Array
 from spacar.linear_systems import SingularMatrixError
 from spacar.stationary.newton import correction
 from spacar.stationary.resting_tangent import RestingTangent
 from spacar.stationary.stationary_equations import Iterate, StationaryEquations, Tangent
 
-CRITICAL = float(np.sqrt(np.finfo(float).eps))  # of the model: rounding takes half of the digits of the position
+CRITICAL = sqrt(EPS)  # of the model: rounding takes half of the digits of the position
 BLOCK = 6  # vectors
 ITERATIONS = 8
 ALIKE = 1.0 - 1e-6  # of the largest motion

@@ -29,7 +29,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from spacar.arrays import Array
+from spacar.arrays import EPS, Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.saddle_point import free_coordinates
 from spacar.kinematics.kinematics import largest
@@ -40,7 +40,6 @@ from spacar.mechanism.mechanism import UserForces
 from spacar.stationary.flexibility import Flexibility
 from spacar.stationary.loading import is_tube
 
-EPS = float(np.finfo(float).eps)
 FLOOR = 8.0 * EPS  # of the sum of the sizes of all terms: a residual below it is rounding
 
 
@@ -232,6 +231,7 @@ class StationaryEquations:
 
 
 # Displacement under forces of the size of the stiffness, 1/(50 eps), from which it is asked whether digits are left.
+# From its square on there are none: entries of V, directions of size one, are known to eps, and V^T S V to eps^2 S.
 SINGULAR = 1e14
 # Part of such a displacement, or size of a correction [model lengths or rad], that is rounding: the matrix is singular.
 NO_DIGITS = 1e-4
@@ -242,10 +242,11 @@ def require_digits(solve: Callable[[Array], Array], rounding: Callable[[Array], 
     """Raises SingularMatrixError where z (n,), the solution under forces of the size of the stiffness, is rounding.
 
     Displacements of soft, finely divided models are large without being wrong: above SINGULAR it is asked whether
-    `rounding` of the entries, eps |matrix| |z|, changes the first nf unknowns by NO_DIGITS.
+    `rounding` of the entries, eps |matrix| |z|, changes the first nf unknowns by NO_DIGITS; above SINGULAR^2 they are.
     """
     growth = largest(z[:nf])
-    if not growth < SINGULAR and not (np.isfinite(z).all() and lost(solve, rounding(z), z, nf) < NO_DIGITS):
+    finite = np.isfinite(z).all() and growth < SINGULAR**2
+    if not growth < SINGULAR and not (finite and lost(solve, rounding(z), z, nf) < NO_DIGITS):
         raise SingularMatrixError(f"the stiffness is singular to working precision (growth {growth:.2g})")
 
 

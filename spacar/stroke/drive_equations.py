@@ -39,7 +39,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import Array
+from spacar.arrays import EPS, Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import AppliedForces, moment_entries
 from spacar.errors import AnalysisError, Report
@@ -187,7 +187,7 @@ def _massless(M: Array) -> bool:
     M = M[M.any(axis=1)][:, M.any(axis=0)]
     scale = 1.0 / np.sqrt(np.maximum(np.diag(M), np.finfo(float).tiny))
     values = np.linalg.eigvalsh(M * np.outer(scale, scale))
-    return bool(values.min(initial=np.inf) <= np.finfo(float).eps * len(M) * values.max(initial=0.0))
+    return bool(values.min(initial=np.inf) <= EPS * len(M) * values.max(initial=0.0))
 
 
 class MixedDrive:

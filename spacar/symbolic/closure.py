@@ -16,13 +16,14 @@ from typing import Any, NoReturn
 
 import numpy as np
 
+from spacar.arrays import EPS
 from spacar.errors import AnalysisError, UsageError
 from spacar.symbolic.ordered import OrderedProgram
 
 ITERATIONS = 60
 DRIFT = {"DOP853": 0.1, "Radau": 0.1, "LSODA": 10.0}
 """Correction, in tolerances, from which a run restarts at the projected state; dear for multistep methods."""
-ROUNDING = 8 * np.finfo(float).eps  # of a coordinate of order one
+ROUNDING = 8 * EPS  # of a coordinate of order one
 NEARLY = 1e-3  # largest relative change of given start values that is taken as their rounding
 
 

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from spacar.arrays import EPS
 from spacar.errors import AnalysisError, UsageError
 from spacar.symbolic.beam_shapes import X, integral
 from spacar.symbolic.collect import definition_order
@@ -183,7 +184,7 @@ def _positive(M: np.ndarray, J: np.ndarray) -> bool:
     n, m = len(M), len(J)
     free = np.linalg.svd(J / size)[2][m:].T if m else np.eye(n)
     values = np.linalg.eigvalsh(free.T @ (M / np.outer(size, size)) @ free)
-    return bool(np.all(values > n * np.finfo(float).eps))
+    return bool(np.all(values > n * EPS))
 
 
 class _Evaluator:

@@ -1,14 +1,20 @@
 """The tangent of steady motion: both forms are the derivative of the residual and agree, also in their sign."""
 
+from contextlib import nullcontext
+from functools import partial
+
 import numpy as np
 import pytest
 
 import spacar
+from spacar.arrays import EPS
 from spacar.errors import Report
 from spacar.linear import form, subspace
+from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism import build
 from spacar.stationary import LoadLevel, LoadProgram, StationarySolver, moving_tangent
 from spacar.stationary.moving_tangent import MovingTangent
+from spacar.stationary.stationary_equations import require_digits
 from tests.examples import DATA
 
 
@@ -131,6 +137,18 @@ def test_few_modes_of_a_large_model(model, monkeypatch, tmp_path):
     assert large.matrices["eigxre"].shape[1] == 4
     np.testing.assert_allclose(large.matrices["lmult"], dense.matrices["lmult"][:2], rtol=1e-8)
     np.testing.assert_allclose(large.xcompl, dense.xcompl, rtol=1e-9, atol=1e-11 * dense.xcompl.max())
+
+
+@pytest.mark.parametrize(("direction", "singular"), [(1e-12, False), (3e-16, True), (1e-19, True)])
+def test_a_stiffness_of_rounding_is_singular(direction, singular):
+    """A bar across the only motion: its direction, a sine or a cosine, is known to eps, the stiffness to eps^2 of the
+    bar's. Rounding of the entries, which are what they are, does not tell this."""
+    A = np.array([[0.0, direction], [direction, -1.0]])  # [0, V^T; V, -C], S = 1
+    solve = partial(np.linalg.solve, A)
+    z = solve(np.array([1.0, 0.0]))
+    assert z[0] == pytest.approx(direction**-2)
+    with pytest.raises(SingularMatrixError) if singular else nullcontext():
+        require_digits(solve, lambda z: EPS * (np.abs(A) @ np.abs(z)), z, 1)
 
 
 def test_compliances_are_infinite_where_the_stiffness_is_singular(monkeypatch, tmp_path):

@@ -19,11 +19,12 @@ millionth of the motion of that variable, also where all that moves moves by 1e-
 """
 
 from collections.abc import Sequence
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import EPS, Array, Index
 from spacar.errors import Report, UsageError
 from spacar.frame import Frame
 from spacar.linear.lowest import lowest_modes
@@ -35,7 +36,7 @@ from spacar.studies.runs.quantities import Quantity
 FREQUENCIES, MULTIPLIERS = 6, 3
 ZERO = 1e-6
 CONSTANT = 1e-6  # a variable whose span is a smaller part of its magnitude may be constant
-ROUNDED = 1e6 * float(np.finfo(float).eps)  # a smaller span may be rounding, or left by iterations
+ROUNDED = 1e6 * EPS  # a smaller span may be rounding, or left by iterations
 STILL = 1e-9  # a variable that stays below this part of the largest one is left out
 # The same for stationary solutions, which are iterated to 5e-7 (ITERSTEP): smaller values are errors of the iteration.
 STILL_STATIONARY = 1e-6
@@ -136,7 +137,7 @@ def _spectrum(mechanism: Mechanism, frames: Sequence[Frame]) -> list[Assessed]:
         size = np.array([m[-k:] for m in modulus]).T.max(axis=1, initial=0.0)
         largest = max(float(np.nanmax(m, initial=0.0)) for m in modulus)
         # A rigid motion is known to the root of rounding only, and a nan is no value.
-        counts = np.isfinite(values[:k] + values[k:]).all(axis=1) & (size > np.sqrt(np.finfo(float).eps) * largest)
+        counts = np.isfinite(values[:k] + values[k:]).all(axis=1) & (size > sqrt(EPS) * largest)
         amplitude = np.where(counts, size, np.inf)
         names = [f"{part} of eigenvalue {i}" for part in ("real part", "imaginary part") for i in range(k, 0, -1)]
         found.append(Assessed(tuple(names), np.nan_to_num(values), np.tile(amplitude, 2)))
