@@ -264,9 +264,7 @@ def series(
 
     def show(i: int) -> tuple[Sequence[Shape], str]:
         k = numbers[i]
-        title = title_of(scene, extras, step_text(source, k))
-        if extras.title is None:
-            title = place.title(title)
+        title = place.title(title_of(scene, extras, step_text(source, k)))
         x = place(source.x(k))
         return [*mechanism_shapes(scene, x, look, extras), *symbols.shapes(k, x, look)], title
 

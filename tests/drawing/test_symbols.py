@@ -11,7 +11,7 @@ from spacar_drawing.bodies import beam_lines, rows_of
 from spacar_drawing.drawn_shapes import Line, Mark
 from spacar_drawing.element_pictures import element_shapes, span
 from spacar_drawing.look import look_of
-from spacar_drawing.mechanism_picture import Extras, draw_steps
+from spacar_drawing.mechanism_picture import Extras, draw_steps, series
 from spacar_drawing.picture_source import source_of_result
 from spacar_drawing.scene import Pose, positions, rotations
 from spacar_drawing.supports import number_labels
@@ -172,6 +172,8 @@ def test_rotations_are_enlarged_as_rotation_vectors():
 def test_the_title_says_the_scale(results):
     title = draw(results / "plbeam5", scale=50).axes[0].get_title(loc="left")
     assert title == "plbeam5   deflections \N{MULTIPLICATION SIGN} 50"
+    moving = series(result_source("plbeam5", 7), Extras(title="its own", scale=50), [1], [], False)
+    assert moving.pictures(0)[1] == "its own   deflections \N{MULTIPLICATION SIGN} 50"
 
 
 def test_numbers_stand_at_what_is_drawn_of_their_element():
