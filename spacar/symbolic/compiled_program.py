@@ -215,12 +215,12 @@ class CompiledFunction:
         c = self.program.constraints
         if c is None:
             raise UsageError("the program has no constraints", "constraint")
-        n, m = self.program.n, self.program.m
+        n, m, nq = self.program.n, self.program.m, len(self.program.coordinates)
         self.inputs(t, y)
         self._call("eom_step", "c", "p", "y", "u", "M", "f", "J", "h")
         self._call("eom_manifold", "c", "p", "y", "u", "res", "turn")
         M, J, res, turn = (self._buffer[name].copy() for name in ("M", "J", "res", "turn"))
-        return M.reshape(n, n), J.reshape(m, n), res[:m], res[m : m + len(c.position)], turn.reshape(-1, n)
+        return M.reshape(n, n), J.reshape(m, n), res[:m], res[m : m + len(c.position)], turn[: nq * n].reshape(nq, n)
 
     def _report(self, bad: int) -> None:
         if bad < 0:

@@ -167,7 +167,7 @@ def simulate(
     began = time.perf_counter()
     try:
         y0 = manifold.assemble(y0, set(start or {})) if manifold else y0
-        options |= {"rtol": rtol, "atol": absolute_tolerance(names, y0, f, rtol, atol)}
+        options |= {"rtol": rtol, "atol": absolute_tolerance(program, y0, f, rtol, atol)}
         watched, method = _watched(f, progress, limit), INTEGRATORS[integrator]
         if manifold is not None:
             every = times if times[0] == 0.0 else np.concatenate(([0.0], times))
@@ -227,15 +227,15 @@ def _unit_quaternions(program: OrderedProgram, y: np.ndarray, given: set[str]) -
 
 
 def absolute_tolerance(
-    names: tuple[str, ...], y0: np.ndarray, f: Any, rtol: float, atol: float | Mapping[str, float] | None
+    program: OrderedProgram, y0: np.ndarray, f: Any, rtol: float, atol: float | Mapping[str, float] | None
 ) -> np.ndarray:
     """One absolute tolerance a state; without wishes rtol times a scale, see `simulate`."""
+    names, nq = [s.name for s in program.state], len(program.coordinates)
     if isinstance(atol, (int, float)):
         return np.full(len(names), float(atol))
     scale = np.maximum(np.abs(y0), _static(f, y0))
-    half = len(names) // 2
-    if len(names) == 2 * half:  # at rest speeds are noise: their scale is that of the coordinate per second
-        scale[half:] = np.maximum(np.abs(y0[half:]), scale[:half])
+    if nq == program.n:  # at rest speeds are noise: their scale is that of the coordinate per second
+        scale[nq:] = np.maximum(np.abs(y0[nq:]), scale[:nq])
     result = max(rtol, TIGHTEST_SCALED) * np.where(scale > 1e-12, scale, 1.0)
     for name, value in (atol or {}).items():
         result[names.index(name)] = float(value)

@@ -11,8 +11,9 @@ from spacar.errors import UsageError
 from spacar.symbolic import MultibodySystem, beam_shapes, set_omega
 from spacar.symbolic.beam_shapes import X, integral
 from spacar.symbolic.closure import Manifold
+from spacar.symbolic.compiled_program import CompiledFunction, compiler
 from spacar.symbolic.printing import text
-from spacar.symbolic.simulated_motion import make_function
+from spacar.symbolic.simulated_motion import absolute_tolerance, make_function, simulate
 from spacar.symbolic.unit_vectors import TIME
 
 VALUES = {"m": 2.0, "J": 0.05, "a": 0.2, "rho": 0.5, "L": 0.8, "EI": 1.0}
@@ -275,16 +276,35 @@ def test_text_of_equations_has_no_time_arguments():
     assert text(S.derive().held[0]) == "-L*g*m*n2.a2 - L**2*m*s_dot" or "(t)" not in text(S.derive().held[0])
 
 
-def test_speeds_alone_are_brought_onto_their_constraint() -> None:
-    """Two wheels without angles of their own, w = 2 v: the nearest speeds in the metric of the masses, 1 and 2."""
+def geared_wheels() -> MultibodySystem:
+    """Two wheels without angles of their own, inertias 1 and 2, w = 2 v, a torque 3 on the first."""
     system = MultibodySystem()
     w, v = system.speed("w"), system.speed("v")
     for name, speed, inertia in (("a", w, 1), ("b", v, 2)):
         frame = system.frame(name.upper(), system.N, 3, 0)
         set_omega(system.N, frame, speed * system.N[3])
         system.rigid_body(name, frame, system.O, 1, (1, 1, inertia))
+        if name == "a":
+            system.torque(frame, 3 * system.N[3])
     system.constraint(w - 2 * v)
-    program = system.derive(strategy="held").program()
+    return system
+
+
+def test_speeds_alone_are_brought_onto_their_constraint() -> None:
+    """The nearest speeds in the metric of the masses, 1 and 2."""
+    program = geared_wheels().derive(strategy="held").program()
     found = Manifold(program, make_function(program, {})).project(0.0, np.array([2.0, 1.5]))
     # minimum of (w - 2)^2 + 2 (v - 1.5)^2 on w = 2 v
     np.testing.assert_allclose(found, [7.0 / 3.0, 7.0 / 6.0], rtol=1e-14)
+
+
+@pytest.mark.parametrize("compiled", [False, True] if compiler() else [False])
+def test_speeds_alone_are_simulated(compiled: bool) -> None:
+    """(1 + 2/4) w' = 3 from w = 2 v = 1. A speed is not the scale of another."""
+    program = geared_wheels().derive(strategy="held").program()
+    function = CompiledFunction(program, {}) if compiled else make_function(program, {})
+    motion = simulate(program, {}, {"w": 1.0}, t_end=2.0, steps=4, function=function)
+    np.testing.assert_allclose(motion["w"], 1.0 + 2.0 * motion.time, rtol=1e-7)
+    np.testing.assert_allclose(motion["v"], motion["w"] / 2.0, rtol=1e-14)
+    tolerances = absolute_tolerance(program, np.array([2e6, 10.0]), function, 1e-8, None)
+    np.testing.assert_allclose(tolerances, [2e-2, 1e-7])

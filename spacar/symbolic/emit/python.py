@@ -147,7 +147,7 @@ def _jac(w: Writer, program: OrderedProgram) -> list[str]:
         lines.append(f"        low, _ = constrained(M, low, J, np.array({_array(w, J.dh, size)}))")
     else:
         lines.append(f"        low = np.linalg.solve({_array(w, program.inertia, program.n)}, low)")
-    return [*lines, f"        return np.vstack(({_array(w, J.drates, size)}, low))"]
+    return [*lines, f"        return np.array([*{_array(w, J.drates, size)}, *low])"]
 
 
 def _manifold(w: Writer, program: OrderedProgram) -> list[str]:
