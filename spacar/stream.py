@@ -95,7 +95,7 @@ class Run:
             yield block
 
     def _made(self) -> Iterator[Sequence[Frame]]:
-        told, given = set[int](), 0
+        reported, given = set[int](), 0
         parts = None if self.accuracy else rigid_parts(self.mechanism, self.mode)
         if parts is None:
             made = registered("accuracy" if self.accuracy else self.mode.analysis)(self)
@@ -104,8 +104,8 @@ class Run:
         for block in made:
             for lost in block.lost if isinstance(block, StoredFrames) else [frame.lost for frame in block]:
                 for row, sentence in lost.items():
-                    if row not in told:
-                        told.add(row)
+                    if row not in reported:
+                        reported.add(row)
                         self.report.add(sentence)
             yield block
             given += len(block)

@@ -60,7 +60,7 @@ class PythonCallbacks:
             self.c = structure("PythonCallbacks")(ctypes.addressof(table))
         else:
             self.law = law
-            known = user.sigma, user.force, -1, id(law.function), tuple(map(id, law.told))
+            known = user.sigma, user.force, -1, id(law.function), tuple(map(id, law.arguments))
             self.c = structure("PythonCallbacks")(ctypes.addressof(table), *known)
 
     def calls(self, answer: Callable[[int, int, float], bool]) -> tuple[Any, ...]:

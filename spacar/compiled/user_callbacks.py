@@ -83,7 +83,7 @@ class UserCallbacks:
         self.lost: list[dict[int, str]] = [{}] * max(len(users), 1)  # sentences by row of e, of every case
         self.first_lost: list[dict[int, str]] = [{} for _ in users]  # the first ones of all outputs of several cases
         self.outputs: list[dict[int, str]] = []  # those of the outputs of one call, see `spacar.compiled.output_block`
-        self.told: set[int] = set()  # rows of their sentences
+        self.reported: set[int] = set()  # rows of their sentences
         self.laws: tuple[Callable[[float], dict[int, str]], ...] = ()
         self.foreign_c: ctypes.Array[ctypes.c_void_p] | None = None  # addresses of the foreign batches, by batch
         if self.foreign:
@@ -98,9 +98,9 @@ class UserCallbacks:
             self.user_c = structure("User")(*[first + row * begin for begin in parts[:-1]])
             x, xd, self.force, e, ed, self.sigma = [shared[i:k] for i, k in pairwise(parts)]
             guarded = (e, "e"), (ed, "ep"), (x, "x"), (xd, "xp")
-            told = [[placed(of[:, lane], name) for of, name in guarded] for lane in range(len(users))]
+            arguments = [[placed(of[:, lane], name) for of, name in guarded] for lane in range(len(users))]
             self.laws = tuple([
-                user.answering(tuple(told[lane]), self.sigma[:, lane], self.force[:, lane])
+                user.answering(tuple(arguments[lane]), self.sigma[:, lane], self.force[:, lane])
                 for lane, user in enumerate(users)
             ])  # fmt: skip
         self.asking: PythonCallbacks | None = None
@@ -132,8 +132,8 @@ class UserCallbacks:
                 first |= lost | first
         elif what == OUTPUT:
             self.outputs.append(self.lost[0])
-            if not self.told.issuperset(self.lost[0]):
-                self.told.update(self.lost[0])
+            if not self.reported.issuperset(self.lost[0]):
+                self.reported.update(self.lost[0])
                 return True  # a sentence that is new is handed on at once
         else:
             self._move(t)

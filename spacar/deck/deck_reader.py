@@ -55,7 +55,7 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
     outline = Outline(metre=_metre(parts.statements, findings) if by_geometry else 1.0)
     read: list[list[StatementGroup]] = [[] for _ in parts.statements]
     skipped = {block: Findings(source) for block in (2, 3) if not uses(mode, block)}
-    told = {1: findings, 2: findings, 3: findings, **skipped}
+    findings_of = {1: findings, 2: findings, 3: findings, **skipped}
     kinds = {1: BlockKind.KINEMATICS, 2: BlockKind.DYNAMICS, 3: third}
     lost: list[Raw] = []
     others = []
@@ -72,7 +72,7 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
             _remember_broken(raw, outline)
     lost = []
     for part, groups in others:
-        kind, into = kinds[part.block], told[part.block]
+        kind, into = kinds[part.block], findings_of[part.block]
         keyword = KEYWORDS.get((part.keyword, kind)) if kind is not None else None
         if keyword is None:
             _wrong_kind(part, kind, into)
@@ -82,7 +82,7 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
         outline.broken.add((raw.keyword, _number(raw)))
         outline.broken_blocks.add(raw.block)
     for found in skipped.values():
-        found.messages.sort(key=lambda m: m.line or 0)  # the first one is told
+        found.messages.sort(key=lambda m: m.line or 0)  # only the first one is reported
     index = given = StatementIndex(list(chain.from_iterable(read)), parts.interleaved)
     before, expansion = outline, None
     shorthand: tuple[Statement, ...] = ()
@@ -93,7 +93,7 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
         expansion = expand(statements, outline, findings)
         outline, shorthand = expansion.outline, tuple([s for s in statements if s.keyword in WORDS])
         index = StatementIndex(grouped(expansion.statements))
-    check(index, outline, mode, third, told)
+    check(index, outline, mode, third, findings_of)
     for block, found in skipped.items():
         _report_skipped(block, parts.statements, mode, found, findings)
     if findings.messages:
@@ -168,8 +168,8 @@ def _lexical(text: str, source: SourceText, findings: Findings) -> None:
     for word in source.words:
         if bad := NOT_UTF8.search(word.text):
             byte, shown = ord(bad.group()) & 0xFF, NOT_UTF8.sub("\ufffd", word.text)
-            told = f"byte 0x{byte:02X} in '{shown}' (column {word.column}) is not UTF-8; allowed in comments only"
-            findings.add("error", word.line, "", told, "encoding")
+            text_ = f"byte 0x{byte:02X} in '{shown}' (column {word.column}) is not UTF-8; allowed in comments only"
+            findings.add("error", word.line, "", text_, "encoding")
 
 
 def _remember_broken(raw: Raw, outline: Outline) -> None:

@@ -189,8 +189,8 @@ def structure(dynamics: Dynamics, moving: bool, law: StressLaw | None = None) ->
                        for batches in (sweep.curved, sweep.moving))  # fmt: skip
     moments = [loads.moment_rows for loads in (m.loads, m.additional) if loads is not None]
     by_moments = _sum([(rows, rows, np.ones((4, *rows.shape))) for rows in moments], (n.nx, n.nx))
-    told, pushed = (getattr(m.user_signal, rows, {}) for rows in ("stresses", "forces"))  # as far as it has been asked
-    by_stress, by_push = _full_rows(told.values(), (n.ne, n.nx)), _full_rows(pushed.values(), (n.nx, n.nx))
+    stresses, forces = (getattr(m.user_signal, rows, {}) for rows in ("stresses", "forces"))  # of calls before
+    by_stress, by_push = _full_rows(stresses.values(), (n.ne, n.nx)), _full_rows(forces.values(), (n.nx, n.nx))
     laws = [matrix(rows, columns, np.ones(len(rows)), (n.ne, n.ne))
             for rows, columns, _ in (law.stiffness, law.damping, m.deformation_inertia)]  # fmt: skip
     return Coefficients(

@@ -178,10 +178,10 @@ class UserLaw:
                 values[i] += row[2]
         return None, found, lost
 
-    def answering(self, told: tuple[PlacedVector, ...], sigma: Array, force: Array) -> "Answering":
+    def answering(self, arguments: tuple[PlacedVector, ...], sigma: Array, force: Array) -> "Answering":
         """What asks the function at the guarded vectors e, ed, x, xd and writes what it returns into sigma and force,
         which are zero then."""
-        return Answering(self, told, sigma, force)
+        return Answering(self, arguments, sigma, force)
 
     def anew(self) -> "UserLaw":
         """The same for another case: a function that remembers something remembers it for each. Raises InputError."""
@@ -230,19 +230,19 @@ class UserLaw:
 class Answering:
     """The answers of a law for the engine, at vectors that change: written into sigma (ne,) and force (nx,).
 
-    function, told   what is called with the time and with these
+    function, arguments   what is called with the time and with these
     forms            `_taken` of the last answer
     """
 
-    def __init__(self, law: UserLaw, told: tuple[PlacedVector, ...], sigma: Array, force: Array) -> None:
-        self.law, self.function, self.told = law, law._function, law._given(*told)
+    def __init__(self, law: UserLaw, arguments: tuple[PlacedVector, ...], sigma: Array, force: Array) -> None:
+        self.law, self.function, self.arguments = law, law._function, law._given(*arguments)
         self.values = sigma, force
         self.forms: tuple[Form, Form] | None = None
 
     def __call__(self, t: float) -> dict[int, str]:
         """Write the answer at a time where zeros are. Returns the sentences of `UserForces.lost`."""
         try:
-            given = self.function(t, *self.told)
+            given = self.function(t, *self.arguments)
         except BY_USERS as error:  # a user's function may fail in any way
             raise self.failed(t, error) from error
         return self.read(t, given)

@@ -132,23 +132,23 @@ class ReducedDrive:
         motion = np.append(follow, 1.0)
         return self.moved(node, True) @ motion, float(K[-1] @ motion), motion
 
-    def vibration(self, free: bool, wanted: int, told: Report) -> Frequencies:
+    def vibration(self, free: bool, wanted: int, report: Report) -> Frequencies:
         """Without damping."""
         rows, L = self._rows[free], self.L
         if _massless(self._block(L.m0, free)):
             text = "the mass matrix is not positive definite; a motion carries no mass"
             raise AnalysisError(text, "dynamics.singular-mass")
         undamped = replace(L, c0=np.zeros_like(L.c0), d0=np.zeros_like(L.d0))
-        found = vibration_modes(undamped, rows, rows, told, self.dynamics.numbering.twist_rates)
+        found = vibration_modes(undamped, rows, rows, report, self.dynamics.numbering.twist_rates)
         return Frequencies.of(found.values, found.vectors[: len(rows)])
 
     def momenta(self, motions: Array) -> Array:
         """Mass matrix of the free drive times motions (unknowns, n)."""
         return np.asarray(self._block(self.L.m0, True) @ motions)
 
-    def buckling(self, free: bool, wanted: int, told: Report) -> BucklingModes:
+    def buckling(self, free: bool, wanted: int, report: Report) -> BucklingModes:
         """Multipliers of all loads and prestresses."""
-        return buckling_modes(*buckling_matrices(self.dynamics, self.L, self._rows[free]), told)
+        return buckling_modes(*buckling_matrices(self.dynamics, self.L, self._rows[free]), report)
 
     def extra_stresses(self, free: bool, load: Loads) -> Array:
         """sigma (ne,) that the extra load adds. Raises AnalysisError 'compliance.singular'."""
@@ -166,13 +166,13 @@ class ReducedDrive:
         d.kinematics.reactions(force, sigma)
         return np.asarray(sigma)
 
-    def extra(self, free: bool, sigma: Array, load: Loads, wanted: int, told: Report) -> BucklingModes:
+    def extra(self, free: bool, sigma: Array, load: Loads, wanted: int, report: Report) -> BucklingModes:
         """Multipliers of the extra load alone, with its stresses. Raises AnalysisError 'buckling.singular'."""
         d, L, rows = self.dynamics, self.L, self._rows[free]
         turned = matrix(*moment_entries(load.moment_rows, load.moment), L.G.shape[:1] * 2)
         loading = geometric_stiffness(d.sweep, sigma) - turned
         added = np.asarray((L.W[:, rows].T @ loading) @ L.G[:, rows])
-        return buckling_modes(*extra_load_matrices(d, L, rows, self._block(L.stiffness, free), added, sigma), told)
+        return buckling_modes(*extra_load_matrices(d, L, rows, self._block(L.stiffness, free), added, sigma), report)
 
     def contains_all(self, found: BucklingModes, wanted: int, free: bool) -> bool:
         """Are all finite multipliers among those that were found?"""
@@ -243,16 +243,16 @@ class MixedDrive:
             slope = float(force[row])
         return self._forces(node).T @ x, slope, x
 
-    def vibration(self, free: bool, wanted: int, told: Report) -> Frequencies:
-        found = lowest_vibration(self._tangents[free], told, wanted, undamped=True)
+    def vibration(self, free: bool, wanted: int, report: Report) -> Frequencies:
+        found = lowest_vibration(self._tangents[free], report, wanted, undamped=True)
         assert found.motions is not None
         return Frequencies.of(found.values, found.motions)
 
     def momenta(self, motions: Array) -> Array:
         return np.asarray(self._tangents[True].assembled(("mass",)) @ motions)
 
-    def buckling(self, free: bool, wanted: int, told: Report) -> BucklingModes:
-        return lowest_buckling(self._tangents[free], told, wanted)
+    def buckling(self, free: bool, wanted: int, report: Report) -> BucklingModes:
+        return lowest_buckling(self._tangents[free], report, wanted)
 
     def extra_stresses(self, free: bool, load: Loads) -> Array:
         t = self._tangents[free]
@@ -260,9 +260,9 @@ class MixedDrive:
         right[: t.nf] = _force(self.dynamics, load)[t.F]
         return np.asarray(t.flexibility.size * t.factor(STATIC).solve(right)[t.nf :])
 
-    def extra(self, free: bool, sigma: Array, load: Loads, wanted: int, told: Report) -> BucklingModes:
+    def extra(self, free: bool, sigma: Array, load: Loads, wanted: int, report: Report) -> BucklingModes:
         entries = moment_entries(load.moment_rows, load.moment)
-        return lowest_extra_load(self._tangents[free], sigma, entries, told, wanted)
+        return lowest_extra_load(self._tangents[free], sigma, entries, report, wanted)
 
     def contains_all(self, found: BucklingModes, wanted: int, free: bool) -> bool:
         """If there are fewer than wanted, the others are infinite or, with an unsymmetric loading only, complex."""

@@ -151,13 +151,13 @@ class Flexure:
     @property
     def warnings(self) -> list[str]:
         """What a reader has to know, one sentence each."""
-        told = [line.removeprefix("warning: ") for line in self.result.report if line.startswith("warning: ")]
+        found = [line.removeprefix("warning: ") for line in self.result.report if line.startswith("warning: ")]
         if self.imbalance > UNBALANCED:
-            told.append(
+            found.append(
                 f"the integral of the work misses {100.0 * self.imbalance:.2g} % of the energy: the force changes"
                 " within a step of the stroke; take more steps"
             )
-        return told
+        return found
 
     @property
     def support(self) -> list[int]:

@@ -170,7 +170,7 @@ def _observed(mechanism: Mechanism, move: StrokeMove, node: int | None, orientat
 
 
 def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Array | None, doubt: str) -> Flexure:
-    """Both sides as one stroke with increasing values, which contains the undeflected state once; `doubt` is told."""
+    """Both sides as one stroke with increasing values, which contains the undeflected state once."""
     first, states, zero = sides[0], sides[-1].states, 0
     if move.low < 0.0:
         zero = len(first.states) - 1
@@ -180,8 +180,8 @@ def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Array |
     if not np.all(np.diff(stroke) > 0.0) and not move.pushed:
         raise AnalysisError("the stroke does not grow from state to state", "flexure.stroke")
     shots = tuple(replace(s.frame, t=float(i)) for i, s in enumerate(stations))
-    told = [f"warning: {doubt}"] if doubt else []
-    lines = list(dict.fromkeys(told + [line for side in sides for line in side.report.lines]))
+    lines = [f"warning: {doubt}"] if doubt else []
+    lines = list(dict.fromkeys(lines + [line for side in sides for line in side.report.lines]))
     result = Result(first.mechanism, 10, shots, tuple(lines), {})
     node = first.node
     x, loads = np.array([s.frame.x for s in stations]), first.mechanism.loads

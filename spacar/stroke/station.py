@@ -95,13 +95,13 @@ def node_compliance(e: DriveEquations, node: ObservedNode, free: bool, report: R
 
 def _frequencies(e: DriveEquations, free: bool, wanted: int, report: Report) -> Frequencies:
     """None without mass."""
-    told = Report()
+    own = Report()
     try:
-        found = e.vibration(free, wanted, told)
+        found = e.vibration(free, wanted, own)
     except FAILED as error:
         report.add(f"warning: no frequencies: {error}")
         return Frequencies(np.zeros(0), np.zeros((0, 0)))
-    for line in told.lines:
+    for line in own.lines:
         report.add(line)
     return found
 
@@ -148,8 +148,8 @@ def _extra(e: DriveEquations, held: bool, load: Loads | None, report: Report) ->
         report.add(f"warning: no {what}: {error}")
         return np.nan, np.nan
 
-    def find(free: bool, wanted: int, told: Report) -> BucklingModes:
-        return e.extra(free, sigma, load, wanted, told)
+    def find(free: bool, wanted: int, own: Report) -> BucklingModes:
+        return e.extra(free, sigma, load, wanted, own)
 
     locked, free = (_lowest_positive(e, k, find, what, report) for k in (False, True))
     return locked, free
@@ -162,9 +162,9 @@ def _lowest_positive(
     without one."""
     wanted, most = FIRST, min(MOST, e.most)
     while True:
-        told = Report()
+        own = Report()
         try:
-            found = find(free, wanted, told)
+            found = find(free, wanted, own)
         except FAILED as error:
             report.add(f"warning: no {what}: {error}")
             return np.nan
@@ -172,7 +172,7 @@ def _lowest_positive(
         if np.isfinite(value) or wanted >= most or all_found:
             break
         wanted = min(2 * wanted, most)
-    for line in told.lines:
+    for line in own.lines:
         if line.startswith("warning"):  # the value tells that there are none
             report.add(line)
     if np.isinf(value) and not all_found and wanted < e.most:

@@ -82,9 +82,9 @@ def extrapolate(meshes: Sequence[Array], amplitude: Array) -> Extrapolation:
 
 def _orders(first: Array, second: Array) -> Array:
     """The order 2 or 4 that two differences show, one after the other; 0: none."""
-    told = (second > ROUNDING) & (first > 0.0)
-    seen = np.log2(np.where(told, first, 1.0) / np.where(told, second, 1.0))
-    return np.where(told & (np.abs(seen - 2) <= CLOSE), 2, np.where(told & (np.abs(seen - 4) <= CLOSE), 4, 0))
+    known = (second > ROUNDING) & (first > 0.0)
+    seen = np.log2(np.where(known, first, 1.0) / np.where(known, second, 1.0))
+    return np.where(known & (np.abs(seen - 2) <= CLOSE), 2, np.where(known & (np.abs(seen - 4) <= CLOSE), 4, 0))
 
 
 def _romberg(meshes: Sequence[Array], order: int) -> list[Array]:
