@@ -34,7 +34,8 @@ KEYWORDS = (
             form(
                 (
                     integer("maximum number of iterations", default=10), integer("number of load steps", default=4),
-                    real("error tolerance", "", 5e-7), integer("number of steps between output steps", default=1),
+                    real("error tolerance: largest force out of balance", "N", 5e-7),
+                    integer("number of steps between output steps", default=1),
                     integer("type of analysis 0-3", default=0),
                     integer("number of load steps for the initial solution", default=0),
                     integer("follow the equilibrium path beyond limit points: 0 no, 1 yes", default=0),
