@@ -13,7 +13,7 @@ from spacar_cli.environment import Environment
 from spacar_cli.main import main
 
 import spacar
-from spacar.compiled import library, why_general
+from spacar.compiled import library
 from spacar.compiled.interface import constants
 from spacar.dynamics import loaded_mechanism
 from spacar.elements import definitions
@@ -229,12 +229,3 @@ def test_log_and_json_say_which_engine_and_why(tmp_path, monkeypatch):
     asked = ("general", "the environment variable SPACAR_GENERAL asks for it")
     assert engine(SPACAR_GENERAL="1") == engine("--compiled", SPACAR_GENERAL="1") == asked
     assert engine(SPACAR_GENERAL="0")[0] == engine(SPACAR_GENERAL="")[0] == "compiled"
-
-
-@here
-def test_the_environment_variable(monkeypatch):
-    mechanism = spacar.frames(1, DATA / "crank.dat").mechanism
-    monkeypatch.delenv(library.GENERAL, raising=False)
-    assert why_general(mechanism) is None
-    monkeypatch.setenv(library.GENERAL, "1")
-    assert "SPACAR_GENERAL" in why_general(mechanism)

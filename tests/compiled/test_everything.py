@@ -23,6 +23,8 @@ from spacar.mechanism import build
 from tests.examples import DATA
 from tests.studies.all_elements import MODELS, deck_of
 
+from .other_ways import pushed, started
+
 pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
 
 LIKE = {"e": "x", "ed": "xd", "edd": "xdd", "fx": "sig", "fxgrav": "sig", "fxtot": "sig"}
@@ -79,23 +81,12 @@ def test_every_element_moment_and_coupling(name: str) -> None:
     same(whole)
 
 
-PIPE = ("EM", 1, 0.3, 0.2, 0.5, 1.1)
-PLANAR = [("X", 3, 1.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1, 2, 3)]
-SPATIAL = [("X", 3, 1.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1, *range(1, 7))]
-SECTION = (0.02, 0.01, 0.03)  # inertia about the axes
-CURVED = ("ORTUBE", 1, 0.9, 0.1, 0.3, 0.8, 0.2, -0.3, 0.1, 1.0, 0.2)
-
-
 @pytest.mark.parametrize("angle", [False, True])
 @pytest.mark.parametrize("end", [0, 1, 2, 3])
-@pytest.mark.parametrize("rows", [
-    [("PLTUBE", 1, 1, 2, 3, 4, 0.2, -0.1), *PLANAR],
-    [("TUBE", 1, 1, 2, 3, 4, 0.0, 1.0, 0.0), *SPATIAL],
-    [("TUBE", 1, 1, 2, 3, 4, 0.0, 1.0, 0.0), CURVED, *SPATIAL],
-], ids=["planar", "spatial", "curved"])  # fmt: skip
-def test_tubes_with_flow(rows: list[tuple], end: int, angle: bool) -> None:
-    planar = rows[0][0] == "PLTUBE"
-    law = [(*PIPE, end, *SECTION[: 1 if planar else 3]), ("ESTIFF", 1, 6.0, 5.0, 4.0, 3.0)[: 4 if planar else 6]]
+@pytest.mark.parametrize("tube", ["PLTUBE", "TUBE", "ORTUBE"], ids=["planar", "spatial", "curved"])
+def test_tubes_with_flow(tube: str, end: int, angle: bool) -> None:
+    rows, law = MODELS[tube]
+    law = [(*r[:6], end, *r[7:]) if r[0] == "EM" else r for r in law]
     whole = mechanism([*rows, *[("ADEFORM",)] * angle], law)
     assert without_form(whole) == []
     same(whole, 3e-2)
@@ -108,9 +99,7 @@ def test_screws_and_belts_count_turns() -> None:
     nut, wheel = [("XM", 3, 1.0), ("XM", 4, 0.1, 0, 0, 0.1, 0, 0.1)], [("XM", 3, 1.0), ("XM", 4, 0.1)]
     models = [(mechanism(screw, nut), 3, 0.05), (mechanism([*belt, ("DYNX", 5, 1)], wheel), 4, (0.3 + 0.1) / 0.1)]
     for model, node, ratio in models:
-        general, compiled = Dynamics(model), CompiledDynamics(model)
-        for evaluator in (general, compiled):
-            evaluator.start()
+        general, compiled, _ = started(model)
         compiled._in_general = None
         place = model.numbering.lnp[node - 1, 0] - 1
         for k in range(22):
@@ -121,30 +110,21 @@ def test_screws_and_belts_count_turns() -> None:
             assert b.x[place] == pytest.approx(ratio * y[0], abs=1e-12)
 
 
-USER = "import math\ndef push(t, ne, le, e, ep, nx, lnp, x, xp):\n"
 PENDULUM = """PLBEAM 1 1 2 3 4   X 3 1. 0.   FIX 1   {klass}   END HALT
 XM 3 2.   {more}   TIMESTEP 1. 10   END END
 """
 
 
-def written(folder: Path, text: str, function: str) -> Path:
-    (folder / "a.dat").write_text(text)
-    (folder / "push.py").write_text(function)
-    return folder / "a.dat"
-
-
 def test_user_functions_are_called_for_their_share(tmp_path: Path) -> None:
-    law = "  return t, [[1, 2, 3*e[le[0][1]] + ep[le[0][1]]]], [[3, 2, -5.0 * math.sin(t)]]\n"
-    model = PENDULUM.format(klass="DYNX 2 1\nDYNE 1 2", more="XM 4 0.1\nEM 1 0.5\nUSERSIG push")
-    path = written(tmp_path, model, USER + law)
+    law = "return t, [[1, 2, 3*e[le[0][1]] + ep[le[0][1]]]], [[3, 2, -5.0 * t]]"
+    path = pushed(tmp_path, law, PENDULUM.format(klass="DYNX 2 1\nDYNE 1 2", more="XM 4 0.1\nEM 1 0.5"))
     same(spacar.frames(1, path).mechanism)
     runs = [spacar.run(1, path, rtol=1e-8, atol=1e-8, compiled=c) for c in (True, False)]
     np.testing.assert_allclose(runs[0]["x"], runs[1]["x"], atol=1e-7)
 
 
 def test_a_user_function_that_fails_says_so_as_in_the_general_path(tmp_path: Path) -> None:
-    law = "  if t > 0.5: raise RuntimeError('too late')\n  return t, [], [[3, 2, -5.0]]\n"
-    path = written(tmp_path, PENDULUM.format(klass="DYNX 2 1", more="USERSIG push"), USER + law)
+    path = pushed(tmp_path, "if t > 0.5: raise RuntimeError('too late')\n    return t, [], [[3, 2, -5.0]]")
     said = []
     for compiled in (True, False):
         with pytest.raises(AnalysisError) as found:
@@ -153,20 +133,14 @@ def test_a_user_function_that_fails_says_so_as_in_the_general_path(tmp_path: Pat
     assert said[0] == said[1] == ("user-function.failed", "the user function push failed")
 
 
-def test_ctrl_c_in_a_user_function_ends_the_run(tmp_path: Path) -> None:
-    """It comes through C, and is not taken for a state that cannot be evaluated."""
-    law = "  if t > 0.5: raise KeyboardInterrupt\n  return t, [], [[3, 2, -5.0]]\n"
-    path = written(tmp_path, PENDULUM.format(klass="DYNX 2 1", more="USERSIG push"), USER + law)
-    with pytest.raises(KeyboardInterrupt):
-        spacar.run(1, path)
-
-
 def test_prescribed_motion_of_a_user_function(tmp_path: Path) -> None:
     """phi = sin 3t: values, rates and accelerations; stages of a step ask for it too."""
     function = "import math\ndef push(t, step):\n  s, c = math.sin(3*t), math.cos(3*t)\n"
     function += "  return t, [], [[2, 1, s, 3*c, -9*s]]\n"
     klass, more = "INPUTX 2 1\nDYNE 1 2", "INPUTX 2 1\nESTIFF 1 0. 40.\nXM 4 0.1\nUSERINP push"
-    path = written(tmp_path, PENDULUM.format(klass=klass, more=more), function)
+    (tmp_path / "push.py").write_text(function)
+    path = tmp_path / "model.dat"
+    path.write_text(PENDULUM.format(klass=klass, more=more))
     compiled = same(spacar.frames(1, path).mechanism)
     assert not compiled.solver.slots.polynomial
     runs = [spacar.run(1, path, rtol=1e-8, atol=1e-8, integrator=853, compiled=c) for c in (True, False)]
@@ -188,8 +162,8 @@ def test_the_start_is_that_of_the_general_path(angle):
     text = (DATA / "robotsim.dat").read_text().split("HALT")
     rows = f"STARTDE 1 1 {angle} 1.\nSTARTDE 2 1 {angle} 0.\nEND\nEND"
     mechanism = build(spacar.parse_deck(f"{text[0]}HALT{text[1].replace('END', rows)}", mode=1), 1)
-    general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
-    np.testing.assert_array_equal(compiled.start(), general.start())
+    general, compiled, y = started(mechanism)
+    np.testing.assert_array_equal(compiled.start(), y)
     for x in (compiled.state.x[:, 0], compiled.numpy_evaluator().kinematics.x):
         np.testing.assert_allclose(x, general.kinematics.x, atol=1e-14)
     np.testing.assert_allclose(compiled.state.e[:, 0], general.sweep.e, atol=CONVERGED)
@@ -219,12 +193,9 @@ def test_a_simulation_is_the_same(code, asked, x):
 
 def test_checks_see_the_state_that_c_evaluated():
     """Determinant and condition from the factors in C are those of the matrix of the general path at the same state."""
-    mechanism = spacar.frames(1, DATA / "robotsim.dat").mechanism
-    general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
-    y = general.start() + 0.1
-    compiled.start()
-    general.rhs(0.0, y)
-    compiled.rhs(0.0, y)
+    general, compiled, y = started(spacar.frames(1, DATA / "robotsim.dat").mechanism)
+    for evaluator in (general, compiled):
+        evaluator.rhs(0.0, y + 0.1)
     expected, found = general.position_matrix(), compiled.position_matrix()
     # the position is known to 1e-11 (CONVERGED), the matrix and what depends on it to a hundred times that
     assert found.rcond() == pytest.approx(expected.rcond(), rel=1e-9)
@@ -237,10 +208,7 @@ def test_checks_see_the_state_that_c_evaluated():
 
 def test_a_far_state_is_reached_in_pieces(monkeypatch):
     """1.5 rad on are more than a jump (0.8): C goes there in pieces, and the general path is not asked."""
-    mechanism = spacar.frames(1, DATA / "robotsim.dat").mechanism
-    general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
-    y = general.start()
-    compiled.start()
+    general, compiled, y = started(spacar.frames(1, DATA / "robotsim.dat").mechanism)
     monkeypatch.setattr(compiled, "_in_general", None)
     y[:3] += 1.5
     expected = general.frame(0.1, y)
@@ -250,10 +218,7 @@ def test_a_far_state_is_reached_in_pieces(monkeypatch):
 
 def test_checks_see_the_state_that_c_could_not_do(monkeypatch):
     """Then the general path has evaluated it, and its matrix counts: the factors in C are of another state."""
-    mechanism = spacar.frames(1, DATA / "robotsim.dat").mechanism
-    general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
-    y = general.start()
-    compiled.start()
+    general, compiled, y = started(spacar.frames(1, DATA / "robotsim.dat").mechanism)
     compiled.rhs(0.0, y)
     general.rhs(0.1, y + 0.1)
     monkeypatch.setattr(type(compiled.solver), "rhs", lambda *arguments: -1)
@@ -279,10 +244,7 @@ def test_guards_know_which_elements_are_surely_in_range(angle, sure):
 def test_chains_of_any_length_have_a_compiled_form(n):
     """The sparse factors of the saddle-point form know no limit of size. Bound as in test_everything.py."""
     text = cantilever(n, EI=1.0, length=1.0, dynamics=("GRAVITY 0. -9.81", "TIMESTEP 0.01 1"))
-    mechanism = spacar.frames(1, spacar.deck.parse_deck(text, mode=1)).mechanism
-    general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
-    y = general.start()
-    compiled.start()
+    general, compiled, y = started(spacar.frames(1, spacar.deck.parse_deck(text, mode=1)).mechanism)
     rng = np.random.default_rng(1)
     state = y + 1e-3 / n * rng.standard_normal(len(y))
     expected = general.rhs(0.0, state)

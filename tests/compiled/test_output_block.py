@@ -16,31 +16,30 @@ from spacar.forward.motion import chosen, motion
 from spacar.frame import Frame, StoredFrames
 from tests.examples import DATA
 
+from .other_ways import CRANK, free_crank, pushed
+
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 CODES = (0, 135, 155, 853)
 
-CRANK = """PLBEAM 1 1 2 3 4   PLBEAM 2 3 5 6 7   X 1 0. 0.   X 3 0.15 0.   X 6 0.45 0.
-FIX 1   FIX 6 2   {drive}   END HALT
-EM 1 0.2   EM 2 0.2   XM 6 0.03   {start}   TIMESTEP {times}   END END
-"""
-FREE = CRANK.format(drive="DYNX 2 1", start="STARTDX 2 1 0. 30.", times="1. 40")
-FAST = CRANK.format(drive="DYNX 2 1", start="STARTDX 2 1 0. 30.", times="3. 3")
+FREE, FAST = free_crank("1. 40"), free_crank("3. 3")
 DRIVEN = CRANK.format(drive="INPUTX 2 1", start="INPUTX 2 1 0. 150. 0.", times="0.1 100")
-BOUNCING = """PLBEAM 1 1 2 3 4   X 1 0. 0.   X 3 1. 0.   FIX 1   DYNX 2 1   END HALT
-EM 1 1.0   XM 3 1.0   GRAVITY 0. -9.81   USERSIG push   TIMESTEP 1. 20   END END
-"""
 R, L = 0.15, 0.35
 UPRIGHT = float(np.sqrt(L**2 - R**2))
 SLIDER = [
     ("PLRBEAM", 1, 1, 2, 3), ("PLRBEAM", 2, 3, 4, 5), ("X", 3, 0.0, R), ("X", 5, UPRIGHT, 0.0), ("FIX", 1),
     ("FIX", 5, 2), ("DYNX", 5, 1),
 ]  # fmt: skip
-TO_DEAD_CENTRE = [("XM", 5, 1.0), ("XM", 2, 0.1), ("STARTDX", 5, 1, UPRIGHT, 0.1), ("TIMESTEP", 3.0, 300)]
 PARALLELOGRAM = [
     ("PLRBEAM", 1, 1, 2, 3), ("PLRBEAM", 2, 4, 5, 6), ("PLRBEAM", 3, 3, 7, 6),
     ("X", 3, 0.0, 1.0), ("X", 4, 2.0, 0.0), ("X", 6, 2.0, 1.0), ("FIX", 1), ("FIX", 4), ("INPUTX", 2),
 ]  # fmt: skip
 AT_DEAD_POINTS = [("INPUTX", 2, 1, 0.0, 0.5 * np.pi, 0.0), ("TIMESTEP", 2.0, 16)]
+
+
+def slider(duration: float, steps: int, *more: tuple) -> Deck:
+    """It goes to its dead centre, 0.184 m away, with 0.1 m/s."""
+    rows = [("XM", 5, 1.0), ("XM", 2, 0.1), ("STARTDX", 5, 1, UPRIGHT, 0.1), ("TIMESTEP", duration, steps)]
+    return Deck.build(SLIDER, [*rows, *more], mode=1)
 
 
 def trike(old: str, new: str) -> Deck:
@@ -116,8 +115,7 @@ def test_a_dead_point_at_an_output(calls):
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
 def test_a_dead_point_between_outputs(tolerance, calls):
-    deck = Deck.build(SLIDER, [*TO_DEAD_CENTRE, ("ERROR", tolerance, tolerance)], mode=1)
-    frames, report, error = same(deck)
+    frames, report, error = same(slider(3.0, 300, ("ERROR", tolerance, tolerance)))
     assert frames > 200
     assert any("singular position" in said for said in (*report, "" if error is None else error[1]))
 
@@ -154,28 +152,22 @@ def test_an_element_that_vanishes_at_an_output(free):
     assert "collapsed" in error[1]
 
 
-def signal(tmp_path, body, name="push"):
-    (tmp_path / f"{name}.py").write_text(f"def {name}(t, ne, le, e, ep, nx, lnp, x, xp):\n    {body}\n")
-    (tmp_path / "beam.dat").write_text(BOUNCING.replace("push", name))
-    return tmp_path / "beam.dat"
-
-
 @pytest.mark.parametrize("code", CODES)
 def test_a_user_function(code, tmp_path):
-    path = signal(tmp_path, "return t, [], [[2, 1, 3.0 * (t > 0.3)]]")
+    path = pushed(tmp_path, "return t, [], [[2, 1, 3.0 * (t > 0.3)]]")
     assert same(path, integrator=code)[2] is None
 
 
 @pytest.mark.parametrize("code", [0, 853])
 def test_a_user_function_that_fails(code, tmp_path):
-    frames, _, error = same(signal(tmp_path, "return t, [], [[2, 1, 1.0 / (t < 0.5)]]"), integrator=code)
+    frames, _, error = same(pushed(tmp_path, "return t, [], [[2, 1, 1.0 / (t < 0.5)]]"), integrator=code)
     assert frames == 10
     assert "ZeroDivisionError" in error[1]
 
 
 def test_sentences_of_a_user_function_come_with_their_frame(tmp_path):
     """From t = 0.5 on it gives a stress that cannot act: said once, with the first frame that has it."""
-    path = signal(tmp_path, "return t, [[1, 1, 5.0]] if t >= 0.499 else [], []")
+    path = pushed(tmp_path, "return t, [[1, 1, 5.0]] if t >= 0.499 else [], []")
     assert same(path)[2] is None
     run = spacar.frames(1, path)
     said = [(frame.t, len(run.report.lines)) for frame in run]
@@ -183,7 +175,7 @@ def test_sentences_of_a_user_function_come_with_their_frame(tmp_path):
 
 
 def test_an_interruption_comes_behind_the_frames_before_it(tmp_path):
-    run = spacar.frames(1, signal(tmp_path, "if t > 0.5: raise KeyboardInterrupt\n    return t, [], []"))
+    run = spacar.frames(1, pushed(tmp_path, "if t > 0.5: raise KeyboardInterrupt\n    return t, [], []"))
     times = []
     with pytest.raises(KeyboardInterrupt):
         times.extend(frame.t for frame in run)
@@ -194,7 +186,7 @@ def test_an_interruption_comes_behind_the_frames_before_it(tmp_path):
 # -- streams, memory -----------------------------------------------------------------------------------------------
 def test_frames_are_handed_on_while_the_run_lasts(tmp_path):
     """An evaluation takes 3 ms: no frame waits longer than a call may last, and the step that it ends with."""
-    path = signal(tmp_path, "time.sleep(0.003)\n    return t, [], []")
+    path = pushed(tmp_path, "time.sleep(0.003)\n    return t, [], []")
     source = path.with_name("push.py")
     source.write_text("import time\n" + source.read_text())
     waits, last = [], time.perf_counter()

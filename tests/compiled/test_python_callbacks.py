@@ -48,12 +48,6 @@ def tip(path: Path) -> Any:
     return spacar.run(1, path).node(3, 2)
 
 
-@pytest.fixture
-def called_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A Python without the functions that C calls."""
-    monkeypatch.setattr("spacar.compiled.python_callbacks.python", lambda: None)
-
-
 def asked(path: Path, times: int = 8) -> list[Any]:
     """Derivatives at some times, or what was raised instead."""
     made = evaluator(path)
@@ -216,17 +210,13 @@ def test_ctrl_c_between_the_questions_is_heard(tmp_path: Path, kind: str) -> Non
 
 def test_the_traceback_shows_the_function(tmp_path: Path) -> None:
     with pytest.raises(AnalysisError) as caught:
-        asked_once(model(tmp_path, "    return 1 / 0\n"))
+        spacar.run(1, model(tmp_path, "    return 1 / 0\n"))
     cause = caught.value.__cause__
     assert isinstance(cause, ZeroDivisionError)
     trace = cause.__traceback__
     while trace is not None and trace.tb_frame.f_code.co_name != "law":
         trace = trace.tb_next
     assert trace is not None
-
-
-def asked_once(path: Path) -> None:
-    spacar.run(1, path)
 
 
 def test_questions_leave_nothing_behind(tmp_path: Path) -> None:
@@ -277,14 +267,6 @@ def test_threads_ask_each_their_own(tmp_path: Path) -> None:
                 np.testing.assert_array_equal(x, expected)
 
 
-@pytest.mark.usefixtures("called_back")
-def test_a_run_without_the_functions_of_python_is_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = model(tmp_path, USUAL)
-    expected = tip(path)
-    monkeypatch.undo()
-    np.testing.assert_array_equal(tip(path), expected)
-
-
 def test_a_python_that_lacks_a_function(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(python_callbacks, "FUNCTIONS", (*python_callbacks.FUNCTIONS, "PyNothing_OfTheKind"))
     python_callbacks.python.cache_clear()
@@ -293,20 +275,12 @@ def test_a_python_that_lacks_a_function(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 # What C calls in Python goes away with the model, at once: no circle of references keeps its arrays.
-CANTILEVER = """PLBEAM 1 1 2 3 4   X 1 0 0   X 3 1 0   FIX 1   FIX 2   DYNE 1 2 3   END HALT
-XM 3 1.   EM 1 1.   ESTIFF 1 0. 10. 0.   USERSIG law   TIMESTEP 0.1 2   END END
-"""
-FUNCTION = "def law(t, ne, le, e, ep, nx, lnp, x, xp):\n    return t, [[1, 2, 0.1]], []\n"
-
-
 @pytest.fixture
 def path(tmp_path):
     """A model with a user function; nobody looks for circles while it is used."""
-    (tmp_path / "law.py").write_text(FUNCTION)
-    (tmp_path / "model.dat").write_text(CANTILEVER)
     gc.collect()
     gc.disable()
-    yield tmp_path / "model.dat"
+    yield model(tmp_path, USUAL)
     gc.enable()
 
 

@@ -21,27 +21,10 @@ from spacar.mechanism import build
 from spacar.mechanism.mechanism import Mechanism
 from tests.examples import DATA
 
-from .other_ways import IterationInPython, OneByOne, take
-from .test_output_block import SLIDER, UPRIGHT
+from .other_ways import IterationInPython, OneByOne, pushed, take
+from .test_output_block import SLIDER, UPRIGHT, slider
 
 pytestmark = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
-
-
-def slider(duration, steps, *more):
-    """It goes to its dead centre, 0.184 m away, with 0.1 m/s."""
-    rows = [("XM", 5, 1.0), ("XM", 2, 0.1), ("STARTDX", 5, 1, UPRIGHT, 0.1), ("TIMESTEP", duration, steps)]
-    return spacar.Deck.build(SLIDER, [*rows, *more], mode=1)
-
-
-PENDULUM = """PLBEAM 1 1 2 3 4   X 1 0. 0.   X 3 1. 0.   FIX 1   DYNX 2 1   END HALT
-EM 1 1.0   XM 3 1.0   GRAVITY 0. -9.81   USERSIG push   TIMESTEP 1. 20   END END
-"""
-
-
-def pushed(tmp_path, body):
-    (tmp_path / "push.py").write_text(f"def push(t, ne, le, e, ep, nx, lnp, x, xp):\n    {body}\n")
-    (tmp_path / "pendulum.dat").write_text(PENDULUM)
-    return tmp_path / "pendulum.dat"
 
 
 @pytest.mark.parametrize("options", [{}, {"integrator": 0}])
@@ -134,14 +117,6 @@ def test_the_bound_of_the_condition_is_one(name: str) -> None:
     assert compiled.position_matrix().rcond() == exact
     assert compiled.solver.rcond(np.inf, 0) == 0.0  # not asked for with so many unknowns
     assert compiled.position_matrix().surely_regular()
-
-
-def test_the_condition_is_that_of_numpy() -> None:
-    mechanism = build(spacar.read_deck(DATA / "robotsim.dat", 1), 1)
-    compiled, general = CompiledDynamics(mechanism), Dynamics(mechanism)
-    compiled.start()
-    general.start()
-    assert compiled.condition() == pytest.approx(general.condition(), rel=1e-12)
 
 
 # The Newton iteration of codes 553 and 595 in C makes the steps of the one in Python, with the same counts.

@@ -4,6 +4,7 @@ Both know a position to 1e-11 of the sizes in it and accelerations to the roundi
 of the largest value of each kind.
 """
 
+import models
 import numpy as np
 import pytest
 
@@ -18,6 +19,8 @@ from spacar.mechanism import build
 from spacar.studies.assignments import change, setting
 from tests.ensembles import ensemble
 from tests.examples import DATA
+
+from .other_ways import started
 
 pytestmark = pytest.mark.skipif(unavailable() is not None, reason=str(unavailable()))
 
@@ -69,6 +72,13 @@ class Grower:
             self.dynamics.append(row("INPUTE", k, 1, *self.vector(3)))
         return new
 
+    def orientation(self, first: bool) -> int:
+        """A new one, which is prescribed or free."""
+        new, motion = self.node(), "INPUTX" if not first and self.chance(0.4) else "STARTDX"
+        self.rows.append(row("DYNX" if motion == "STARTDX" else motion, new, 1))
+        self.dynamics.append(row(motion, new, 1, *self.vector(2 if motion == "STARTDX" else 3)))
+        return new
+
     def rod(self, place: dict, at: int, orientation: int, size: int, inertia: list[float]) -> tuple[int, int]:
         """A rod, rigid or a beam, from node `at` on: its tip and the orientation node behind it."""
         tip, k, pl = self.node(), self.element(), "PL" if size == 2 else ""
@@ -95,56 +105,31 @@ class Grower:
         return "\n".join([*self.rows, "END", "HALT", *self.dynamics, gravity, "TIMESTEP 0.5 5", "END", "END", ""])
 
 
-def spatial(seed: int, links: int) -> str:
-    g = Grower(seed)
+def random_tree(size: int, seed: int, links: int) -> str:
+    """In the plane (size 2) joints may be orientation nodes that move by themselves. The base may be a slide."""
+    g, planar = Grower(seed), size == 2
     base, ground = g.node(), g.node()
-    place = {base: g.vector(3)}
+    place = {base: g.vector(size)}
     ends = [(base, ground)]
+    moving = g.chance(0.5)
     for link in range(links):
         at, carrier = ends[g.rng.integers(len(ends))]
-        orientation = g.hinge("HINGE", carrier, g.vector(3), link == 0)
-        tip, orientation = g.rod(place, at, orientation, 3, [0.02, 0.01, 0.015, 0.001])
-        ends.append((tip, orientation))
-        g.some_of((
-            (0.4, ["XM", tip, g.number()]), (0.3, ["XF", tip, *g.vector(3)]), (0.2, ["XF", orientation, *g.vector(4)]),
-            (0.3, ["XM", orientation, 0.1, 0.01, 0.0, 0.2, 0.02, 0.15]), (0.2, ["XF", orientation, *g.vector(3)]),
-        ))  # fmt: skip
-    g.rows += [row("X", n, *where) for n, where in place.items()]
-    if g.chance(0.3):
-        g.rows += [row("INPUTX", base, 2), row("FIX", base, 1, 3)]
-        g.dynamics.append(row("INPUTX", base, 2, place[base][1], 0.4, -0.7))
-    else:
-        g.rows.append(row("FIX", base))
-    g.rows.append(row("FIX", ground))
-    return g.text()
-
-
-def planar(seed: int, links: int) -> str:
-    g = Grower(seed)
-    base, ground = g.node(), g.node()
-    place = {base: g.vector(2)}
-    ends = [(base, ground)]
-    moving = g.chance(0.5)  # the base: a slide with a prescribed or a free direction
-    for link in range(links):
-        at, carrier = ends[g.rng.integers(len(ends))]
-        if g.chance(0.5):
-            orientation = g.hinge("PLTOR", carrier, [], link == 0)
+        if planar and g.chance(0.5):
+            orientation = g.orientation(link == 0)
         else:
-            orientation = g.node()
-            prescribed = link > 0 and g.chance(0.4)
-            g.rows.append(row("INPUTX" if prescribed else "DYNX", orientation, 1))
-            motion = "INPUTX" if prescribed else "STARTDX"
-            g.dynamics.append(row(motion, orientation, 1, *g.vector(3 if prescribed else 2)))
-        tip, orientation = g.rod(place, at, orientation, 2, [0.02])
+            orientation = g.hinge("PLTOR" if planar else "HINGE", carrier, [] if planar else g.vector(3), link == 0)
+        tip, orientation = g.rod(place, at, orientation, size, [0.02] if planar else [0.02, 0.01, 0.015, 0.001])
         ends.append((tip, orientation))
+        tensor = [g.number()] if planar else [0.1, 0.01, 0.0, 0.2, 0.02, 0.15]
         g.some_of((
-            (0.4, ["XM", tip, g.number()]), (0.3, ["XM", orientation, g.number()]), (0.3, ["XF", tip, *g.vector(2)]),
-            (0.3, ["XF", orientation, *g.vector(1)]),
+            (0.4, ["XM", tip, g.number()]), (0.3, ["XM", orientation, *tensor]), (0.3, ["XF", tip, *g.vector(size)]),
+            (0.2, ["XF", orientation, *g.vector(1 if planar else 4)]),
+            (0.2, ["XF", orientation, *g.vector(1 if planar else 3)]),
         ))  # fmt: skip
-    g.rows.sort(key=lambda line: not line.startswith("PL"))  # elements first
+    g.rows.sort(key=lambda line: line.startswith(("DYN", "INPUT")))  # elements first
     g.rows += [row("X", n, *where) for n, where in place.items()]
     if moving:
-        g.rows += [row("DYNX", base, 1), row("INPUTX", base, 2)]
+        g.rows += [row("INPUTX", base, 2), row("DYNX", base, 1) if planar else row("FIX", base, 1, 3)]
         g.dynamics += [row("INPUTX", base, 2, place[base][1], 0.4, -0.7), row("XM", base, 2.0)]
     else:
         g.rows.append(row("FIX", base))
@@ -152,13 +137,13 @@ def planar(seed: int, links: int) -> str:
     return g.text()
 
 
-CASES = [(grow, seed, 1 + seed % 7) for grow in (spatial, planar) for seed in range(20)]
+CASES = [(size, seed, 1 + seed % 7) for size in (3, 2) for seed in range(20)]
 
 
 @pytest.mark.parametrize("angle", [0.0, 2.0, 7.0, -15.0])
 def test_a_start_some_turns_away(angle):
     """Euler parameters turn through with the angle, as on the path that the general evaluator follows to it."""
-    text = spatial(3, 4).replace("TIMESTEP 0.5 5", "TIMESTEP 0.05 2")
+    text = random_tree(3, 3, 4).replace("TIMESTEP 0.5 5", "TIMESTEP 0.05 2")
     lines = [row(*line.split()[:3], angle, 1.0) if line.startswith("STARTDE") else line for line in text.split("\n")]
     deck = spacar.parse_deck("\n".join(lines), 1)
     general, compiled = (spacar.run(1, deck, compiled=flag, atol=1e-10, rtol=1e-10) for flag in (False, True))
@@ -170,7 +155,7 @@ def test_a_start_some_turns_away(angle):
 @pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 def test_cases_side_by_side():
     """As each alone: rods, bodies, hinges of all kinds with other masses."""
-    base = spacar.parse_deck(spatial(5, 4).replace("TIMESTEP 0.5 5", "TIMESTEP 0.1 2"), 1)
+    base = spacar.parse_deck(random_tree(3, 5, 4).replace("TIMESTEP 0.5 5", "TIMESTEP 0.1 2"), 1)
     settings = [setting("EM.*[mass per length]"), setting("ESTIFF.*[S1]")]
     decks = [change(base, settings, [1.0 + 0.1 * k, 2.0 - 0.5 * k]) for k in range(3)]
     options = {"rtol": 1e-9, "atol": 1e-9}
@@ -184,9 +169,11 @@ def test_cases_side_by_side():
 
 @pytest.mark.parametrize("name", ["crank2", "fourbar", "crankfl", "trike2"])
 def test_other_mechanisms_have_the_equations_of_all_elements(name):
-    """Loops, flexible elements, wheels: positions are iterated."""
+    """Loops, flexible elements, wheels: positions are iterated, and there are dead points."""
     compiled = CompiledDynamics(spacar.frames(1, DATA / f"{name}.dat").mechanism)
     compiled._y[:] = compiled.start()
+    assert not compiled.position_matrix().regular_everywhere()
+    assert singularity_monitor(compiled, Report()) is not None
     at = 1e-6  # the start itself is known
     assert compiled.solver.rhs(compiled.state, at, *compiled._addresses, 1e-12) >= 1
 
@@ -194,17 +181,13 @@ def test_other_mechanisms_have_the_equations_of_all_elements(name):
 # Outputs of rigid trees: stresses from the tips inwards, nodal forces and rates, all as on the general path, which
 # solves the equations of all elements. Both know forces to the rounding of sums of some hundred terms, in
 # accelerations of the condition of the mass matrix: 1e-9 of the largest value of each kind.
-def started(text: str) -> tuple[Dynamics, CompiledDynamics, np.ndarray]:
-    mechanism = build(spacar.parse_deck(text, 1), 1)
-    general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
-    y = general.start()
-    compiled.start()
-    return general, compiled, y
+def tree(text: str) -> tuple[Dynamics, CompiledDynamics, np.ndarray]:
+    return started(build(spacar.parse_deck(text, 1), 1))
 
 
-@pytest.mark.parametrize(("grow", "seed", "links"), CASES)
-def test_frames_of_random_trees(grow, seed, links):
-    general, compiled, y = started(grow(seed, links))
+@pytest.mark.parametrize(("size", "seed", "links"), CASES)
+def test_frames_of_random_trees(size, seed, links):
+    general, compiled, y = tree(random_tree(size, seed, links))
     rng = np.random.default_rng(seed)
     rigid = slice(0, compiled.numbering.e_class["input"].start)
     for k in range(3):
@@ -233,7 +216,7 @@ def test_forces_of_a_hanging_chain():
     rows += ["FIX 100", "FIX 2", *(f"DYNE {2 * k + 1} 1" for k in range(n)), "END", "HALT"]
     rows += [f"XM {2 * k + 4} {mass}" for k in range(n)]
     rows += [f"GRAVITY 0.0 {-g}", "TIMESTEP 0.1 1", "END", "END", ""]
-    _, compiled, y = started("\n".join(rows))
+    _, compiled, y = tree("\n".join(rows))
     frame = compiled.frame(0.0, y)
     numbering = compiled.numbering
     for k in range(n):
@@ -244,10 +227,10 @@ def test_forces_of_a_hanging_chain():
     np.testing.assert_allclose(frame.fxtot[numbering.x_index(2, 2)], n * mass * g, rtol=1e-14)
 
 
-@pytest.mark.parametrize(("grow", "seed", "links"), CASES[3::9])
-def test_a_state_that_is_there_is_not_evaluated_again(grow, seed, links):
+@pytest.mark.parametrize(("size", "seed", "links"), CASES[3::9])
+def test_a_state_that_is_there_is_not_evaluated_again(size, seed, links):
     """The start is handed on: as derivative, frame and fork; other loads at the same state are seen."""
-    _, compiled, y = started(grow(seed, links))
+    _, compiled, y = tree(random_tree(size, seed, links))
     shown = compiled.fork()
     frames = [e.frame(0.0, y) for e in (compiled, shown)]
     rates = compiled.rhs(0.0, y)
@@ -268,11 +251,11 @@ def test_a_state_that_is_there_is_not_evaluated_again(grow, seed, links):
     np.testing.assert_allclose(compiled.frame(0.0, y).fx, frames[0].fx + force, atol=1e-13, rtol=1e-13)
 
 
-@pytest.mark.parametrize(("grow", "seed", "links"), CASES)
-def test_the_bound_of_the_condition_holds_everywhere(grow, seed, links):
+@pytest.mark.parametrize(("size", "seed", "links"), CASES)
+def test_the_bound_of_the_condition_holds_everywhere(size, seed, links):
     """Never above the reciprocal condition of the general path, which is an estimate from above within a factor of
     three; and of use: above the limit of a doubtful position, so that dead points are not looked for."""
-    general, compiled, y = started(grow(seed, links))
+    general, compiled, y = tree(random_tree(size, seed, links))
     bound = compiled.solver.rcond_everywhere()
     rng = np.random.default_rng(seed)
     for k in range(3):
@@ -283,38 +266,11 @@ def test_the_bound_of_the_condition_holds_everywhere(grow, seed, links):
     assert singularity_monitor(compiled, Report()) is None
 
 
-@pytest.mark.parametrize("name", ["crank2", "crankfl"])
-def test_other_mechanisms_have_dead_points(name):
-    compiled = CompiledDynamics(spacar.frames(1, DATA / f"{name}.dat").mechanism)
-    compiled.start()
-    assert not compiled.position_matrix().regular_everywhere()
-    assert singularity_monitor(compiled, Report()) is not None
-
-
 # Chains and trees of rigid links, whose accelerations C takes from the reduced form or from the saddle-point form.
-def spatial_links(n: int, branches: int) -> str:
-    """n rods of 0.2 m with hinges of alternating axes, `branches` at the end of every one, numbered from the ground."""
-    parent = [0, *((k - 2) // branches + 1 for k in range(2, n + 1))]
-    place = [np.zeros(2)]
-    for k in range(1, n + 1):
-        angle = 0.4 * ((k - 2) % branches)
-        place.append(place[parent[k - 1]] + 0.2 * np.array([np.cos(angle), np.sin(angle)]))
-    before = [2 * n + 2, *(n + 1 + p for p in parent[1:])]
-    rows = [f"RBEAM {k} {parent[k - 1] + 1} {n + 1 + k} {k + 1}" for k in range(1, n + 1)]
-    rows += [f"HINGE {n + k} {before[k - 1]} {n + 1 + k} {('0 0 1', '0 1 0')[k % 2]}" for k in range(1, n + 1)]
-    rows += [f"X {k + 1} {x!r} {y!r} 0." for k, (x, y) in enumerate(np.array(place).tolist())]
-    rows += ["FIX 1", f"FIX {2 * n + 2}", *(f"DYNE {n + k} 1" for k in range(1, n + 1)), "END", "HALT"]
-    rows += [f"EM {k} 1. 0.01 0.005 0.005" for k in range(1, n + 1)]
-    return "\n".join([*rows, "GRAVITY 1. 2. -9.81", "TIMESTEP 1. 10", "END", "END", ""])
-
-
 @pytest.mark.parametrize(("n", "branches"), [(3, 1), (12, 1), (12, 2), (45, 1)])
 def test_links_in_both_forms(n, branches):
     """Accelerations, stresses and the reduced mass matrix are those of the general path."""
-    mechanism = spacar.frames(1, spacar.parse_deck(spatial_links(n, branches), mode=1)).mechanism
-    general, compiled = Dynamics(mechanism), CompiledDynamics(mechanism)
-    y = general.start()
-    compiled.start()
+    general, compiled, y = tree(models.spatial_pendulum(n, 1.0, 10, branches))
     compiled._in_general = None
     y += 0.05 * np.random.default_rng(n).standard_normal(len(y))
     for k in range(1, 3):
