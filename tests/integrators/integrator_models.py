@@ -1,10 +1,14 @@
 """Problems with a known answer, shared by the integrator tests."""
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 
-from spacar.integrators import Problem
+from spacar.integrators import METHODS, Problem
+from spacar.integrators.problem import Evaluation, Tolerance
+
+OSCILLATOR = np.array([[0.0, 1.0], [-4.0, -0.2]])
 
 
 class Pendulum(Problem):
@@ -95,3 +99,16 @@ def pendulum_reference(end: float) -> tuple[float, float]:
         )
         a, b = solution(end)
         return float(a), float(b)
+
+
+def equal_steps(code: int, problem: Problem, y0: np.ndarray, end: float, n: int) -> tuple[np.ndarray, Any]:
+    """End state of n equal steps of a variable-step code, driven by hand, and the integrator."""
+    # Only the iteration of an implicit code asks for the tolerance: below the smallest discretization error.
+    tolerance = Tolerance(1e-14 if METHODS[code].needs_jacobian else 1.0, 0.0)
+    integrator = METHODS[code].build(Evaluation(problem, 0.0, end), len(y0), tolerance)
+    integrator.start(0.0, y0)
+    for j in range(n):
+        integrator.begin(j * end / n)
+        integrator.attempt(end / n)
+        integrator.finish()
+    return integrator.y_new.copy(), integrator

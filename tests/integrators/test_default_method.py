@@ -21,7 +21,7 @@ def crank(n: int, duration: float) -> Deck:
 
 
 def cantilever(n: int, duration: float, *more: str) -> Deck:
-    """Released under gravity 1."""
+    """Unit cantilever of n beams, released under gravity 1; highest frequency about 60 n^2 rad/s."""
     dynamics = ("GRAVITY 0. -1.", f"TIMESTEP {duration} 5", *more)
     return parse_deck(models.cantilever(n, EI=1.0, length=1.0, dynamics=dynamics), mode=1)
 
@@ -42,14 +42,14 @@ def total(result: spacar.Result, what: str = "steps") -> int:
     return sum(frame.statistics.get(what, 0) for frame in result.frames)
 
 
-@pytest.mark.parametrize("name", ["crankfl", "finger", "fingersim", "screw", "trike2", "trike3v"])
+@pytest.mark.parametrize("name", ["crank", "fourbar", "crankfl", "finger", "fingersim", "screw", "trike2", "trike3v"])
 def test_examples_are_computed_as_by_code_0(name: str) -> None:
     """Flexible, belts, wheels, Euler parameters: to the last digit, with the same evaluations."""
     short = {"n_steps": 2, "duration": 0.01 if name == "crankfl" else 0.05}
     file = DATA / f"{name}.dat"
     adams, default = spacar.run(1, file, integrator=0, **short), spacar.run(1, file, **short)
     assert default.mechanism.settings.integrator == -1
-    assert total(default, "rhs") == total(adams, "rhs")
+    assert (total(default), total(default, "rhs")) == (total(adams), total(adams, "rhs"))
     for what in STORED:
         np.testing.assert_array_equal(default[what], adams[what])
 
@@ -95,7 +95,9 @@ def test_stiff_models_keep_error_for_positions(model: Deck, error: float) -> Non
     """Against code 0 with a small ERROR, which follows every vibration. Rotations too, to twice ERROR."""
     exact = spacar.run(1, model, integrator=0, atol=1e-9, rtol=1e-9)
     default = spacar.run(1, model, atol=error, rtol=error)
-    assert "INTEGRAT 595" in default.report[0]
+    (line,) = default.report
+    assert "INTEGRAT 595" in line
+    assert "limits the steps" in line
     assert total(default) < total(exact) / 10
     off = np.abs(default["x"] - exact["x"]) / (error * (1.0 + np.abs(exact["x"])))
     assert off[:, exact.mechanism.numbering.positions.ravel()].max() < 1.0
@@ -153,40 +155,12 @@ def test_a_stiff_damper_needs_few_evaluations(c: float, compiled: bool) -> None:
 
 
 # INTEGRAT -1: code 0 step by step where nothing is stiff, Radau of order 9 where a vibration limits the steps.
-def stiff_cantilever(n: int) -> Deck:
-    """Unit cantilever of n beams, released under gravity 1; highest frequency about 60 n^2 rad/s."""
-    dynamics = ("GRAVITY 0. -1.", "TIMESTEP 0.9 6")
-    return parse_deck(models.cantilever(n, EI=1.0, length=1.0, dynamics=dynamics), mode=1)
-
-
-def steps(result: spacar.Result) -> int:
-    return sum(frame.statistics.get("steps", 0) for frame in result.frames)
-
-
-def test_what_is_not_stiff_is_computed_as_by_adams() -> None:
-    for name in ("crank", "fourbar", "crankfl"):
-        adams, chosen = (spacar.run(1, DATA / f"{name}.dat", integrator=code, duration=0.01) for code in (0, -1))
-        assert steps(chosen) == steps(adams)
-        np.testing.assert_array_equal(chosen["x"], adams["x"])
-
-
 def test_without_a_jacobian_there_is_nothing_to_change_to(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Automatic, "__init__", lambda *_: pytest.fail("no method has to be chosen"))
     options = {"duration": 0.1, "n_steps": 3}
     adams, chosen = (spacar.run(1, DATA / "robotsim.dat", integrator=code, **options) for code in (0, -1))
     np.testing.assert_array_equal(chosen["x"], adams["x"])
     assert chosen.header["integrator"] != adams.header["integrator"]  # the name of what was asked for
-
-
-@ENGINE
-def test_a_refined_beam_changes_to_radau() -> None:
-    """The steps in C are handed on to those in Python, which Radau makes."""
-    adams, chosen = (spacar.run(1, stiff_cantilever(16), integrator=code, atol=1e-5, rtol=1e-3) for code in (0, -1))
-    (line,) = chosen.report
-    assert "INTEGRAT 595" in line
-    assert "limits the steps" in line
-    assert steps(chosen) < steps(adams) / 20
-    np.testing.assert_allclose(chosen["x"], adams["x"], rtol=0, atol=2e-5)
 
 
 def test_without_the_engine_it_changes_too(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -200,10 +174,10 @@ def test_without_the_engine_it_changes_too(monkeypatch: pytest.MonkeyPatch) -> N
 
     monkeypatch.setattr(Integrand, "switched", spy)
     options = {"atol": 1e-5, "rtol": 1e-3, "duration": 0.2, "n_steps": 2}
-    chosen = spacar.run(1, stiff_cantilever(16), integrator=-1, compiled=False, **options)
+    chosen = spacar.run(1, cantilever(16, 0.9), integrator=-1, compiled=False, **options)
     assert resolved == [(595, False)] * 2
-    assert 100 <= steps(chosen) < 400
-    adams = spacar.run(1, stiff_cantilever(16), integrator=0, **options)  # in C where it is there
+    assert 100 <= total(chosen) < 400
+    adams = spacar.run(1, cantilever(16, 0.9), integrator=0, **options)  # in C where it is there
     np.testing.assert_allclose(chosen["x"], adams["x"], rtol=0, atol=2e-5)
 
 
@@ -217,4 +191,4 @@ def test_a_vibration_that_is_the_motion_is_tried_and_left_to_adams() -> None:
     )
     assert chosen.report == ()
     np.testing.assert_allclose(chosen["x"], adams["x"], rtol=0, atol=1e-4)
-    assert steps(chosen) < 1.1 * steps(adams)
+    assert total(chosen) < 1.1 * total(adams)

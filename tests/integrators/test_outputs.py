@@ -9,12 +9,11 @@ import pytest
 from spacar.errors import UsageError
 from spacar.integrators import METHODS, Problem, integrate
 
-from .integrator_models import Linear, Pendulum
+from .integrator_models import OSCILLATOR, Linear, Pendulum
 
 CODES = list(METHODS)
 VARIABLE = [c for c, m in METHODS.items() if m.variable_step]
 FIXED = [c for c, m in METHODS.items() if not m.variable_step]
-OSCILLATOR = np.array([[0.0, 1.0], [-4.0, -0.2]])
 
 
 def forced():

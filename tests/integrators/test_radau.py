@@ -5,11 +5,10 @@ import pytest
 from scipy.linalg import expm
 
 from spacar.errors import AnalysisError
-from spacar.integrators import METHODS, Problem, integrate
-from spacar.integrators.problem import Evaluation, Tolerance
+from spacar.integrators import Problem, integrate
 from spacar.integrators.radau import radau
 
-from .integrator_models import Linear, Pendulum, ProtheroRobinson
+from .integrator_models import OSCILLATOR, Linear, Pendulum, ProtheroRobinson, equal_steps
 
 CODES = (553, 595)
 STAGES = {553: 3, 595: 5}
@@ -113,25 +112,12 @@ def test_unexcited_undamped_vibration_does_not_limit_the_step(code, frequency):
 
 
 # -- steps and dense output -----------------------------------------------------------------------------------
-OSCILLATOR = np.array([[0.0, 1.0], [-4.0, -0.2]])
-
-
-def one_step(code, h):
-    problem, y0 = Linear(OSCILLATOR), np.array([1.0, -0.5])
-    integrator = METHODS[code].build(Evaluation(problem, 0.0, h), 2, Tolerance(1e-14, 0.0))
-    integrator.start(0.0, y0)
-    integrator.begin(0.0)
-    integrator.attempt(h)
-    integrator.finish()
-    return integrator, y0
-
-
 @pytest.mark.parametrize("code", CODES)
 def test_order_of_dense_output(code):
     """Inside one step velocities err as h^(s+1), positions as h^(s+2)."""
-    errors = []
+    y0, errors = np.array([1.0, -0.5]), []
     for h in (0.4, 0.2):
-        integrator, y0 = one_step(code, h)
+        _, integrator = equal_steps(code, Linear(OSCILLATOR), y0, h, 1)
         inner = np.linspace(0.05, 0.95, 19) * h
         dense = np.array([integrator.interpolate(t) for t in inner])
         exact = np.array([expm(OSCILLATOR * t) @ y0 for t in inner])
@@ -139,14 +125,6 @@ def test_order_of_dense_output(code):
     orders = np.log2(errors[0] / errors[1])
     # The next term of the expansion, h w = 0.8 at most, moves the measured order by some tenths.
     np.testing.assert_allclose(orders, [STAGES[code] + 2, STAGES[code] + 1], atol=0.4)
-
-
-@pytest.mark.parametrize("code", CODES)
-def test_dense_output_meets_the_step_ends(code):
-    integrator, y0 = one_step(code, 0.3)
-    # Both ends are reproduced by construction, up to the iteration (1e-14) and rounding.
-    np.testing.assert_allclose(integrator.interpolate(0.3), integrator.y_new, rtol=0, atol=1e-13)
-    np.testing.assert_allclose(integrator.interpolate(0.0), y0, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("code", CODES)
