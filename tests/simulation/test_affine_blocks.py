@@ -9,6 +9,8 @@ from spacar.simulation.diagram import schedule
 from spacar.simulation.diagram_evaluator import DiagramEvaluator
 from spacar.simulation.switching_blocks import DeadZone
 
+from .diagrams import chain, ring
+
 RANDOM = np.random.default_rng(7)
 BLOCKS = [
     sim.PID("pid", [4.0, 3.0], 2.0, 0.5, filter=80.0, lower=-1.0, upper=1.0, size=2),
@@ -37,15 +39,11 @@ def test_a_block_is_what_its_matrices_say_in_every_mode(block):
 
 def test_a_loop_of_all_of_them():
     """Outputs and rates together are those one by one; the Jacobian is that of differences of the whole loop."""
-    d = sim.Diagram().add(
+    d = ring(
         sim.PID("pid", 4.0, 2.0, 0.5, filter=80.0, lower=-1.0, upper=1.0),
         sim.transfer_function("notch", [1, 2, 90], [1, 30, 100]), sim.Saturation("limit", -0.5, 0.5),
-        sim.RateLimiter("rate", 2.0, bandwidth=30.0), sim.Integrator("body", 0.3),
-        sim.Gain("back", -1.0),
+        sim.RateLimiter("rate", 2.0, bandwidth=30.0), sim.Integrator("body", 0.3), sim.Gain("back", -1.0),
     )  # fmt: skip
-    names = list(d.blocks)
-    for a, b in zip(names, [*names[1:], names[0]], strict=True):
-        d.connect(a, b)
     s = schedule(d)
     start = np.concatenate([b.start() for b in s.blocks])
     run = DiagramEvaluator(s)
@@ -69,10 +67,8 @@ def test_a_loop_of_all_of_them():
 def test_a_sample_that_changes_a_mode_behind_it(delay):
     """u(k) = 3 k at t = k/10 through a saturation of 4 into an integrator: 0.1 (0 + 3 + 4 + 4 ...), one later with
     delay."""
-    d = sim.Diagram().add(
-        sim.Sampled("count", lambda t, x, u: (x + 1, [3.0 * x]), 0.1, 0, 1, x0=0, delay=delay),
-        sim.Saturation("limit", -4.0, 4.0), sim.Integrator("sum"),
-    ).connect("count", "limit").connect("limit", "sum")  # fmt: skip
+    count = sim.Sampled("count", lambda t, x, u: (x + 1, [3.0 * x]), 0.1, 0, 1, x0=0, delay=delay)
+    d = chain(count, sim.Saturation("limit", -4.0, 4.0), sim.Integrator("sum"))
     found = sim.simulate(d, [0.0, 1.0])["sum"][-1, 0]
     assert found == pytest.approx(0.1 * (3.0 + (7 if delay else 8) * 4.0), rel=1e-12)
 
@@ -82,10 +78,14 @@ def test_many_limits_are_each_met():
     n = 20
     limit, gain = RANDOM.uniform(0.5, 2.0, n), RANDOM.uniform(3.0, 9.0, n)
     far = limit / gain + RANDOM.uniform(0.1, 1.0, n)  # from the target: driven at the limit first
-    d = sim.Diagram().add(
+    d = ring(
         sim.Gain("gain", -np.diag(gain)), sim.Saturation("limit", -limit, limit, n), sim.Integrator("x", far, size=n)
-    ).connect("x", "gain").connect("gain", "limit").connect("limit", "x")  # fmt: skip
-    r = sim.simulate(d, [0.0, 3.0], rtol=1e-10, atol=1e-12)
+    )
+    times = np.linspace(0.0, 3.0, 16)
+    r = sim.simulate(d, times, rtol=1e-10, atol=1e-12)
     met = (far - limit / gain) / limit
-    np.testing.assert_allclose(r["x"][-1], limit / gain * np.exp(-gain * (3.0 - met)), rtol=1e-7, atol=1e-11)
-    assert len(r.events) == n
+    t = np.maximum(times[:, None], met)
+    truth = np.maximum(far - limit * times[:, None], limit / gain) * np.exp(-gain * (t - met))
+    np.testing.assert_allclose(r["x"], truth, rtol=1e-7, atol=1e-11)
+    np.testing.assert_allclose([t for t, _ in r.events], np.sort(met), rtol=0, atol=1e-8)
+    assert {name for _, name in r.events} == {"limit of limit"}

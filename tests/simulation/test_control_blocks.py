@@ -7,14 +7,15 @@ from scipy import signal
 from spacar import simulation as sim
 from spacar.errors import AnalysisError, UsageError
 
+from .diagrams import chain, ring
+
 TIMES = np.linspace(0.0, 2.0, 201)
 TIGHT = {"rtol": 1e-11, "atol": 1e-12}
 
 
 def through(block, source, times=TIMES, **options):
     """The output of a block with one input behind a source."""
-    d = sim.Diagram().add(source, block).connect(source.name, block.name)
-    return sim.simulate(d, times, **{**TIGHT, **options})
+    return sim.simulate(chain(source, block), times, **{**TIGHT, **options})
 
 
 def sine(t):
@@ -49,8 +50,7 @@ def test_edges_of_pulses_are_met_exactly():
 
 
 def test_product():
-    d = sim.Diagram().add(sim.Constant("c", [2.0, 3.0]), sim.Product("m")).connect("c", "m")
-    assert sim.simulate(d, [0.0, 1.0])["m"][-1] == [6.0]
+    assert sim.simulate(chain(sim.Constant("c", [2.0, 3.0]), sim.Product("m")), [0.0, 1.0])["m"][-1] == [6.0]
 
 
 # -- piecewise ----------------------------------------------------------------------------------------------------
@@ -88,12 +88,7 @@ def test_the_end_of_a_table_is_an_error_when_asked():
 
 def test_quantized_signal_is_integrated_exactly():
     """The integral of floor(t/q + 1/2) q: each level is met at its time although the steps could be long."""
-    d = (
-        sim.Diagram()
-        .add(sim.Ramp("t", 1.0), sim.Quantizer("q", 0.3), sim.Integrator("i"))
-        .connect("t", "q")
-        .connect("q", "i")
-    )
+    d = chain(sim.Ramp("t", 1.0), sim.Quantizer("q", 0.3), sim.Integrator("i"))
     r = sim.simulate(d, [0.0, 1.0], rtol=1e-3, atol=1e-3)
     truth = 0.3 * (1 - 0.15) + 0.3 * (1 - 0.45) + 0.3 * (1 - 0.75)
     assert r["i"][-1, 0] == pytest.approx(truth, abs=1e-13)
@@ -104,8 +99,7 @@ def test_quantized_signal_is_integrated_exactly():
 def test_limit_cycle_of_a_relay_with_hysteresis():
     """x' = -y, y = +-1 with limits +-h: a triangle of amplitude h and period 4 h."""
     h = 0.13
-    d = sim.Diagram().add(sim.Integrator("x", initial=0.05), sim.Relay("y", -h, h, off=-1.0, on=1.0))
-    d.connect("x", "y").connect("y", "x", -1.0)
+    d = chain(sim.Integrator("x", initial=0.05), sim.Relay("y", -h, h, off=-1.0, on=1.0)).connect("y", "x", -1.0)
     r = sim.simulate(d, TIMES, rtol=1e-6)
     switches = [t for t, name in r.events if name == "switch of y"]
     np.testing.assert_allclose(switches, 0.08 + 2 * h * np.arange(len(switches)), atol=1e-12)
@@ -114,16 +108,14 @@ def test_limit_cycle_of_a_relay_with_hysteresis():
 
 
 def test_a_relay_without_hysteresis_chatters_and_says_so():
-    d = sim.Diagram().add(sim.Integrator("x", initial=0.5), sim.Relay("y", 0.0, 0.0, -1.0, 1.0))
-    d.connect("x", "y").connect("y", "x", -1.0)
+    d = chain(sim.Integrator("x", initial=0.5), sim.Relay("y", 0.0, 0.0, -1.0, 1.0)).connect("y", "x", -1.0)
     with pytest.raises(AnalysisError, match=r"y chatters at t = 0.5: .*hysteresis"):
         sim.simulate(d, TIMES)
 
 
 def test_modes_without_a_consistent_choice():
     """y = relay(u), u = 0.5 - y: on asks for off and off for on."""
-    d = sim.Diagram().add(sim.Constant("c", 0.5), sim.Relay("y", 0.0, 0.0), sim.Integrator("x")).connect("c", "y")
-    d.connect("y", "y", -1.0).connect("y", "x")
+    d = chain(sim.Constant("c", 0.5), sim.Relay("y", 0.0, 0.0), sim.Integrator("x")).connect("y", "y", -1.0)
     with pytest.raises(AnalysisError, match="the modes of y do not settle at t = 0"):
         sim.simulate(d, TIMES)
 
@@ -131,12 +123,10 @@ def test_modes_without_a_consistent_choice():
 # -- continuous controllers ---------------------------------------------------------------------------------------
 def test_transfer_function():
     """(s + 3)/(s^2 + 2 s + 5) against scipy, and a constant one."""
-    r = through(sim.transfer_function("g", [1, 3], [1, 2, 5]), sim.StepSignal("h"))
-    _, truth = signal.step(signal.lti([1, 3], [1, 2, 5]), T=TIMES)
-    np.testing.assert_allclose(r["g"][:, 0], truth, atol=1e-9)
-    r = through(sim.transfer_function("g", [2, 3, 4], [1, 2, 5]), sim.StepSignal("h"))
-    _, truth = signal.step(signal.lti([2, 3, 4], [1, 2, 5]), T=TIMES)
-    np.testing.assert_allclose(r["g"][:, 0], truth, atol=1e-9)
+    for numerator in ([1, 3], [2, 3, 4]):
+        r = through(sim.transfer_function("g", numerator, [1, 2, 5]), sim.StepSignal("h"))
+        _, truth = signal.step(signal.lti(numerator, [1, 2, 5]), T=TIMES)
+        np.testing.assert_allclose(r["g"][:, 0], truth, atol=1e-9)
     assert through(sim.transfer_function("g", [6], [3]), sim.StepSignal("h"))["g"][-1, 0] == 2.0
     with pytest.raises(UsageError, match=r"no lower degree than the numerator, found \[1, 0\] over \[2\]"):
         sim.transfer_function("g", [1, 0], [2])
@@ -180,9 +170,8 @@ def test_windup(method, integral):
     """kp = 1, ki = 1, e = 1 for 1.5 s, then -1; y <= 1.5, so v = 1 + t meets the limit at 0.5 s. Then v - 1 goes on
     (none), stays (clamping), or follows I' = 1 - (v - 1.5)/Tt: I = 0.5 + Tt (1 - exp(-(t - 0.5)/Tt))."""
     Tt = 0.2
-    d = sim.Diagram().add(sim.PID("c", 1.0, 1.0, upper=1.5, anti_windup=method, tracking_time=Tt))
-    d.add(sim.StepSignal("e", 1.5, -1.0, 1.0)).connect("e", "c")
-    r = sim.simulate(d, TIMES, **TIGHT)
+    controller = sim.PID("c", 1.0, 1.0, upper=1.5, anti_windup=method, tracking_time=Tt)
+    r = through(controller, sim.StepSignal("e", 1.5, -1.0, 1.0))
     if integral is None:
         integral = 0.5 + Tt * (1 - np.exp(-1.0 / Tt))
     k = np.searchsorted(TIMES, 1.6)
@@ -230,12 +219,7 @@ def test_discrete_controller_of_a_continuous_plant_equals_the_discretized_plant(
 
 def test_two_rates_and_an_offset():
     """A delay of 0.2 s behind a hold of 0.1 s, sampled 0.05 s later."""
-    d = (
-        sim.Diagram()
-        .add(sim.Ramp("t", 1.0), sim.zero_order_hold("h", 0.1, offset=0.05), sim.unit_delay("d", 0.2))
-        .connect("t", "h")
-    )
-    d.connect("h", "d")
+    d = chain(sim.Ramp("t", 1.0), sim.zero_order_hold("h", 0.1, offset=0.05), sim.unit_delay("d", 0.2))
     r = sim.simulate(d, [0.0, 0.12, 0.22, 0.42, 0.62])
     np.testing.assert_allclose(r["h"][:, 0], [0.0, 0.05, 0.15, 0.35, 0.55], atol=1e-14)
     np.testing.assert_allclose(r["d"][:, 0], [0.0, 0.0, 0.0, 0.15, 0.35], atol=1e-14)
@@ -284,8 +268,7 @@ def test_a_linear_loop_is_solved():
 
 def test_a_nonlinear_loop_is_solved():
     """y = cos y by a function fed back to itself: the Dottie number."""
-    d = sim.Diagram().add(sim.Function("cos", lambda t, u: np.cos(u), 1, 1), sim.Integrator("i"))
-    d.connect("cos", "cos").connect("cos", "i")
+    d = chain(sim.Function("cos", lambda t, u: np.cos(u), 1, 1), sim.Integrator("i")).connect("cos", "cos")
     r = sim.simulate(d, [0.0, 1.0])
     assert r["cos"][:, 0] == pytest.approx(0.7390851332151607, abs=1e-15)
     assert r["i"][-1, 0] == pytest.approx(0.7390851332151607, abs=1e-13)
@@ -293,10 +276,8 @@ def test_a_nonlinear_loop_is_solved():
 
 def test_a_loop_through_a_saturation():
     """y = clip(3 (r - y), -1, 1): 0.75 r inside, the limit outside; switches at |r| = 4/3."""
-    from spacar.simulation import Saturation
-
-    d = sim.Diagram().add(sim.Sine(*SINE), sim.Gain("k", 3.0), Saturation("lim", -1.0, 1.0), sim.Integrator("i"))
-    d.connect("s", "k").connect("lim", "k", -1.0).connect("k", "lim").connect("lim", "i")
+    d = chain(sim.Sine(*SINE), sim.Gain("k", 3.0), sim.Saturation("lim", -1.0, 1.0), sim.Integrator("i"))
+    d.connect("lim", "k", -1.0)
     r = sim.simulate(d, TIMES)
     np.testing.assert_allclose(r["lim"][:, 0], np.clip(0.75 * sine(TIMES), -1, 1), atol=1e-13)
     first = np.arcsin(2 / 3) / (2 * np.pi)
@@ -305,16 +286,12 @@ def test_a_loop_through_a_saturation():
 
 def test_loops_that_have_no_solution_are_named():
     for gain, K in ((1.0, 1.0), (0.5, 2.0)):
-        d = (
-            sim.Diagram()
-            .add(sim.Constant("c", 1.0), sim.Gain("a", gain), sim.Gain("b", K), sim.Integrator("i"))
-            .connect("a", "b")
-        )
-        d.connect("b", "a").connect("c", "a").connect("a", "i")
+        d = ring(sim.Gain("a", gain), sim.Gain("b", K)).add(sim.Constant("c", 1.0), sim.Integrator("i"))
+        d.connect("c", "a").connect("a", "i")
         why = r"algebraic loop a <- b <- a has no solution at t = 0: it has the gain one"
         with pytest.raises(AnalysisError, match=why):
             sim.simulate(d, TIMES)
-    d = sim.Diagram().add(sim.Function("f", lambda t, u: u * u + 1.0, 1, 1)).connect("f", "f")
+    d = ring(sim.Function("f", lambda t, u: u * u + 1.0, 1, 1))
     with pytest.raises(AnalysisError, match=r"the algebraic loop f <- f has no solution at t = 0: "):
         sim.simulate(d, TIMES)
 
@@ -323,14 +300,13 @@ def test_acceleration_feedback_is_virtual_mass():
     """m x'' = F - k x'' is a mass m + k: x = F t^2 / (2 (m + k))."""
     m, k = 2.0, 3.0
     mass = sim.Linear("mass", [[0, 1], [0, 0]], [[0], [1 / m]], [[1, 0], [0, 0]], [[0], [1 / m]])
-    d = sim.Diagram().add(sim.Constant("F", 7.0), mass).connect("F", "mass").connect("mass:2", "mass", -k)
+    d = chain(sim.Constant("F", 7.0), mass).connect("mass:2", "mass", -k)
     r = sim.simulate(d, TIMES, **TIGHT)
     np.testing.assert_allclose(r["mass:1"][:, 0], 7.0 / (2 * (m + k)) * TIMES**2, atol=1e-12)
 
 
 def test_a_sampled_block_in_a_loop_is_refused_and_a_delay_breaks_it():
-    d = sim.Diagram().add(sim.Gain("a", 0.5), sim.zero_order_hold("h", 0.1)).connect("a", "h").connect("h", "a")
     with pytest.raises(UsageError, match=r"algebraic loop: (a <- h <- a|h <- a <- h); .* the sampled block h cannot"):
-        sim.simulate(d, TIMES)
-    d = sim.Diagram().add(sim.Gain("a", 0.5), sim.unit_delay("h", 0.1, initial=1.0)).connect("a", "h").connect("h", "a")
+        sim.simulate(ring(sim.Gain("a", 0.5), sim.zero_order_hold("h", 0.1)), TIMES)
+    d = ring(sim.Gain("a", 0.5), sim.unit_delay("h", 0.1, initial=1.0))
     assert sim.simulate(d, TIMES)["h"][-1, 0] == pytest.approx(0.5**20)

@@ -4,11 +4,15 @@ import numpy as np
 import pytest
 import scipy.integrate
 
+import spacar
 from spacar import simulation as sim
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators import NAMES, named
-from spacar.simulation import Continuous, Diagram, Function, Linear, simulate
+from spacar.simulation import Continuous, Diagram, Function, Linear, Spasim, simulate
 from tests.examples import DATA
+from tests.inverse import arm
+
+from .diagrams import ring
 
 TIMES = np.linspace(0.0, 2.0, 21)
 
@@ -31,8 +35,7 @@ def test_sampled_feedback_equals_the_difference_equation():
     T, g = 0.1, 4.0
     for delay in (False, True):
         sampled = sim.Sampled("c", lambda t, m, u: (m + 1, -g * u), T, 1, 1, x0=0, delay=delay)
-        d = sim.Diagram().add(integrator(1.0), sampled).connect("i", "c").connect("c", "i")
-        r = sim.simulate(d, TIMES, rtol=1e-10, atol=1e-12)
+        r = sim.simulate(ring(integrator(1.0), sampled), TIMES, rtol=1e-10, atol=1e-12)
         x, u, truth = 1.0, 0.0, []
         for _ in TIMES:
             truth.append(x)
@@ -45,25 +48,9 @@ def test_sampled_feedback_equals_the_difference_equation():
 
 def test_a_second_simulation_starts_afresh():
     sampled = sim.Sampled("c", lambda t, m, u: (m + 1, [m]), 0.5, 1, 1, x0=0)
-    d = sim.Diagram().add(integrator(), sampled).connect("i", "c").connect("c", "i")
+    d = ring(integrator(), sampled)
     first, second = sim.simulate(d, TIMES), sim.simulate(d, TIMES)
     assert np.array_equal(first.y, second.y)
-
-
-def test_saturation_is_met_exactly():
-    """x' = clip(-5 x, -1, 1), x(0) = 1: constant speed until x = 0.2, then exponential."""
-    d = (
-        sim.Diagram()
-        .add(integrator(1.0), sim.Saturation("limit", -1.0, 1.0))
-        .connect("i", "limit", -5.0)
-        .connect("limit", "i")
-    )
-    r = sim.simulate(d, TIMES, rtol=1e-9, atol=1e-12)
-    truth = np.where(TIMES < 0.8, 1 - TIMES, 0.2 * np.exp(-5 * (TIMES - 0.8)))
-    assert r["i"][:, 0] == pytest.approx(truth, abs=1e-8)
-    # located on the interpolation of a step across the kink, whose local error is a few times rtol
-    assert r.events[0][0] == pytest.approx(0.8, abs=1e-8)
-    assert r.events[0][1] == "limit of limit"
 
 
 def test_events_are_located_and_can_end_the_simulation():
@@ -115,31 +102,17 @@ def test_beyond_the_table():
     ],
 )
 def test_controller_with_a_wrong_result(returned, why):
-    d = (
-        sim.Diagram()
-        .add(integrator(), sim.Function("c", lambda t, u: returned, 1, 1))
-        .connect("i", "c")
-        .connect("c", "i")
-    )
-    with pytest.raises(AnalysisError, match=why):
-        sim.simulate(d, TIMES)
-    d = sim.Diagram().add(integrator(), sim.Sampled("c", lambda t, x, u: (x, returned), 0.1, 1, 1))
-    with pytest.raises(AnalysisError, match=why):
-        sim.simulate(d.connect("i", "c").connect("c", "i"), TIMES)
+    sampled = sim.Sampled("c", lambda t, x, u: (x, returned), 0.1, 1, 1)
+    for controller in (sim.Function("c", lambda t, u: returned, 1, 1), sampled):
+        with pytest.raises(AnalysisError, match=why):
+            sim.simulate(ring(integrator(), controller), TIMES)
 
 
 def test_controller_that_raises_or_returns_no_pair():
-    d = sim.Diagram().add(integrator(), sim.Function("c", lambda t, u: 1 / 0, 1, 1)).connect("i", "c").connect("c", "i")
     with pytest.raises(AnalysisError, match="c failed at t = 0: ZeroDivisionError"):
-        sim.simulate(d, TIMES)
-    s = (
-        sim.Diagram()
-        .add(integrator(), sim.Sampled("c", lambda t, x, u: 1.0, 0.1, 1, 1))
-        .connect("i", "c")
-        .connect("c", "i")
-    )
+        sim.simulate(ring(integrator(), sim.Function("c", lambda t, u: 1 / 0, 1, 1)), TIMES)
     with pytest.raises(AnalysisError, match=r"c must return its new state and its output, \(x, y\)"):
-        sim.simulate(s, TIMES)
+        sim.simulate(ring(integrator(), sim.Sampled("c", lambda t, x, u: 1.0, 0.1, 1, 1)), TIMES)
 
 
 def test_wrong_wires_and_names():
@@ -170,9 +143,6 @@ def test_unconnected_inputs_are_mentioned():
 
 
 def test_wrong_size_of_a_direct_call():
-    from spacar.simulation import Spasim
-    from tests.inverse import arm
-
     plant = Spasim(arm.deck(arm.FREE_JOINTS, [("INPUTS", 1, 1, 1), ("OUTE", 1, 1, 1)], mode="simulation"))
     with pytest.raises(ValueError, match=r"state has the shape \(3,\), expected \(4,\)"):
         plant.derivative(0.0, np.zeros(3), np.zeros(1))
@@ -186,10 +156,6 @@ def test_wrong_size_of_a_direct_call():
 
 def test_force_inputs_equal_applied_forces():
     """INPUTF u against XF of the same size in mode 1: accelerations of the joints."""
-    import spacar
-    from spacar.simulation import Spasim
-    from tests.inverse import arm
-
     ports = [("INPUTF", 1, 7, 1), ("INPUTF", 2, 7, 2), ("INPUTS", 3, 2, 1), ("OUTEDP", 1, 1, 1), ("OUTEDP", 2, 2, 1)]
     plant = Spasim(arm.deck(arm.FREE_JOINTS, ports, mode="simulation"))
     y = plant.outputs(0.0, plant.start(), np.array([3.0, -7.0, 2.5]))
@@ -201,14 +167,9 @@ def test_force_inputs_equal_applied_forces():
 
 def test_nonholonomic_plant_equals_mode_1():
     """The tricycle rolls in the simulation as in mode 1 (tolerances 1e-9)."""
-
-    import spacar
-    from spacar.deck import parse_deck
-    from spacar.simulation import Spasim
-
     path = DATA / "trike2.dat"
     text = path.read_text().replace("END\nEND", "END\nHALT\nINPUTS 1 6 1\nOUTX 1 1 1\nOUTXDP 2 1 1\nEND\nEND")
-    plant = Spasim(parse_deck(text, "trike2.dat", "simulation"))
+    plant = Spasim(spacar.parse_deck(text, "trike2.dat", "simulation"))
     times = np.linspace(0.0, 1.0, 11)
     r = sim.simulate(sim.Diagram().add(plant), times, rtol=1e-9, atol=1e-10)
     truth = spacar.run(1, path, atol=1e-10, rtol=1e-9)

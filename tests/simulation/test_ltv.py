@@ -196,24 +196,20 @@ def test_wrong_gains_are_refused(robot):
 # -- the perturbation method ----------------------------------------------------------------------------------------
 def test_perturbation_method_against_the_nonlinear_simulation(flexible):
     """First 0.12 s of the flexible manipulator: the deviation is of second order in the deflection (relative 1e-2)."""
-
-    from spacar.simulation import Spasim, closed_loop, computed_torque
-
-    plant = Spasim(DATA / "robotflexsim.dat")
+    plant = sim.Spasim(DATA / "robotflexsim.dat")
     nominal = replace(flexible, name="nominal")
-    law = computed_torque(nominal, nominal, 28.0, 0.85, positions=[1, 2, 3], rates=[4, 5, 6], interpolation="spline")
+    signals = {"positions": [1, 2, 3], "rates": [4, 5, 6]}
+    law = sim.computed_torque(nominal, nominal, 28.0, 0.85, **signals, interpolation="spline")
     times = flexible.t[:13]
     start = {"plant": plant.start() + flexible.x0}
-    full = closed_loop(plant, law, times, feedback="1-6", x0=start, atol=1e-7)["plant"]
+    full = sim.closed_loop(plant, law, times, feedback="1-6", x0=start, atol=1e-7)["plant"]
     linear = sim.simulate_ltv(flexible).y[:13]
     amplitude = np.abs(full[:, 6:9] - flexible.y0[:13, 6:9]).max()
     assert np.abs(full - linear)[:, 6:9].max() < 1e-2 * amplitude
 
 
 def test_sigma0_holds_the_weight(flexible):
-    """At rest, the static deflection from sigma0 equals the one that a small load calculation gives: K0B dq =
-    sigma0.
-    """
+    """At rest the static deflection from sigma0 is the one that a small load calculation gives: K0B dq = sigma0."""
     n = flexible.m0.shape[1]
     E = flexible.B[0][n:]
     load = flexible.m0[0] @ E[:, 3:] @ flexible.sigma0[0]
@@ -222,9 +218,8 @@ def test_sigma0_holds_the_weight(flexible):
 
 
 def test_reduction_of_the_manipulator(flexible):
-    """4 of 11 modes: the mean deviation of the tip from the full linear system is below 2 % of its largest
-    deflection.
-    """
+    """4 of 11 modes: the tip deviates from the full linear system by less than 2 % of its largest deflection in the
+    mean."""
     full = sim.simulate_ltv(flexible)
     reduced = sim.simulate_ltv(sim.reduce_modes(flexible, 4).system)
     off, size = np.abs(reduced.dy - full.dy)[:, 6:9], np.abs(full.dy)[:, 6:9].max()

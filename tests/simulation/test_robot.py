@@ -4,13 +4,17 @@ import numpy as np
 import pytest
 from numpy.linalg import norm
 
+import spacar
 from spacar import simulation as sim
 from spacar.errors import UsageError
 from spacar.inverse.profile import make_profile
 from tests.examples import DATA
 from tests.inverse import arm
 
+from .diagrams import chain
+
 TIMES = np.linspace(0.0, 1.5, 151)
+WEIGHTS = np.array([0.0, 196.98, 82.276])  # moments that hold the arm
 
 
 def tip_error(response, nominal):
@@ -21,7 +25,7 @@ def tip_error(response, nominal):
 
 def test_static_moments_give_no_acceleration():
     plant = sim.Spasim(DATA / "robotsim.dat")
-    y = plant.outputs(0.0, plant.start(), np.array([0.0, 196.98, 82.276]))
+    y = plant.outputs(0.0, plant.start(), WEIGHTS)
     assert y[6:9] == pytest.approx(0.0, abs=1e-9)
 
 
@@ -55,12 +59,7 @@ def test_blocks_give_the_same_as_the_control_law(robot):
 @pytest.mark.slow  # the closed loop is the fast one
 def test_open_loop_drifts_away(robot):
     nominal, _ = robot
-    diagram = (
-        sim.Diagram()
-        .add(sim.Spasim(DATA / "robotsim.dat"), sim.SetpointU0(nominal, "u0", hold=True))
-        .connect("u0", "plant")
-    )
-    response = sim.simulate(diagram, TIMES)
+    response = sim.simulate(chain(sim.SetpointU0(nominal, "u0", hold=True), sim.Spasim(DATA / "robotsim.dat")), TIMES)
     assert tip_error(response, nominal)[-1] == pytest.approx(0.183, abs=0.05)  # expected.json
 
 
@@ -94,28 +93,22 @@ def test_forward_dynamics_with_the_torques_retraces_the_path(front):
     ports = [("INPUTS", 1, 1, 1), ("INPUTS", 2, 2, 1), ("OUTX", 1, 7, 1), ("OUTX", 2, 7, 2)]
     plant = sim.Spasim(arm.deck(arm.FREE_JOINTS, ports, mode="simulation"))
     source = sim.Function("u", torque, 0, 2, breaks=profile.breaks)
-    diagram = sim.Diagram().add(plant, source).connect("u", "plant")
     times = np.linspace(0.0, 1.0, 11)
-    response = sim.simulate(diagram, times, method="DOP853", rtol=1e-10, atol=1e-11)
+    response = sim.simulate(chain(source, plant), times, method="DOP853", rtol=1e-10, atol=1e-11)
     path = arm.START + np.outer([profile.at(t)[0] for t in times], unit)
     assert response["plant"] == pytest.approx(path, abs=1e-8)
 
 
 def test_mode_2_torques_retrace_the_path_through_a_spline():
-    """u0 of mode 2, interpolated by a cubic spline: error of order h^4 (h = 5 ms, front 2, t = 1 s: a few
-    micrometres).
-    """
-    import spacar
-    from spacar.simulation import TimeVarying
-
+    """u0 of mode 2 interpolated by a cubic spline: an error of order h^4, micrometres (h = 5 ms, front 2)."""
     motion = [
         ("TRAJECT", 1), ("TRANS", 7, -0.1, 0.75), ("TRFRONT", 7, 2), ("TRTIME", 1.0, 200), *arm.MOTORS, *arm.REFERENCES,
     ]  # fmt: skip
     inverse = spacar.run(2, arm.deck(arm.END_POINT, motion))
     ports = [("INPUTS", 1, 1, 1), ("INPUTS", 2, 2, 1), ("OUTX", 1, 7, 1), ("OUTX", 2, 7, 2)]
     plant = sim.Spasim(arm.deck(arm.FREE_JOINTS, ports, mode="simulation"))
-    u0 = sim.SetpointU0(TimeVarying.of(inverse), "u0", "spline")
-    response = sim.simulate(sim.Diagram().add(plant, u0).connect("u0", "plant"), inverse.t, rtol=1e-9, atol=1e-10)
+    u0 = sim.SetpointU0(sim.TimeVarying.of(inverse), "u0", "spline")
+    response = sim.simulate(chain(u0, plant), inverse.t, rtol=1e-9, atol=1e-10)
     assert response["plant:1"][:, 0] == pytest.approx(inverse.node(7, 1), abs=1e-5)
 
 
@@ -132,9 +125,7 @@ def test_accelerations_may_be_fed_back_but_not_to_a_sampled_law(robot):
     assert 0.0 < a[0] < start[0]
     heavier = np.linalg.solve(np.diag([start[0] / 5.0, 1, 1]), [a[0], 0, 0])[0]  # J a = u with J = 5 / start
     assert heavier == pytest.approx(u[0], rel=1e-9)
-    response = sim.closed_loop(plant, lambda t, y: np.array([0.0, 196.98, 82.276]), TIMES[:11], feedback="1-6")
+    response = sim.closed_loop(plant, lambda t, y: WEIGHTS, TIMES[:11], feedback="1-6")
     assert response["plant:7-9"] == pytest.approx(0.0, abs=1e-8)
-    delayed = sim.closed_loop(
-        plant, lambda t, y: np.array([0.0, 196.98, 82.276]), TIMES[:3], feedback="1-6", period=0.01
-    )
+    delayed = sim.closed_loop(plant, lambda t, y: WEIGHTS, TIMES[:3], feedback="1-6", period=0.01)
     assert delayed["plant:7-9"] == pytest.approx(0.0, abs=1e-8)
