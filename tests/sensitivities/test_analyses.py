@@ -7,7 +7,6 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from spacar_cli.main import main
 from spacar_drawing.stresses import QUANTITIES
 
 import spacar
@@ -18,10 +17,12 @@ from spacar.mechanism.build import along, build
 from spacar.sensitivities.directed_elements import DirectedElements
 from spacar.sensitivities.step_quantities import STRESSES
 from spacar.stationary import LoadLevel
+from tests.command_line import call
 from tests.docs.documents import module_of, run_document
 from tests.linear import linear_models
 
 from .difference_truth import agree, values_of
+from .test_closed_forms import EI, cantilever
 from .test_every_element import still
 
 HOUSE = Path(__file__).parents[2]
@@ -124,15 +125,9 @@ def test_an_element_without_complex_steps_is_said(monkeypatch: pytest.MonkeyPatc
 
 def test_a_state_without_linearization_in_a_long_chain() -> None:
     """300 beams: the derivative of the state uses the sparse tangent; w = F L^3/(3 EI) again."""
-    n, EI, F = 300, 2.0, 1e-7
-    rows: list[tuple] = [("FIX", 1), ("FIX", 2)]
-    law: list[tuple] = [("XF", 2 * n + 1, 0.0, F)]
-    for k in range(1, n + 1):
-        p = 2 * k - 1
-        rows += [("PLBEAM", k, p, p + 1, p + 2, p + 3), ("X", p + 2, k / n, 0.0), ("DYNE", k, 2, 3)]
-        law.append(("ESTIFF", k, 0.0, EI))
-    deck, end = spacar.Deck.build(rows, law, mode=10), 2 * n + 1
-    found = spacar.sensitivity(deck, ["ESTIFF.*[EI]", f"XF.{end}[3]"], [f"x[{end},2]"])
+    F = 1e-7
+    deck = cantilever(300, (0.0, F), length=1.0)
+    found = spacar.sensitivity(deck, ["ESTIFF.*[EI]", "XF.601[3]"], ["x[601,2]"])
     w = F / (3 * EI)
     np.testing.assert_allclose(found.derivatives[0], [-w / EI, w / F], rtol=1e-6)
 
@@ -182,50 +177,43 @@ def oscillator(tmp_path: Path) -> str:
     return str(path)
 
 
-def test_the_table(oscillator: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["sensitivity", oscillator, *ARGUMENTS]) == 0
-    lines = capsys.readouterr().out.splitlines()
+def test_the_table(oscillator: str) -> None:
+    lines = call.done("sensitivity", oscillator, *ARGUMENTS).out.splitlines()
     assert lines[0].split()[:4] == ["quantity", "value", "unit", "parameter"]
     assert lines[1].split()[0] == "f"
     assert lines[1].split()[-1] == "+0.50000"
     assert len(lines) == 5
 
 
-def test_csv_and_json(oscillator: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["sensitivity", oscillator, *ARGUMENTS, "--csv", "-"]) == 0
-    rows = list(csv.DictReader(capsys.readouterr().out.splitlines()))
+def test_csv_and_json(oscillator: str, tmp_path: Path) -> None:
+    rows = list(csv.DictReader(call.done("sensitivity", oscillator, *ARGUMENTS, "--csv", "-").out.splitlines()))
     assert [r["parameter"] for r in rows] == ["ESTIFF.1[EA]", "XM.2"] * 2
-    assert main(["sensitivity", oscillator, *ARGUMENTS, "--json", "--csv", str(tmp_path / "out.csv")]) == 0
-    out = capsys.readouterr().out.splitlines()
-    found = json.loads(out[-1])
+    out = call.done("sensitivity", oscillator, *ARGUMENTS, "--json", "--csv", tmp_path / "out.csv").out
+    found = json.loads(out.splitlines()[-1])
     assert found["derivatives"][0][0] == float(rows[0]["derivative"])
     assert found["quantities"][1] == {"name": "x[2,1]@end", "value": float(rows[2]["value"]), "unit": "m"}
     assert (tmp_path / "out.csv").read_text().startswith("quantity,value,unit,parameter,at")
-    assert main(["sensitivity", oscillator, "-p", "ESTIFF.1[EA]=24", "--of", "frequency[1]", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["parameters"][0]["value"] == 24.0
+    out = call.done("sensitivity", oscillator, "-p", "ESTIFF.1[EA]=24", "--of", "frequency[1]", "--json").out
+    assert json.loads(out)["parameters"][0]["value"] == 24.0
 
 
 @pytest.mark.parametrize(
-    ("arguments", "status", "words"),
+    ("arguments", "words"),
     [
-        (["-p", "ESTIFF.1"], 2, "give at least one --parameter"),
-        (["-p", "ESTIFF.7", "--of", "x[2,1]"], 2, "there is no statement ESTIFF 7"),
-        (["-p", "ESTIFF.1=a", "--of", "x[2,1]"], 2, "'a' in 'ESTIFF.1=a' is not a number"),
-        (["-p", "ESTIFF.1", "--of", "y[2,1]"], 2, "variables with indices are"),
+        (["-p", "ESTIFF.1"], "give at least one --parameter"),
+        (["-p", "ESTIFF.7", "--of", "x[2,1]"], "there is no statement ESTIFF 7"),
+        (["-p", "ESTIFF.1=a", "--of", "x[2,1]"], "'a' in 'ESTIFF.1=a' is not a number"),
+        (["-p", "ESTIFF.1", "--of", "y[2,1]"], "variables with indices are"),
     ],
 )
-def test_what_the_command_refuses(
-    oscillator: str, capsys: pytest.CaptureFixture[str], arguments: list[str], status: int, words: str
-) -> None:
-    assert main(["sensitivity", oscillator, *arguments]) == status
-    assert words in capsys.readouterr().err
+def test_what_the_command_refuses(oscillator: str, arguments: list[str], words: str) -> None:
+    assert words in call.refused("sensitivity", oscillator, *arguments)
 
 
-def test_notes_go_to_standard_error(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_notes_go_to_standard_error(tmp_path: Path) -> None:
     path = tmp_path / "spatial.dat"
     path.write_text(still(linear_models.SPATIAL.format(extra="", third="")).text)
-    assert main(["sensitivity", str(path), "-p", "XM.6", "--of", "x[6,1]"]) == 0
-    assert "cut to 0.5 of its size" in capsys.readouterr().err
+    assert "cut to 0.5 of its size" in call.done("sensitivity", path, "-p", "XM.6", "--of", "x[6,1]").err
 
 
 # -- the optimization ------------------------------------------------------------------------------------------------

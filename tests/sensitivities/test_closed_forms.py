@@ -98,8 +98,7 @@ def test_euler_column() -> None:
 def test_string_of_prestressed_trusses() -> None:
     """A mass between two rods with preload T: f^2 = 2 T/(l m)/(2 pi)^2, ESIG and INPUTX (a stretch) as parameters."""
     rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 2, 3), ("X", 2, 1.0, 0.0), ("X", 3, 2.0, 0.0), ("FIX", 1),
-            ("FIX", 3, 2),
-            ("INPUTX", 3, 1), ("DYNX", 2), ("RLSE", 1), ("RLSE", 2)]  # fmt: skip
+            ("FIX", 3, 2), ("INPUTX", 3, 1), ("DYNX", 2), ("RLSE", 1), ("RLSE", 2)]  # fmt: skip
     law = [("ESTIFF", 1, 500.0), ("ESTIFF", 2, 500.0), ("XM", 2, 0.5), ("ESIG", 1, 8.0), ("ESIG", 2, 8.0)]
     deck = Deck.build(rows, [*law, ("INPUTX", 3, 1, 2.02)], mode=10)
     found = spacar.sensitivity(
@@ -113,17 +112,20 @@ def test_string_of_prestressed_trusses() -> None:
     np.testing.assert_allclose(found.derivatives[1], [1.0, 250.0, 0.01, 0.0], rtol=1e-10, atol=1e-12)
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.4, 1.1])
-def test_repeated_frequency(angle: float) -> None:
-    """A mass on two equal springs at right angles: when one gets stiffer, one frequency keeps its value and the other
-    has f/(2 k), in whatever directions the springs stand; when both do, both have."""
+def crossed(angle: float, *more: tuple) -> Deck:
+    """A mass on two equal springs at right angles."""
     c, s = np.cos(angle), np.sin(angle)
     rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 1, 3), ("X", 2, c, s), ("X", 3, -s, c), ("FIX", 2), ("FIX", 3),
-            ("DYNX", 1),
-            ("RLSE", 1), ("RLSE", 2)]  # fmt: skip
-    deck = Deck.build(rows, [("XM", 1, 0.7), ("ESTIFF", 1, 9.0), ("ESTIFF", 2, 9.0)], mode=10)
+            ("DYNX", 1), ("RLSE", 1), ("RLSE", 2)]  # fmt: skip
+    return Deck.build(rows, [("XM", 1, 0.7), ("ESTIFF", 1, 9.0), ("ESTIFF", 2, 9.0), *more], mode=10)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, 1.1])
+def test_repeated_frequency(angle: float) -> None:
+    """When one gets stiffer, one frequency keeps its value and the other
+    has f/(2 k), in whatever directions the springs stand; when both do, both have."""
     found = spacar.sensitivity(
-        deck, ["ESTIFF.1", "ESTIFF.2", "ESTIFF.*", "XM.1"], ["frequency[1]", "frequency[2]", "abs(eigval[1])"]
+        crossed(angle), ["ESTIFF.1", "ESTIFF.2", "ESTIFF.*", "XM.1"], ["frequency[1]", "frequency[2]", "abs(eigval[1])"]
     )
     f = np.sqrt(9.0 / 0.7) / (2 * np.pi)
     grown = f / 18.0
@@ -136,12 +138,8 @@ def test_repeated_frequency(angle: float) -> None:
 
 def test_repeated_damped_eigenvalue() -> None:
     """The same mass with equal dampers too: one pair keeps its modulus, the other has that of m, c, k."""
-    c, s = np.cos(0.4), np.sin(0.4)
-    rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 1, 3), ("X", 2, c, s), ("X", 3, -s, c), ("FIX", 2), ("FIX", 3)]
-    rows += [("DYNX", 1), ("RLSE", 1), ("RLSE", 2)]
-    law = [("XM", 1, 0.7)] + [(word, k, v) for word, v in (("ESTIFF", 9.0), ("EDAMP", 0.6)) for k in (1, 2)]
-    found = spacar.sensitivity(Deck.build(rows, law, mode=10), ["ESTIFF.1", "EDAMP.2", "XM.1"],
-                               ["frequency[1]", "frequency[2]"])  # fmt: skip
+    deck = crossed(0.4, ("EDAMP", 1, 0.6), ("EDAMP", 2, 0.6))
+    found = spacar.sensitivity(deck, ["ESTIFF.1", "EDAMP.2", "XM.1"], ["frequency[1]", "frequency[2]"])
     f = np.sqrt(9.0 / 0.7) / (2 * np.pi)  # |lambda| = sqrt(k/m) whatever c
     np.testing.assert_allclose(found.values, f, rtol=1e-12)
     np.testing.assert_allclose(found.derivatives[0], [0.0, 0.0, -f / 1.4], rtol=1e-9, atol=1e-11)
@@ -154,11 +152,8 @@ def test_repeated_multiplier() -> None:
             ("X", 5, 0.5, 0.0, 0.0), ("FIX", 1), ("FIX", 2), ("DYNE", 1), ("DYNE", 2)]  # fmt: skip
     law = [("ESTIFF", k, 1e5, 1.5, 2.0, 2.0) for k in (1, 2)] + [("EM", k, 0.1, 1e-5, 1e-5, 1e-5) for k in (1, 2)]
     deck = Deck.build(rows, [*law, ("XF", 5, -1.0, 0.0, 0.0)], mode=10)
-    found = spacar.sensitivity(
-        deck,
-        ["ESTIFF.*[EIy]", "ESTIFF.*[EIy] & ESTIFF.*[EIz]"],
-        ["lmult[1]", "lmult[2]", "frequency[1]", "frequency[2]"],
-    )
+    names = ["ESTIFF.*[EIy]", "ESTIFF.*[EIy] & ESTIFF.*[EIz]"]
+    found = spacar.sensitivity(deck, names, ["lmult[1]", "lmult[2]", "frequency[1]", "frequency[2]"])
     np.testing.assert_allclose(found.values[1], found.values[0], rtol=1e-7)
     # both multipliers depend on the axial stiffness too (second order in the load): 1 N of 1e5 N, 1e-5
     np.testing.assert_allclose(found.derivatives[:2, 1], found.values[0] / 2.0, rtol=1e-4)
@@ -192,9 +187,8 @@ def test_section_and_material_of_a_tension_rod() -> None:
         "UNITS mm\nSECTION rod RECT 4 2\nMATERIAL m 2e5 0.3 7.8e-6\nBEAM 1 1 2 3 4 0 1 0\nX 3 100 0 0\n"
         "BEAMSEC 1 rod m 2\nFIX 1\nFIX 2\nDYNE 1\nEND\nHALT\nXF 3 500 0 0\nEND\nEND\n"
     )
-    found = spacar.sensitivity(spacar.parse_deck(text, mode=10), ["SECTION.rod[w]", "SECTION.rod[t]",
-        "MATERIAL.m[Young]", "X.3[2]", "XF.3[2]"],
-                               ["mises[1]", "x[3,1]", "N[1,3]"])  # fmt: skip
+    names = ["SECTION.rod[w]", "SECTION.rod[t]", "MATERIAL.m[Young]", "X.3[2]", "XF.3[2]"]
+    found = spacar.sensitivity(spacar.parse_deck(text, mode=10), names, ["mises[1]", "x[3,1]", "N[1,3]"])
     assert found.parameter_units == ("mm", "mm", "N/mm^2", "mm", "N")
     stress, u = 500 / 8e-6, 0.5 * 100 * 1e-3 / (2e5 * 8 * 1e-3)
     np.testing.assert_allclose(
@@ -217,15 +211,12 @@ def test_expressions_follow_the_chain_rule() -> None:
             np.degrees((a * db - b * da) / (a * a + b * b)),
         ),
         "max(x[7,2])": (b, db),
-        "span(x[7,2]) + 0*x[7,1]@end": None,
         "(x[7,2]@end/x[7,1]@end)**2": (b**2 / a**2, 2 * b / a * (db / a - b * da / a**2)),
         "sqrt(x[7,2]@2*x[7,2]@end)": (np.sqrt(b * c), (b * dc + c * db) / (2 * np.sqrt(b * c))),
-        "-sin(pi*x[7,2]@2/0.5/x[7,1]@end)": None,
         "abs(-x[7,2]@2)": (c, dc),
     }
-    known = {k: v for k, v in wanted.items() if v is not None}
-    found = spacar.sensitivity(deck, names, [f"q{i}: {text}" for i, text in enumerate(known)])
-    for i, (value, rate) in enumerate(known.values()):
+    found = spacar.sensitivity(deck, names, [f"q{i}: {text}" for i, text in enumerate(wanted)])
+    for i, (value, rate) in enumerate(wanted.values()):
         assert found.values[i] == pytest.approx(value, rel=1e-12)
         np.testing.assert_allclose(found.derivatives[i], rate, rtol=1e-11)
     assert found.quantities[0] == "q0"
@@ -236,8 +227,7 @@ def test_expressions_follow_the_chain_rule() -> None:
 def test_critical_states_have_no_derivatives() -> None:
     """Rods in a line under no load: nothing holds the middle node, the tangent is singular."""
     rows = [("PLTRUSS", 1, 1, 2), ("PLTRUSS", 2, 2, 3), ("X", 2, 1.0, 0.0), ("X", 3, 2.0, 0.0), ("FIX", 1),
-            ("FIX", 3), ("DYNX", 2),
-            ("RLSE", 1), ("RLSE", 2)]  # fmt: skip
+            ("FIX", 3), ("DYNX", 2), ("RLSE", 1), ("RLSE", 2)]  # fmt: skip
     deck = Deck.build(rows, [("ESTIFF", 1, 5.0), ("ESTIFF", 2, 5.0), ("XM", 2, 1.0)], mode=10)
     with pytest.raises(AnalysisError, match="no derivatives at load step"):
         spacar.sensitivity(deck, ["ESTIFF.1"], ["x[2,1]"])
@@ -274,9 +264,9 @@ def test_rotating_spring() -> None:
     """Steady rotation: k e = m w^2 (l0 + e), so e = l0/(k/(m w^2) - 1); EA, mass, speed and length."""
     rows = [("PLBEAM", 1, 1, 2, 3, 4), ("X", 3, 0.4, 0.0), ("FIX", 1), ("INPUTX", 2), ("DYNE", 1, 1)]
     law = [("ESTIFF", 1, 80.0, 1.0), ("XM", 3, 0.5), ("INPUTX", 2, 1, 0.0, 12.0), ("ITERSTEP", 20, 4, 1e-10)]
-    found = spacar.sensitivity(Deck.build(rows, law, mode=10), ["ESTIFF.1", "XM.3", "INPUTX.2.1[start rate]",
-        "X.3[2]"],
-                               ["e[1,1]", "sig[1,1]", "x[3,1]", "N[1,5]", "frequency[1]"])  # fmt: skip
+    names = ["ESTIFF.1", "XM.3", "INPUTX.2.1[start rate]", "X.3[2]"]
+    quantities = ["e[1,1]", "sig[1,1]", "x[3,1]", "N[1,5]", "frequency[1]"]
+    found = spacar.sensitivity(Deck.build(rows, law, mode=10), names, quantities)
     k, m, w, l0 = 80.0 / 0.4, 0.5, 12.0, 0.4
     ratio = k / (m * w * w)
     e = l0 / (ratio - 1)

@@ -11,7 +11,6 @@ from spacar.deck import read_deck
 from spacar.elements.spatial.angle_measure import rotation_factor
 from spacar.errors import UsageError
 from tests.examples import DATA
-from tests.linear import linear_models
 
 from .difference_truth import agree
 
@@ -41,41 +40,32 @@ def test_rows_without_stiffness(rate: str) -> None:
     agree(deck, names, ["x[5,1]", "x[5,2]", "e[3,1]", "sig[1,2]", "sig[3,1]", "sig[4,1]", "fxtot[2,1]"], rel=1e-7)
 
 
-@pytest.fixture
-def with_law(tmp_path: Path):
-    def made(stated: str = "") -> Deck:
-        (tmp_path / "law.py").write_text(LAW.format(stated=stated))
-        (tmp_path / "model.dat").write_text(TURNING.format(rate="").replace("XF 5", "USERSIG law\nXF 5"))
-        return read_deck(tmp_path / "model.dat", 10)
-
-    return made
+def with_function(folder: Path, name: str, function: str, text: str) -> Deck:
+    (folder / f"{name}.py").write_text(function)
+    (folder / "model.dat").write_text(text)
+    return read_deck(folder / "model.dat", 10)
 
 
 @pytest.mark.parametrize("stated", ["", ", 3.0, 0.0"])
-def test_forces_and_stresses_of_the_user(with_law, stated: str) -> None:
-    """Non-linear in deformations and coordinates, whether the function states a stiffness or not."""
+def test_forces_and_stresses_of_the_user(tmp_path: Path, stated: str) -> None:
+    """Non-linear in deformations and coordinates, whether the function states a stiffness or not. Linearized equations
+    hold the slopes of the function, which change with the state."""
+    text = TURNING.format(rate="").replace("XF 5", "USERSIG law\nXF 5")
+    deck = with_function(tmp_path, "law", LAW.format(stated=stated), text)
     names = ["ESTIFF.1[EI]", "X.7[2]", "X.5[2]", "XF.5[2]", "INPUTX.2.1", "ESIG.3[2]"]
-    quantities = ["x[5,1]", "x[5,2]", "e[3,1]", "sig[1,2]", "sig[3,1]", "fx[5,2]", "fxtot[2,1]"]
-    agree(with_law(stated), names, quantities, rel=1e-7)
-
-
-@pytest.mark.parametrize("stated", ["", ", 3.0, 0.0"])
-def test_linearized_equations(with_law, stated: str) -> None:
-    """They hold the slopes of the function, which change with the state."""
-    names = ["ESTIFF.1[EI]", "X.7[2]", "X.5[2]", "XF.5[2]", "INPUTX.2.1", "ESIG.3[2]", "XM.5"]
+    agree(deck, names, ["x[5,1]", "x[5,2]", "e[3,1]", "sig[1,2]", "sig[3,1]", "fx[5,2]", "fxtot[2,1]"], rel=1e-7)
     wanted = ["frequency[1]", "frequency[3]", "lmult[1]", "xcompl[5,2]", "abs(eigval[2])"]
-    agree(with_law(stated), names, wanted, rel=1e-6)
+    agree(deck, [*names, "XM.5"], wanted, rel=1e-6)
 
 
 def test_a_spring_that_stiffens(tmp_path: Path) -> None:
     """F = k u + b u + c u^2: m omega^2 = k + b + 2 c u, d(m omega^2)/dF = 2 c du/dF, du/dF = 1/(m omega^2)."""
-    (tmp_path / "spring.py").write_text(
-        "def spring(t, ne, le, e, ep, nx, lnp, x, xp):\n    u = e[le[0, 0]]\n"
-        "    return t, [[1, 1, 50.0 * u + 300.0 * u**2]], []\n"
-    )
+    function = "def spring(t, ne, le, e, ep, nx, lnp, x, xp):\n    u = e[le[0, 0]]\n"
+    function += "    return t, [[1, 1, 50.0 * u + 300.0 * u**2]], []\n"
     kinematics = "PLTRUSS 1 1 2   X 2 1   FIX 1   FIX 2 2   DYNE 1   END HALT"
-    (tmp_path / "model.dat").write_text(f"{kinematics} XM 2 2  ESTIFF 1 100  XF 2 10  USERSIG spring\nEND END\n")
-    found = spacar.sensitivity(tmp_path / "model.dat", ["XF.2[2]", "ESTIFF.1"], ["x[2,1]", "(2*pi*frequency[1])**2"])
+    text = f"{kinematics} XM 2 2  ESTIFF 1 100  XF 2 10  USERSIG spring\nEND END\n"
+    deck = with_function(tmp_path, "spring", function, text)
+    found = spacar.sensitivity(deck, ["XF.2[2]", "ESTIFF.1"], ["x[2,1]", "(2*pi*frequency[1])**2"])
     u = (-150.0 + np.sqrt(150.0**2 + 4 * 300.0 * 10.0)) / 600.0
     K = 150.0 + 600.0 * u
     np.testing.assert_allclose(found.values, [1.0 + u, K / 2.0], rtol=1e-10)
@@ -91,9 +81,7 @@ def test_linearized_equations_of_wheels_are_refused() -> None:
 def test_forces_of_the_user_in_steady_motion(tmp_path: Path) -> None:
     """A function of deformations, coordinates and rates."""
     law = LAW.format(stated="").replace("push = ", "push = 0.2 * xp[lnp[5, 0]] * ep[le[2, 0]] - 0.1 * xp[j] ** 2 ")
-    (tmp_path / "law.py").write_text(law)
-    (tmp_path / "model.dat").write_text(TURNING.format(rate="0.8").replace("XF 5", "USERSIG law\nXF 5"))
-    deck = read_deck(tmp_path / "model.dat", 10)
+    deck = with_function(tmp_path, "law", law, TURNING.format(rate="0.8").replace("XF 5", "USERSIG law\nXF 5"))
     names = ["ESTIFF.1[EI]", "X.7[2]", "INPUTX.2.1[start rate]"]
     agree(deck, names, ["x[5,1]", "e[3,1]", "sig[1,2]", "fx[5,2]", "fxtot[2,1]"], rel=1e-7)
     agree(deck, names, ["frequency[1]", "real(eigval[1])", "lmult[1]"], rel=1e-6)
@@ -101,10 +89,9 @@ def test_forces_of_the_user_in_steady_motion(tmp_path: Path) -> None:
 
 def test_prescribed_motion_of_the_user(tmp_path: Path) -> None:
     """It depends on no number of the file: what the function does not mention still does."""
-    (tmp_path / "drive.py").write_text("def drive(t, step):\n    return t, [], [[2, 1, 0.3, 0.0, 0.0]]\n")
+    function = "def drive(t, step):\n    return t, [], [[2, 1, 0.3, 0.0, 0.0]]\n"
     text = TURNING.format(rate="").replace("FIX 7", "INPUTX 7").replace("XF 5", "USERINP drive\nINPUTX 7 2 0.8\nXF 5")
-    (tmp_path / "model.dat").write_text(text)
-    deck = read_deck(tmp_path / "model.dat", 10)
+    deck = with_function(tmp_path, "drive", function, text)
     names = ["ESTIFF.1[EI]", "INPUTX.7.2", "XF.5[2]", "X.3[2]"]
     agree(deck, names, ["x[5,1]", "sig[1,2]", "fxtot[2,1]", "frequency[1]"], rel=1e-6)
     found = spacar.sensitivity(deck, ["INPUTX.2.1"], ["x[5,1]", "x[2,1]"])
@@ -112,7 +99,7 @@ def test_prescribed_motion_of_the_user(tmp_path: Path) -> None:
     assert not found.derivatives.any()
 
 
-# Eigenvalues, multipliers and compliances of spatial beams in the angle measure in steady motion; the factor G.
+# Spatial beams in the angle measure: the factor G, and multipliers in steady motion.
 @pytest.mark.parametrize("c", [0.95, 0.81, 0.79, 0.3, -0.4, 1.02])
 def test_the_factor_carries_a_complex_step_through_all_its_derivatives(c):
     """G^(k)(c + ih): the imaginary parts are h G^(k+1), of the third by a difference of the third (SERIES lies at 0.8).
@@ -125,17 +112,6 @@ def test_the_factor_carries_a_complex_step_through_all_its_derivatives(c):
     third = [rotation_factor(np.array([c + k * h]))[3, 0] for k in (-2, -1, 1, 2)]
     fourth = (third[0] - 8 * third[1] + 8 * third[2] - third[3]) / (12 * h)
     assert moved.imag[3] / step == pytest.approx(fourth, rel=1e-7)
-
-
-@pytest.mark.slow
-def test_linearized_equations_in_steady_motion():
-    """All matrices hold third derivatives of the deformations, whose complex step takes fourth ones."""
-    text = linear_models.SPATIAL.format(extra="ITERSTEP 60 8 1e-10", third="").replace("FIX 1 ", "FIX 1   ADEFORM ")
-    names = ["ESTIFF.1[GIt]", "ESTIFF.3[EIy]", "EM.1", "XM.7[4]", "EDAMP.3[4]", "X.6[2]", "XGYRO.7[2]",
-             "INPUTX.8.1[start rate]", "INPUTE.5.1[start rate]", "GRAVITY[2]"]  # fmt: skip
-    deck = parse_deck(text, mode=10)
-    agree(deck, names, ["x[6,1]", "sig[1,2]"], rel=1e-6)
-    agree(deck, names, ["frequency[1]", "frequency[4]", "real(eigval[2])", "xcompl[6,2]", "lmult[1]"], rel=1e-5)
 
 
 @pytest.mark.slow
