@@ -3,10 +3,13 @@
 import http.client
 import json
 import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from hashlib import sha256
+from pathlib import Path
 from threading import Thread
 
 import pytest
@@ -17,16 +20,25 @@ from tests.examples import DATA
 CRANK = DATA / "crank.dat"
 
 
-@pytest.fixture
-def server(tmp_path) -> Iterator[PageServer]:
-    path = tmp_path / "crank.dat"
-    path.write_bytes(CRANK.read_bytes())
-    made = PageServer(PageCalls(path))
+@contextmanager
+def serving(path: Path, **options: bool) -> Iterator[PageServer]:
+    made = PageServer(PageCalls(path, **options))
     Thread(target=made.serve_forever, kwargs={"poll_interval": 0.01}, daemon=True).start()
     yield made
     made.shutdown()
     made.server_close()
     made.calls.close()
+
+
+@pytest.fixture
+def crank(tmp_path) -> Path:
+    return Path(shutil.copy(CRANK, tmp_path))
+
+
+@pytest.fixture
+def server(crank) -> Iterator[PageServer]:
+    with serving(crank) as made:
+        yield made
 
 
 def asked(server: PageServer, method: str, name: str, body: object = None, path: str | None = None, **headers: str):
@@ -92,10 +104,8 @@ def test_only_the_files_of_the_page_are_given(server, name):
 def test_calls_are_json_of_limited_size(server):
     assert asked(server, "POST", "call/open", {})[0] == 200
     assert asked(server, "POST", "call/open", {}, Content_Type="text/plain")[0] == 400
-    assert asked(server, "POST", "call/open", {"path": "/etc/passwd"})[0] == 400
-    assert asked(server, "POST", "call/nothing", {})[0] == 400
-    assert asked(server, "POST", "call/open", [1])[0] == 400
-    assert asked(server, "POST", "call/task", {"task": "check"})[0] == 400
+    wrong = ("open", {"path": "/etc/passwd"}), ("nothing", {}), ("open", [1]), ("task", {"task": "check"})
+    assert [asked(server, "POST", f"call/{name}", given)[0] for name, given in wrong] == [400] * len(wrong)
     assert asked(server, "PUT", "call/open", {})[0] == 501
 
 
@@ -120,12 +130,8 @@ def test_the_policy_admits_our_own_scripts_only(server):
 
 
 def test_the_name_of_the_file_stays_text(tmp_path):
-    made = PageServer(PageCalls(tmp_path / "<img src=x onerror=alert(1)>.dat"))
-    Thread(target=made.serve_forever, kwargs={"poll_interval": 0.01}, daemon=True).start()
-    page = asked(made, "GET", "")[2]
-    made.shutdown()
-    made.server_close()
-    assert "<img" not in page
+    with serving(tmp_path / "<img src=x onerror=alert(1)>.dat") as made:
+        assert "<img" not in asked(made, "GET", "")[2]
 
 
 def test_the_page_saves_only_over_what_it_read(server):
@@ -148,16 +154,12 @@ def test_the_page_saves_only_over_what_it_read(server):
     assert path.read_text() == "% mine again\n"
 
 
-def test_a_watching_page_changes_nothing(tmp_path):
-    path = tmp_path / "crank.dat"
-    path.write_bytes(CRANK.read_bytes())
-    made = PageServer(PageCalls(path, watch=True))
-    Thread(target=made.serve_forever, kwargs={"poll_interval": 0.01}, daemon=True).start()
-    for name, given in (("run", {"mode": 1}), ("save", {"text": "", "digest": "", "newline": "\n", "marked": False})):
-        assert json.loads(asked(made, "POST", f"call/{name}", given)[2])["code"] == "edit.watch"
-    made.shutdown()
-    made.server_close()
-    assert path.read_bytes() == CRANK.read_bytes()
+def test_a_watching_page_changes_nothing(crank):
+    calls = ("run", {"mode": 1}), ("save", {"text": "", "digest": "", "newline": "\n", "marked": False})
+    with serving(crank, watch=True) as made:
+        for name, given in calls:
+            assert json.loads(asked(made, "POST", f"call/{name}", given)[2])["code"] == "edit.watch"
+    assert crank.read_bytes() == CRANK.read_bytes()
 
 
 def test_the_command_prints_the_address_and_the_page_ends_it(tmp_path):

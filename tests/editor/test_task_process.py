@@ -54,33 +54,24 @@ def test_the_time_to_begin_is_not_that_of_an_answer(process, monkeypatch):
         asked(process)
 
 
-def test_the_worker_answers_and_survives_what_is_no_model(tmp_path):
+def test_the_worker_answers_and_survives_what_is_no_model(process, tmp_path):
     """Also texts that are no text: everything is an answer."""
-    process = TaskProcess()
     path = str(tmp_path / "some.dat")
-    try:
-        for text in ("", "PLBEAM", "\x00\ud800 %", "PLBEAM 1 1 2 3 4\nX 3 1e308 1e308\nEND HALT\n", "END\n" * 50):
-            answer = json.loads(process.ask("check", {"text": text, "file": path}, 30))
+    for text in ("", "PLBEAM", "\x00\ud800 %", "PLBEAM 1 1 2 3 4\nX 3 1e308 1e308\nEND HALT\n", "END\n" * 50):
+        for task in ("check", "picture"):
+            answer = json.loads(process.ask(task, {"text": text, "file": path}, 30))
             assert "internal" not in answer.get("error", ""), answer
-            answer = json.loads(process.ask("picture", {"text": text, "file": path}, 30))
-            assert "internal" not in answer.get("error", ""), answer
-        assert "error" in json.loads(process.ask("result", {"file": path}, 30))
-    finally:
-        process.close()
+    assert "error" in json.loads(process.ask("result", {"file": path}, 30))
 
 
-def test_no_user_function_is_executed_while_typing(tmp_path):
+def test_no_user_function_is_executed_while_typing(process, tmp_path):
     """check, picture and freedom of a model with USERSIG: its file would leave a mark."""
     (tmp_path / "evil.py").write_text("open('mark', 'w')\ndef evil(t, state):\n    return []\n")
     text = (DATA / "fourbar.dat").read_text().replace("STARTDE", "USERSIG EVIL\nSTARTDE")
-    process = TaskProcess()
     path = str(tmp_path / "some.dat")
-    try:
-        found = json.loads(process.ask("check", {"text": text, "file": path}, 30))["result"]
-        assert [m["code"] for m in found["messages"]] == ["user-function.listed"]
-        for task in ("picture", "freedom"):
-            assert "result" in json.loads(process.ask(task, {"text": text, "file": path}, 30))
-    finally:
-        process.close()
+    found = json.loads(process.ask("check", {"text": text, "file": path}, 30))["result"]
+    assert [m["code"] for m in found["messages"]] == ["user-function.listed"]
+    for task in ("picture", "freedom"):
+        assert "result" in json.loads(process.ask(task, {"text": text, "file": path}, 30))
     assert not list(tmp_path.glob("**/mark"))
     assert not Path("mark").exists()
