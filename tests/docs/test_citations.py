@@ -85,13 +85,9 @@ def test_the_manual_and_the_paper_lead_to_the_bibliography():
 
 
 def test_pages_that_name_manual_or_paper_link_to_the_bibliography():
-    text = {p: p.read_text(encoding="utf-8") for p in PAGES if p.name != "bibliography.md"}
-    wrong = [
-        relative(p)
-        for p, t in text.items()
-        if NAMED.search(t) and not re.search(r"bibliography\.md|\]\((\.\./)?(reference/)?index\.md\)", t)
-    ]
-    assert not wrong
+    naming = [p for p in PAGES if p.name != "bibliography.md" and NAMED.search(p.read_text(encoding="utf-8"))]
+    link = re.compile(r"bibliography\.md|\]\((\.\./)?(reference/)?index\.md\)")
+    assert not [relative(p) for p in naming if not link.search(p.read_text(encoding="utf-8"))]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=relative)
@@ -102,18 +98,13 @@ def test_sections_that_pages_cite(page):
 def test_tables_and_equations_of_the_paper():
     """The paper has 22 equations and 19 tables."""
     text = " ".join(lines(p) for p in sources() if "symbolic" in p.parts)
-    tables = [
-        int(n) for m in re.findall(r"\btables? ((?:\d+(?:, | and | to )?)+)", text) for n in re.findall(r"\d+", m)
-    ]
+    cited = re.findall(r"\btables? ((?:\d+(?:, | and | to )?)+)", text)
+    tables = [int(n) for numbers in cited for n in re.findall(r"\d+", numbers)]
     assert tables
     assert max(tables) <= PAPER_TABLES
 
 
 def test_nothing_in_the_reference_is_unsettled():
     """No marks of doubt: open points stand in decisions.md, each with what this program does."""
-    wrong = {
-        p.name: found
-        for p in PAGES
-        if (found := re.findall(r"\[\?[^\]]*\]?|\[P\b[^\]]*\]?", p.read_text(encoding="utf-8")))
-    }
-    assert not wrong
+    mark = re.compile(r"\[\?[^\]]*\]?|\[P\b[^\]]*\]?")
+    assert not {p.name: found for p in PAGES if (found := mark.findall(p.read_text(encoding="utf-8")))}

@@ -95,20 +95,10 @@ def house(tmp_path_factory):
     return House(tmp_path_factory.mktemp("plain"))
 
 
-@pytest.fixture(scope="module")
-def drawn_house(tmp_path_factory):
+@pytest.fixture
+def drawn_house(tmp_path):
     """Without step 3, whose rows belong to an engine that has been built again."""
-    house = House(tmp_path_factory.mktemp("drawn"))
-    for name in ("drawing", "parts-row"):
-        house.edit(name)
-    return house
-
-
-@pytest.fixture(scope="module")
-def full_house(tmp_path_factory):
-    """All four steps."""
-    house = House(tmp_path_factory.mktemp("full"))
-    house.add("plcam_symbolic.py")
+    house = House(tmp_path)
     for name in ("drawing", "parts-row"):
         house.edit(name)
     return house
@@ -188,15 +178,16 @@ def test_the_picture_of_the_guide(drawn_house):
 
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
-def test_the_compiled_form(full_house):
-    """A cam that turns freely keeps its energy, and both paths give the same motion.
+def test_the_compiled_form(drawn_house):
+    """All four steps. A cam that turns freely keeps its energy, and both paths give the same motion.
 
     Energy 5e-3 J with tolerances of 1e-10 on angle and rate: 1e-8 of it allows the errors of about a hundred steps.
     """
     pytest.importorskip("sympy")
-    shutil.copy(HOUSE / "hatch_build.py", full_house.home)
-    assert "built the compiled engine" in full_house.python("hatch_build.py")
-    got = full_house.arrays(
+    drawn_house.add("plcam_symbolic.py")
+    shutil.copy(HOUSE / "hatch_build.py", drawn_house.home)
+    assert "built the compiled engine" in drawn_house.python("hatch_build.py")
+    got = drawn_house.arrays(
         "a, b = (spacar.run(1, 'free.dat', compiled=c) for c in (True, False))\n"
         "from spacar.compiled.numbers import without_form\n"
         "assert without_form(a.mechanism) == []\n"

@@ -18,7 +18,7 @@ from spacar.sensitivities.directed_elements import DirectedElements
 from spacar.sensitivities.step_quantities import STRESSES
 from spacar.stationary import LoadLevel
 from tests.command_line import call
-from tests.docs.documents import module_of, run_document
+from tests.docs.documents import module_of
 from tests.linear import linear_models
 
 from .difference_truth import agree, values_of
@@ -244,7 +244,3 @@ def test_the_optimization_needs_a_tenth_of_the_analyses(example: ModuleType) -> 
     stresses = exact.at(example.found_parameters(exact, results[0])).values[len(exact.frequencies) :]
     assert stresses.max() <= example.LIMIT * (1 + 1e-4)
     assert differences.analyses >= 10 * exact.analyses
-
-
-def test_the_page(tmp_path: Path) -> None:
-    assert run_document(HOUSE / "docs" / "sensitivity.md", tmp_path).commands >= 3
