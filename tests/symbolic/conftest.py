@@ -33,8 +33,9 @@ class Arm:
 
 
 @cache
-def build(reaction: str = "tip", boundary: bool = True, gravity: bool = True, number: int = 3, free: bool = False,
-          foreshortening: bool = False) -> Arm:  # fmt: skip
+def build(
+    reaction: str = "tip", boundary: bool = True, gravity: bool = True, number: int = 3, foreshortening: bool = False
+) -> Arm:
     from spacar.symbolic import MultibodySystem, beam_shapes
 
     S = MultibodySystem(gravity=("0", "-g", "0") if gravity else (0, 0, 0))
@@ -43,23 +44,22 @@ def build(reaction: str = "tip", boundary: bool = True, gravity: bool = True, nu
     q4, _s4 = S.coordinate("q4", speed="s4")
     beam = {
         "length": L, "mass": rho, "EI": EI, "field": beam_shapes.monomial(*range(2, 2 + number)) if number else (),
-        "damping": 0 if free else gam, "damping_boundary": boundary, "foreshortening": foreshortening,
+        "damping": gam, "damping_boundary": boundary, "foreshortening": foreshortening,
     }  # fmt: skip
     B1 = S.frame("B1", parent=S.N, axis=3, angle=q1)
     link1 = S.beam("link1", frame=B1, root=S.O, **beam)
     B2 = S.frame("B2", parent=link1.tip, axis=3, angle=q4)
     link2 = S.beam("link2", frame=B2, root=link1.tip, **beam)
-    if not free:
-        Ta1 = S.input("Ta1", "-D1*s1 - K1*(q1 - Q1)")
-        Ta2 = S.input("Ta2", "-D2*s4 - K2*(q4 - Q4)")
-        S.torque(B1, Ta1 * B1[3], reaction=S.N)
-        S.torque(B2, Ta2 * B2[3], reaction=link1.tip if reaction == "tip" else B1)
+    Ta1 = S.input("Ta1", "-D1*s1 - K1*(q1 - Q1)")
+    Ta2 = S.input("Ta2", "-D2*s4 - K2*(q4 - Q4)")
+    S.torque(B1, Ta1 * B1[3], reaction=S.N)
+    S.torque(B2, Ta2 * B2[3], reaction=link1.tip if reaction == "tip" else B1)
     return Arm(S, link1, link2, VALUES)
 
 
 @pytest.fixture(scope="session")
 def arm() -> Any:
-    """The builder `arm(reaction, boundary, gravity, number, free, foreshortening)`; equal calls give one object."""
+    """The builder `arm(reaction, boundary, gravity, number, foreshortening)`; equal calls give one object."""
     return build
 
 

@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 
-pytest.importorskip("sympy")
-
 from spacar.symbolic import MultibodySystem
 
 pin = pytest.importorskip("pinocchio")

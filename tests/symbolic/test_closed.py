@@ -16,6 +16,8 @@ from spacar.errors import AnalysisError
 from spacar.symbolic import MultibodySystem, beam_shapes
 from spacar.symbolic.compiled_program import CompiledFunction, compiler
 
+from .systems import gauss
+
 VALUES = {"g": 9.81, "L1": 0.15, "m": 0.05, "rho": 0.2, "L": 0.3, "EI": 0.5, "GJ": 0.4, "EA": 30.0, "j": 1e-5}
 NODES = 10  # exact to degree 19; the integrands reach 12
 STEP = mp.mpf(10) ** -20
@@ -31,15 +33,6 @@ def turn(axis, angle):
     R[i, i] = R[j, j] = c
     R[i, j], R[j, i] = -s, s
     return R
-
-
-@cache
-def gauss():
-    with mp.workdps(120):
-        P = lambda x: mp.legendre(NODES, x)  # noqa: E731
-        guesses = np.polynomial.legendre.leggauss(NODES)[0]
-        roots = [mp.findroot(P, (mp.mpf(x), mp.mpf(x) + mp.mpf(10) ** -12)) for x in guesses]
-        return [((1 + x) / 2, 1 / ((1 - x * x) * mp.diff(P, x) ** 2)) for x in roots]
 
 
 def powers(c, x, n):
@@ -68,7 +61,7 @@ class Rod:
         u, w = self.fields(q)
         drawn = mp.mpf(0)
         if self.shortening:
-            drawn = sum(h * x * (powers(u, s * x, 1) ** 2 + powers(w, s * x, 1) ** 2) / 2 for s, h in gauss())
+            drawn = sum(h * x * (powers(u, s * x, 1) ** 2 + powers(w, s * x, 1) ** 2) / 2 for s, h in gauss(NODES))
         return root + B * mp.matrix([x - drawn, powers(u, x, 0), powers(w, x, 0)])
 
     def tip_axis(self, q):
@@ -83,16 +76,17 @@ class Rod:
 
     def masses(self, q):
         V = self.V
-        found = [(h * V["L"] * V["rho"], self.point(q, x * V["L"])) for x, h in gauss()]
+        found = [(h * V["L"] * V["rho"], self.point(q, x * V["L"])) for x, h in gauss(NODES)]
         found.append((V["m"], self.point(q, V["L"])))
         if not self.spatial:
             crank = turn(3, q[0])
-            found += [(h * V["L1"] * V["rho"], crank * mp.matrix([x * V["L1"], 0, 0])) for x, h in gauss()]
+            found += [(h * V["L1"] * V["rho"], crank * mp.matrix([x * V["L1"], 0, 0])) for x, h in gauss(NODES)]
         return found
 
     def potential(self, q):
         V, (u, w) = self.V, self.fields(q)
-        bent = sum(h * V["L"] * (powers(u, x * V["L"], 2) ** 2 + powers(w, x * V["L"], 2) ** 2) for x, h in gauss())
+        places = [(x * V["L"], h * V["L"]) for x, h in gauss(NODES)]
+        bent = sum(h * (powers(u, x, 2) ** 2 + powers(w, x, 2) ** 2) for x, h in places)
         return V["EI"] * bent / 2 + sum(m * V["g"] * r[1] for m, r in self.masses(q))
 
 

@@ -16,6 +16,8 @@ from spacar.symbolic.printing import text
 from spacar.symbolic.simulated_motion import absolute_tolerance, make_function, simulate
 from spacar.symbolic.unit_vectors import TIME
 
+from .systems import pendulum
+
 VALUES = {"m": 2.0, "J": 0.05, "a": 0.2, "rho": 0.5, "L": 0.8, "EI": 1.0}
 START = {"v": 0.1, "w": 1.5}
 # t, v, w, theta, tip deflection, x, y: two integrators, energy kept to 7e-15 J (reference, 3.5)
@@ -135,15 +137,6 @@ def test_wrong_constraints_say_what_and_why():
 
 
 # The description of a system: strong forms, inputs, plots, wrong calls.
-def pendulum():
-    S = MultibodySystem(gravity=("0", "-g", "0"))
-    q, s = S.coordinate("q", speed="s")
-    m, L = S.parameters("m L")
-    A = S.frame("A", S.N, 3, q)
-    S.particle("bob", S.point("P", S.O, L * A[1]), m)
-    return S, A, q, s
-
-
 def test_strong_form_is_the_beam_equation_with_its_boundary_conditions(arm):
     """EI u'''' + ρ a·b2 − f·b2 − 2γ u_xxt = 0; the free end has no load, the end of beam 1 has E."""
     eq = arm().equations("held")
@@ -204,6 +197,7 @@ def test_prescribed_motion_enters_as_time(strategy):
 def test_pendulum_linearized_and_plotted():
     S, *_ = pendulum()
     eq = S.derive()
+    assert "(t)" not in text(eq.held[0])
     linear = eq.linearize({"m": 2.0, "L": 0.5, "g": 9.81}, {"q": -np.pi / 2})
     assert linear.K0[0, 0] / linear.M0[0, 0] == pytest.approx(9.81 / 0.5, rel=1e-12)
     assert linear.C0[0, 0] == 0
@@ -269,11 +263,6 @@ def test_wrong_simulations_say_what_is_wrong():
             program.simulate(values, {"q": 0.1}, **options)
     with pytest.raises(UsageError, match="start: z is not a state"):
         program.simulate(values, {"z": 1.0}, t_end=1.0)
-
-
-def test_text_of_equations_has_no_time_arguments():
-    S, *_ = pendulum()
-    assert text(S.derive().held[0]) == "-L*g*m*n2.a2 - L**2*m*s_dot" or "(t)" not in text(S.derive().held[0])
 
 
 def geared_wheels() -> MultibodySystem:

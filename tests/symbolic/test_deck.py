@@ -7,12 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.command_line import call
 from tests.command_line import call as spacar
 from tests.examples import DATA
-
-pytest.importorskip("sympy")
-
 
 # a rigid part that hangs on a flexible beam, welded rotations, a spring, a preloaded hinge, constant loads, gravity
 ARM = """
@@ -34,6 +30,30 @@ PLBEAM 1 1 2 3 4   X 1 0. 0.   X 3 0.6 0.8   FIX 1   DYNE 1 1   DYNX 2 1   END H
 XM 3 1.5   XM 2 0.1   ESTIFF 1 30.   EDAMP 1 0.5   GRAVITY 0. -9.81
 STARTDX 2 1 0.2 3.   TIMESTEP 0.3 10   END END
 """
+# a free body of two rods, on it a hinge about a skew axis with spring, damper and preload, a rod with rotary inertia
+# and products of inertia of its section, an elastic truss to the ground, a force, gravity, inertias of a node
+FREE = """
+RBEAM 1 1 2 3   RBEAM 2 1 2 4   HINGE 3 2 5 1. 2. 2.   BEAM 4 3 5 6 7 0. 1. 0.3   TRUSS 5 6 8
+X 1 0. 0. 0.   X 3 0.5 0.1 0.2   X 4 -0.2 0.4 0.   X 6 1.0 0.3 0.6   X 8 1.4 0.6 1.0
+FIX 8   DYNE 3 1   DYNX 1   DYNX 2 2 3 4   RLSE 5 1   END HALT
+EM 1 0.8 0.01 0.005 0.004   EM 2 1.2   EM 4 0.5 0.01 0.002 0.003 0.001   XM 4 0.3
+XM 2 0.02 0.001 0. 0.03 0.002 0.04   XF 6 1. -2. 0.5   ESTIFF 5 30.   EDAMP 5 0.2   ESTIFF 3 2.
+EDAMP 3 0.1   ESIG 3 0.4   GRAVITY 0. 0. -9.81
+STARTDE 3 1 0.2 0.5   STARTDX 2 2 0.1 0.3   STARTDX 2 3 0.05 -0.2   TIMESTEP 0.3 10   END END
+"""
+# a beam that bends in both planes and twists, on a driven column
+COLUMN = """
+HINGE 1 1 2 0. 0. 1.   BEAM 2 3 2 4 5 0. 1. 0.5   X 3 0. 0. 0.   X 4 0.6 0.2 0.3
+FIX 1   FIX 3   DYNE 1 1   DYNE 2 2 3 4 5 6   END HALT
+EM 2 2. 0.02   XM 4 1.   XM 5 0.01 0. 0. 0.01 0. 0.01   XF 4 0. 0. -3.   ESTIFF 2 0. 60. 90. 120.
+STARTDE 1 1 0.1 2.   TIMESTEP 0.1 10   END END
+"""
+# the same beam, thrown: it hangs on nothing
+THROWN = (
+    COLUMN.replace("HINGE 1 1 2 0. 0. 1.", "")
+    .replace("FIX 1   FIX 3   DYNE 1 1 ", "DYNX 3   DYNX 2 2 3 4 ")
+    .replace("STARTDE 1 1 0.1 2.", "STARTDX 2 4 0.05 1.")
+)
 
 
 @pytest.fixture
@@ -42,50 +62,48 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def differences(out: str) -> list[float]:
-    return [float(v) for v in re.findall(r"differ by at most (\S+)", out)]
+def exported(folder: Path, source: str, *options: str) -> tuple[str, list[float]]:
+    """What `spacar symbolic export` says of an example or a text, and by how much results differ from mode 1."""
+    path = folder / "m.dat"
+    path.write_text(source if " " in source else (DATA / f"{source}.dat").read_text())
+    out = spacar.done("symbolic", "export", path, *options).out
+    return out, [float(v) for v in re.findall(r"differ by at most (\S+)", out)]
 
 
-@pytest.mark.parametrize(
-    ("name", "options"),
-    [
-        ("crank", ("--time", "0.02")),
-        ("slider", ()),
-        pytest.param("fourbar", ("--time", "0.2"), marks=pytest.mark.slow),
-        pytest.param("lever", ("--time", "0.1"), marks=pytest.mark.slow),
-    ],
-)
-def test_rigid_examples_move_as_in_mode_1(folder, name, options):
-    shutil.copy(DATA / f"{name}.dat", folder)
-    out = spacar.done("symbolic", "export", f"{name}.dat", *options).out
-    assert max(differences(out)) < 1e-7  # both runs at rtol 1e-9
-    assert "the parts are rigid" in out
+SLOW = {"fourbar", "lever", "loop", "arm", "free", "column", "thrown"}
+# Text or example, options, words, limits of the difference of positions [m] and of all differences. Both runs have
+# the tolerance 1e-9. Flexible models have the same shapes: what is left is of second order, 1e-4 of the deflection.
+RIGID = ("the parts are rigid", 1e-7, 1e-7)
+MOTIONS = {
+    "crank": ("crank", ("--time", "0.02"), *RIGID),
+    "slider": ("slider", (), *RIGID),
+    "fourbar": ("fourbar", ("--time", "0.2"), *RIGID),
+    "lever": ("lever", ("--time", "0.1"), *RIGID),
+    "loop": (LOOP, (), "", 1e-7, 1e-7),
+    "sliding": (SLIDER, (), "", 1e-7, 1e-7),
+    "robotsim": ("robotsim", ("--time", "0.05"), "3 coordinates, 0 constraints", 1e-8, np.inf),
+    "free": (FREE, (), "", 1e-8, np.inf),
+    "arm": (ARM, (), "largest deflection 0.01", 5e-6, np.inf),
+    "column": (COLUMN, (), "largest deflection 0.009", 2e-6, np.inf),
+    "thrown": (THROWN, (), "largest deflection 0.0001", 1e-8, np.inf),
+}
 
 
-@pytest.mark.parametrize("text", [pytest.param(LOOP, marks=pytest.mark.slow), SLIDER], ids=["loop", "slider"])
-def test_loops_and_sliders_move_as_in_mode_1(folder, text):
-    (folder / "m.dat").write_text(text)
-    out = spacar.done("symbolic", "export", "m.dat").out
-    assert max(differences(out)) < 1e-7
-
-
-@pytest.mark.slow
-def test_a_flexible_arm_moves_as_in_mode_1(folder):
-    """The element has the same two shapes; what is left is of second order: 1e-4 of a deflection of 15 mm."""
-    (folder / "arm.dat").write_text(ARM)
-    out = spacar.done("symbolic", "export", "arm.dat").out
-    assert differences(out)[0] < 5e-6
-    assert re.search(r"largest deflection 0\.01", out)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in MOTIONS])
+def test_models_move_as_in_mode_1(folder, name):
+    source, options, words, of_positions, of_all = MOTIONS[name]
+    out, differences = exported(folder, source, *options)
+    assert words in out
+    assert differences[0] < of_positions
+    assert max(differences) < of_all
 
 
 @pytest.mark.slow
 def test_the_flexible_slider_crank_of_the_manual(folder):
     """Two elements and two beams of two shapes; over 0.1 s (15 rad) the export says 2.3 µm of 4.2 mm."""
-    shutil.copy(DATA / "crankfl.dat", folder)
-    out = spacar.done("symbolic", "export", "crankfl.dat", "--time", "0.02").out
-    assert differences(out)[0] < 5e-6
-    spacar.done("symbolic", "simulate", "crankfl.toml", "--time", "0.01", "--steps", "4", "--compiled")
-    assert spacar("draw", "crankfl", "-o", "c.png")[0] == 0
+    assert exported(folder, "crankfl", "--time", "0.02")[1][0] < 5e-6
+    spacar.done("symbolic", "simulate", "m.toml", "--time", "0.01", "--steps", "4", "--compiled")
+    assert spacar("draw", "m", "-o", "c.png")[0] == 0
 
 
 def test_what_is_written_is_a_model_and_a_program(folder):
@@ -129,63 +147,3 @@ def test_other_commands_say_what_to_do_with_a_deck(folder):
     assert "spacar symbolic export crank.dat makes a model of it" in spacar.refused("symbolic", "simulate", "crank.dat")
     (folder / "m.toml").write_text('[coordinates]\nq = { speed = "s" }\n')
     assert "choose the language of the program" in spacar.refused("symbolic", "export", "m.toml")
-
-
-# Spatial input files as symbolic models: their motion is that of mode 1, which shares no equations with them.
-
-
-# a free body of two rods, on it a hinge about a skew axis with spring, damper and preload, a rod with rotary inertia
-# and products of inertia of its section, an elastic truss to the ground, a force, gravity, inertias of a node
-FREE = """
-RBEAM 1 1 2 3   RBEAM 2 1 2 4   HINGE 3 2 5 1. 2. 2.   BEAM 4 3 5 6 7 0. 1. 0.3   TRUSS 5 6 8
-X 1 0. 0. 0.   X 3 0.5 0.1 0.2   X 4 -0.2 0.4 0.   X 6 1.0 0.3 0.6   X 8 1.4 0.6 1.0
-FIX 8   DYNE 3 1   DYNX 1   DYNX 2 2 3 4   RLSE 5 1   END HALT
-EM 1 0.8 0.01 0.005 0.004   EM 2 1.2   EM 4 0.5 0.01 0.002 0.003 0.001   XM 4 0.3
-XM 2 0.02 0.001 0. 0.03 0.002 0.04   XF 6 1. -2. 0.5   ESTIFF 5 30.   EDAMP 5 0.2   ESTIFF 3 2.
-EDAMP 3 0.1   ESIG 3 0.4   GRAVITY 0. 0. -9.81
-STARTDE 3 1 0.2 0.5   STARTDX 2 2 0.1 0.3   STARTDX 2 3 0.05 -0.2   TIMESTEP 0.3 10   END END
-"""
-# a beam that bends in both planes and twists, on a driven column
-COLUMN = """
-HINGE 1 1 2 0. 0. 1.   BEAM 2 3 2 4 5 0. 1. 0.5   X 3 0. 0. 0.   X 4 0.6 0.2 0.3
-FIX 1   FIX 3   DYNE 1 1   DYNE 2 2 3 4 5 6   END HALT
-EM 2 2. 0.02   XM 4 1.   XM 5 0.01 0. 0. 0.01 0. 0.01   XF 4 0. 0. -3.   ESTIFF 2 0. 60. 90. 120.
-STARTDE 1 1 0.1 2.   TIMESTEP 0.1 10   END END
-"""
-# the same beam, thrown: it hangs on nothing
-THROWN = (
-    COLUMN.replace("HINGE 1 1 2 0. 0. 1.", "")
-    .replace("FIX 1   FIX 3   DYNE 1 1 ", "DYNX 3   DYNX 2 2 3 4 ")
-    .replace("STARTDE 1 1 0.1 2.", "STARTDX 2 4 0.05 1.")
-)
-
-
-def exported(*words: str | Path) -> tuple[str, float]:
-    """What `spacar symbolic export` says, and by how much the positions differ from those of mode 1 [m]."""
-    out = call.done("symbolic", "export", *words).out
-    found = re.search(r"positions +differ by at most (\S+) m", out)
-    assert found
-    return out, float(found[1])
-
-
-def test_a_manipulator_moves_as_in_mode_1(tmp_path: Path) -> None:
-    shutil.copy(DATA / "robotsim.dat", tmp_path)
-    out, difference = exported(tmp_path / "robotsim.dat", "--time", "0.05")
-    assert difference < 1e-8  # both runs at rtol 1e-9
-    assert "3 coordinates, 0 constraints" in out
-
-
-@pytest.mark.slow
-def test_a_free_body_with_a_skew_hinge_moves_as_in_mode_1(tmp_path: Path) -> None:
-    (tmp_path / "free.dat").write_text(FREE)
-    assert exported(tmp_path / "free.dat")[1] < 1e-8
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("text", "limit", "deflection"), [(COLUMN, 2e-6, "0.009"), (THROWN, 1e-8, "0.0001")])
-def test_a_beam_in_two_planes_moves_as_in_mode_1(tmp_path: Path, text: str, limit: float, deflection: str) -> None:
-    """Same two shapes in each plane, one of twist: what is left is of second order, 1e-4 of the deflection."""
-    (tmp_path / "column.dat").write_text(text)
-    out, difference = exported(tmp_path / "column.dat")
-    assert difference < limit
-    assert f"largest deflection {deflection}" in out

@@ -12,9 +12,6 @@ from spacar.symbolic import MultibodySystem, beam_shapes
 from spacar.symbolic.beam_shapes import X
 from spacar.symbolic.model_reader import read_model
 
-pytest.importorskip("sympy")
-
-
 STRATEGIES = ("held", "recursive")
 VALUES = {"L": 1.3, "rho": 0.7, "EI": 12.0, "p": 3.0, "g": 9.81, "c": 0.4}
 

@@ -14,22 +14,25 @@ from spacar.symbolic import MultibodySystem
 from spacar.symbolic.compiled_program import CompiledFunction, compiler
 from spacar.symbolic.emit.scalars import CText, FortranText, PythonText, Writer
 
+from .systems import links
+
 COMPILERS = {
     "c": ("gcc", ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror"], ".c"),
     "fortran": ("gfortran", ["-std=f2008", "-Wall", "-Werror"], ".f90"),
 }
 
 
-def build(language, text, folder):
+def build(language, text, folder, *more):
+    """The library; it compiles without a word, unless `more` options ask for some."""
     program, flags, ending = COMPILERS[language]
     if shutil.which(program) is None:
         pytest.skip(f"{program} is not installed: the generated {language} cannot be compiled here")
     source, library = folder / f"equations{ending}", folder / f"{language}.so"
     source.write_text(text)
-    command = [program, *flags, "-O1", "-shared", "-fPIC", "-o", str(library), str(source), "-lm"]
+    command = [program, *flags, *more, "-O1", "-shared", "-fPIC", "-o", str(library), str(source), "-lm"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert done.stderr == ""
+    assert more or done.stderr == ""
     return ctypes.CDLL(str(library))
 
 
@@ -183,3 +186,29 @@ def test_unknown_language_and_missing_jacobian(programs):
         programs("recursive").text("cobol")
     with pytest.raises(UsageError, match="Jacobian"):
         programs("recursive").text("latex", jacobian=True)
+
+
+@pytest.mark.skipif(not compiler(), reason="no C compiler")
+def test_a_call_of_the_compiled_right_hand_side_takes_what_python_takes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lists, tuples, slices with steps; the same numbers with and without the headers of Python; errors in words."""
+    values = {"g": 9.81, "m": 1.3, "L": 0.4, "J": 0.02}
+    program = links(2)[0].derive("recursive").program()
+    direct = CompiledFunction(program, values)
+    monkeypatch.setattr("spacar.symbolic.compiled_program.compiler_options", lambda: None)
+    by_ctypes = CompiledFunction(program, values)
+    y = np.random.default_rng(3).uniform(-0.1, 0.1, len(program.state))
+    expected = program.function(values)(0.2, y.tolist())
+    spread = np.zeros(2 * len(y))
+    spread[::2] = y
+    for given in (y, y.tolist(), tuple(y), spread[::2], y.astype(np.float32).astype(float)[...]):
+        for function in (direct, by_ctypes):
+            rates = function(0.2, given)
+            assert rates.shape == y.shape
+            assert rates.dtype == float
+        np.testing.assert_array_equal(direct(0.2, given), by_ctypes(0.2, given))
+    np.testing.assert_allclose(direct(0.2, y), expected, rtol=1e-9)
+    first = direct(0.2, y)
+    direct(0.3, 2 * y)
+    np.testing.assert_array_equal(first, direct(0.2, y))  # every call gives an array of its own
+    with pytest.raises(ValueError, match="y has 3 numbers, the system has"):
+        direct(0.0, [1.0, 2.0, 3.0])

@@ -12,6 +12,8 @@ from spacar.symbolic.held import HeldDerivation
 from spacar.symbolic.reference_frames import dvdt
 from spacar.symbolic.unit_vectors import TIME, UnevaluatedDot
 
+from .systems import gauss
+
 VARIANTS = [{}, {"reaction": "root", "boundary": False}]
 
 
@@ -31,7 +33,7 @@ def oracle(values, boundary=True, root=False, digits=40):
     with mp.workdps(digits):
         v = {k: mp.mpf(x) for k, x in values.items()}
         L, rho, EI, gam, g = (v[k] for k in ("L", "rho", "EI", "gam", "g"))
-        points = [(L * (z + 1) / 2, w * L / 2) for z, w in _gauss(7, digits)]
+        points = [(L * x, L * h) for x, h in gauss(7)]
         psi = [lambda x, n=n: x**n / L**4 for n in (2, 3, 4)]
         slope = [lambda x, n=n: n * x ** (n - 1) / L**4 for n in (2, 3, 4)]
         bend = [lambda x, n=n: n * (n - 1) * x ** (n - 2) / L**4 for n in (2, 3, 4)]
@@ -75,17 +77,6 @@ def oracle(values, boundary=True, root=False, digits=40):
             for k in range(3):
                 f[2 + k] += v["Ta2"] * slope[k](L)
         return I, f
-
-
-def _gauss(n, digits):
-    with mp.workdps(digits + 10):
-        roots = sp.Poly(sp.legendre(n, sp.Symbol("z")), sp.Symbol("z")).nroots(n=digits + 10, maxsteps=500)
-        result = []
-        for r in roots:
-            z = mp.mpf(sp.re(r))
-            derivative = n * (z * mp.legendre(n, z) - mp.legendre(n - 1, z)) / (z**2 - 1)
-            result.append((z, 2 / ((1 - z**2) * derivative**2)))
-        return result
 
 
 @pytest.mark.parametrize(

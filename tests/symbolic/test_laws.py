@@ -1,9 +1,6 @@
-"""Laws with jumps and switches in all languages; silent misreadings refused; TOML and Python read the same."""
+"""Laws with jumps in Python and C (in Fortran: test_fortran.py); silent misreadings refused; TOML read as Python is."""
 
-import ctypes
 import math
-import shutil
-import subprocess
 
 import numpy as np
 import pytest
@@ -56,25 +53,6 @@ def test_laws_with_jumps_in_python_and_c():
                 e = 1e-6 * np.eye(4)[k]
                 slope = (law(t, *(np.array(y) + e)) - law(t, *(np.array(y) - e))) / 4e-6
                 assert f.jac(t, y)[2, k] == pytest.approx(slope, abs=1e-8)
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(shutil.which("gfortran") is None, reason="no gfortran")
-def test_laws_with_jumps_in_fortran(tmp_path):
-    program = mass(LAW)
-    (tmp_path / "law.f90").write_text(program.text("fortran"))
-    command = ["gfortran", "-std=f2008", "-Wall", "-Werror", "-shared", "-fPIC", "-o", "law.so", "law.f90"]
-    subprocess.run(command, cwd=tmp_path, check=True)
-    library = ctypes.CDLL(str(tmp_path / "law.so"))
-    p = np.array([VALUES[s.name] for s in program.parameters])
-    c, u = np.zeros(max(len(program.once), 1)), np.zeros(1)
-    at = [a.ctypes.data_as(ctypes.c_void_p) for a in (c, p)]
-    for t, y in STATES:
-        state = np.array(y)
-        library.eom_feed(
-            ctypes.c_double(t), *at, state.ctypes.data_as(ctypes.c_void_p), u.ctypes.data_as(ctypes.c_void_p)
-        )
-        assert u[0] == pytest.approx(law(t, *y), rel=1e-13)
 
 
 def test_t_is_time_in_texts():

@@ -6,17 +6,15 @@ import io
 
 import numpy as np
 import pytest
-
-pytest.importorskip("sympy")
-
 from spacar_drawing.picture_source import open_source
 from spacar_drawing.scene import positions, rotations
 from spacar_formats.locate import open_result
 
 from spacar.errors import UsageError
-from spacar.symbolic import MultibodySystem
 from spacar.symbolic.compiled_program import compiler
 from tests.command_line import call as spacar
+
+from .systems import pendulum
 
 MODEL = """
 [system]
@@ -154,12 +152,7 @@ def test_an_unknown_name_is_answered_with_the_known_ones(result, text):
 
 @pytest.mark.skipif(compiler() is None, reason="no C compiler")
 def test_compile_is_one_call_and_gives_the_same_numbers():
-    S = MultibodySystem(gravity=("0", "-g", "0"))
-    q, _ = S.coordinate("q", speed="s")
-    m, L = S.parameters("m L")
-    B = S.frame("B", S.N, 3, q)
-    P = S.point("P", S.O, L * B[1])
-    S.particle("bob", P, m)
+    S, B, P = pendulum()
     S.torque(B, S.input("M") * S.N[3])
     program = S.derive("recursive").program({"height": P.position & S.N[2]})
     values, feeds = {"g": 9.81, "m": 2.0, "L": 0.5}, {"M": lambda t, y: 0.3 * t}
@@ -177,10 +170,7 @@ def test_compile_is_one_call_and_gives_the_same_numbers():
 
 @pytest.mark.skipif(compiler() is None, reason="no C compiler")
 def test_many_states_in_one_call():
-    S = MultibodySystem(gravity=("0", "-g", "0"))
-    q, _ = S.coordinate("q", speed="s")
-    B = S.frame("B", S.N, 3, q)
-    S.particle("bob", S.point("P", S.O, S.expression("L") * B[1]), "m")
+    S, B, _ = pendulum()
     S.torque(B, (S.input("M") + S.input("D", "-d*s")) * S.N[3])
     values, feeds = {"g": 9.81, "m": 2.0, "L": 0.5, "d": 0.1}, {"M": lambda t, y: 0.3 * t + y[0]}
     f = S.derive("recursive").program().compile(values, feeds)

@@ -5,8 +5,6 @@ import pytest
 from scipy.spatial.transform import Rotation as Turn
 from scipy.special import ellipj
 
-pytest.importorskip("sympy")
-
 from spacar.errors import InputError, UsageError
 from spacar.symbolic import MultibodySystem
 from spacar.symbolic.model_reader import read_model
