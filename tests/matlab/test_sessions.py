@@ -1,13 +1,20 @@
 """Sessions of SPACAR's documentation, typed into Octave as printed there: arrays of a run are in the workspace."""
 
+import re
 import shutil
 
 import numpy as np
 import pytest
 from spacar_formats import mex
+from spacar_formats.getss import getss
 
+import spacar
+from spacar.deck import parse_deck
+from spacar.linear import form
+from tests.docs.documents import blocks
 from tests.examples import DATA
 
+from .models import TRANSFER
 from .octave import PROGRAM, need, run_octave
 
 # what is typed, and what is printed there (signs of the lever are those of the theory: the scan has none)
@@ -73,3 +80,37 @@ def test_functions_keep_their_variables(tmp_path, monkeypatch, folder):
     assert (out["before"], out["after"], out["marker"]) == (0, 0, 0)
     assert np.array_equal(out["field"], out["typed"])
     assert list(tmp_path.glob("massspring*.png"))
+
+
+# The blocks of docs/matlab.md, from top to bottom in one Octave session; `value   % = 1.5` is compared.
+PAGE = DATA.parent / "docs" / "matlab.md"
+VALUE = re.compile(r"^(\S.*?[^;\s])\s+% = (\S+)$", re.MULTILINE)
+CHECK = r"out.values(end + 1) = \1; out.expected(end + 1) = \2;"
+
+
+@pytest.mark.slow
+def test_the_page(tmp_path, monkeypatch):
+    """Printed numbers to their last digit."""
+    need("octave-cli")
+    for name in ("plbeam5", "robotinv", "robotinvlin", "massspring"):
+        shutil.copy(DATA / f"{name}.dat", tmp_path)
+    text = "\n".join(block.text for block in blocks(PAGE) if block.language == "matlab")
+    monkeypatch.setenv("SPACAR_COMMAND", str(PROGRAM))
+    script = "out.values = []; out.expected = [];\n" + VALUE.sub(CHECK, text)
+    done = run_octave(script, tmp_path, mex.FOLDER)
+    assert len(done["values"]) == 10
+    assert abs(done["values"] - done["expected"]).max() < 5e-5
+
+
+def test_eliminated_in_octave(tmp_path, monkeypatch):
+    """getss.m of the sparse system of a large model (asp, bsp, csp), against getss of Python."""
+    need("octave-cli")
+    monkeypatch.setattr(form, "LARGE", 1)
+    spacar.run(9, parse_deck(TRANSFER.replace("OUTLEVEL 0 1\n", ""), mode=9)).save(tmp_path / "large")
+    expected = getss(tmp_path / "large")
+    script = "[out.A, out.B, out.C, out.D] = getss('large'); s = getss('large'); out.names = s.StateName;"
+    found = run_octave(script, tmp_path, mex.FOLDER)
+    for name, matrix in zip("ABCD", (*expected,), strict=True):
+        size = max(np.abs(matrix).max(), 1e-9)  # D is zero here
+        np.testing.assert_allclose(np.reshape(found[name], matrix.shape), matrix, atol=1e-9 * size)
+    assert tuple(map(str, found["names"])) == expected.states

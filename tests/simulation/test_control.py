@@ -134,9 +134,13 @@ def test_names():
     assert variables(["a b", "a.b", "c"]) == ["a_b_1", "a_b_2", "c"]
 
 
-def test_a_unit_in_fmpy(tmp_path, monkeypatch):
+@pytest.fixture
+def fmpy():
     pytest.importorskip("pythonfmu", reason="pythonfmu is not installed")
-    fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
+    return pytest.importorskip("fmpy", reason="FMPy is not installed")
+
+
+def test_a_unit_in_fmpy(fmpy, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     shutil.copy(DATA / "robotsim.dat", tmp_path)
     assert main(["fmu", "robotsim", "--rtol", "1e-9", "--atol", "1e-11"]) == 0
@@ -160,10 +164,8 @@ INPUTF 1 3 2   OUTX 1 3 2   OUTXP 2 4 1   END END
 """
 
 
-def test_a_unit_with_a_user_function(tmp_path, monkeypatch):
+def test_a_unit_with_a_user_function(fmpy, tmp_path, monkeypatch):
     """The function pushes as the input does: half of the force each gives the motion of the whole force."""
-    pytest.importorskip("pythonfmu", reason="pythonfmu is not installed")
-    fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.dat").write_text(USER)
     found = []
@@ -185,10 +187,8 @@ def test_a_unit_with_a_user_function(tmp_path, monkeypatch):
     np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-7)
 
 
-def test_a_unit_that_fails_stops_its_simulation(tmp_path, monkeypatch):
+def test_a_unit_that_fails_stops_its_simulation(fmpy, tmp_path, monkeypatch):
     """With the error of FMI, not with a shorter result; its description is valid."""
-    pytest.importorskip("pythonfmu", reason="pythonfmu is not installed")
-    fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
     from fmpy.validation import validate_fmu
 
     monkeypatch.chdir(tmp_path)
