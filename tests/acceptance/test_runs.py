@@ -11,6 +11,7 @@ import time
 
 import numpy as np
 import pytest
+from spacar_formats.checksbf import checksbf
 from spacar_formats.sbf import SbfFile
 
 from spacar.compiled.library import why_off
@@ -101,13 +102,8 @@ def test_a_failed_run_is_never_mistaken_for_a_success(folder):
 
 def test_a_failing_analysis_keeps_what_was_computed(folder):
     """The rod of 0.12 m cannot reach the slider's guide when the crank of 0.15 m has turned by 53 degrees."""
-    text = (
-        (DATA / "crank.dat")
-        .read_text()
-        .replace("X 6 0.45 0.", "X 6 0.27 0.")
-        .replace("TIMESTEP 0.1 100", "TIMESTEP 0.02 200")
-    )
-    (folder / "short.dat").write_text(text)
+    text = (DATA / "crank.dat").read_text().replace("X 6 0.45 0.", "X 6 0.27 0.")
+    (folder / "short.dat").write_text(text.replace("TIMESTEP 0.1 100", "TIMESTEP 0.02 200"))
     done = spacar("1", "short", folder=folder)
     assert done.status == 1, done.err
     assert "Traceback" not in done.err
@@ -147,16 +143,18 @@ def test_a_killed_run_leaves_a_readable_file(folder):
     process.kill()
     process.communicate()
     with SbfFile(part) as file:
-        assert file.state == 0
+        assert (file.state, file.complete, file.truncated) == (0, False, False)
+        assert 0 <= file.surplus <= file.directory.stride
         steps = file.steps
         t = np.ravel(file.get("t"))
     np.testing.assert_allclose(np.diff(t), 1e-3, rtol=1e-6)  # t = k/1000 rounded at t up to 1000
+    assert checksbf(part).sound
     assert not (folder / "crank.sbd").exists()
     # Every stored step but the last is in the log: its line is written before the next step begins.
     log = (folder / "crank.log").read_text()
     assert f"\n{steps - 1:8d}  " in log
     check = spacar("checksbf", "crank.sbd.part", folder=folder)
-    assert "incomplete: stopped after step" in check.out
+    assert f"incomplete: stopped after step {steps} at t = {t[-1]:.12g}" in check.out
     # The next run starts afresh.
     assert spacar("1", "crank", folder=folder).status == 0
     assert "crank.sbd.part" not in names(folder)
@@ -174,8 +172,10 @@ def test_a_full_disk_is_a_failure_with_the_reason(folder):
     assert "cannot write" in done.stderr
     assert "Traceback" not in done.stderr
     with SbfFile(folder / "crank.sbd.part") as file:
-        assert file.steps > 50
-        assert not file.complete
+        assert file.steps == (60_000 - file.directory.data_offset) // file.directory.stride > 50
+        assert f"step {file.steps + 1}" in done.stderr
+        assert file.state == 2
+    assert checksbf(folder / "crank.sbd.part").sound
     assert not (folder / "crank.sbd").exists()
 
 
@@ -234,27 +234,14 @@ def words_of(text):
 
 
 def test_settings_of_the_deck_are_overridden_and_echoed(folder):
-    words = [
-        "1",
-        "crankfl",
-        "--atol",
-        "1e-8",
-        "--rtol",
-        "1e-7",
-        "--integrator",
-        "155",
-        "--time",
-        "0.002",
-        "--steps",
-        "4",
-    ]
-    done = spacar(*words, "--json", folder=folder)
+    given = {"--atol": "1e-8", "--rtol": "1e-7", "--integrator": "155", "--time": "0.002", "--steps": "4"}
+    done = spacar("1", "crankfl", *(word for pair in given.items() for word in pair), "--json", folder=folder)
     assert done.status == 0, done.err
     report = json.loads(done.out)
     assert (report["mode"], report["status"], report["steps"], report["t"]) == (1, 0, 5, 0.002)
     assert report["results"] == ["crankfl.sbd"]
     log = (folder / "crankfl.log").read_text()
-    for flag, value in zip(words[2::2], words[3::2], strict=True):
+    for flag, value in given.items():
         line = next(line for line in log.splitlines() if line.strip().startswith(flag))
         assert float(line.split()[1]) == float(value)
     assert "INTEGRAT 155" in log
@@ -345,34 +332,20 @@ def test_help_imports_no_numpy(word, tmp_path):
 @pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
 def test_a_run_of_the_crank_costs_at_most_two_and_a_half_imports_of_numpy(tmp_path):
     """Reading, checking, computing and writing 101 steps; the best of four runs measured in turn, with bytecode."""
-    (tmp_path / "crank.dat").write_text((DATA / "crank.dat").read_text())
-    pairs = [
-        (
-            processor_seconds(str(SPACAR), "1", "crank", folder=tmp_path),
-            processor_seconds(sys.executable, "-c", "import numpy", folder=tmp_path),
-        )
-        for _ in range(4)
-    ]
+    shutil.copy(DATA / "crank.dat", tmp_path)
+    programs = (str(SPACAR), "1", "crank"), (sys.executable, "-c", "import numpy")
+    pairs = [[processor_seconds(*words, folder=tmp_path) for words in programs] for _ in range(4)]
     crank, numpy = (min(times) for times in zip(*pairs, strict=True))
     assert crank <= 2.5 * numpy, (crank, numpy)
 
 
 def test_a_run_imports_nothing_heavy(tmp_path):
-    (tmp_path / "crank.dat").write_text((DATA / "crank.dat").read_text())
+    shutil.copy(DATA / "crank.dat", tmp_path)
     loaded = modules("1", "crank", folder=tmp_path)
     assert (tmp_path / "crank.sbd").exists()
     # ours that a run seldom needs
     late = {"spacar.result", "spacar.expressions", "spacar.deck.section_block", "spacar.kinematics.diagnosis",
             "spacar.linearization", "spacar_cli.releasing"}  # fmt: skip
     assert not loaded & late, loaded & late
-    heavy = {
-        "matplotlib",
-        "rich",
-        "scipy.integrate",
-        "scipy.linalg",
-        "scipy.sparse",
-        "sympy",
-        "pandas",
-        "asyncio",
-    }
+    heavy = {"matplotlib", "rich", "scipy.integrate", "scipy.linalg", "scipy.sparse", "sympy", "pandas", "asyncio"}
     assert not loaded & heavy, loaded & heavy

@@ -1,8 +1,7 @@
 """Every situation of reference/input-language.md section 10 through the real command line: status, one line each,
 no traceback.
 
-The decks are those of tests/deck/rows.py. All rows share one process for speed; the first row of each
-family also runs in a process of its own.
+The decks are those of tests/deck/rows.py; all rows share one process for speed.
 """
 
 import re
@@ -11,18 +10,8 @@ import pytest
 
 from tests.deck import rows
 
-from .processes import Outcome, many, spacar
+from .processes import many, spacar
 
-FAMILIES = (
-    "WORDS",
-    "STRUCTURE",
-    "ELEMENTS",
-    "COORDINATES",
-    "WRONG_TYPES",
-    "DYNAMICS",
-    "PORTS",
-    "TRAJECTORIES",
-)
 MESSAGE = re.compile(r"(error|warning|information): \S+\.dat(:\d+)?: .+|\.\.\. and \d+ more")
 
 
@@ -52,7 +41,9 @@ def outcomes(folder):
     return dict(zip((r.name for r in rows.ROWS), many([command_line(r) for r in rows.ROWS], folder), strict=True))
 
 
-def verify(row, done: Outcome) -> None:
+@pytest.mark.parametrize("row", rows.ROWS, ids=lambda r: r.name)
+def test_row(row, outcomes):
+    done = outcomes[row.name]
     assert done.status == (2 if row.severity == "error" else 0), done.err
     assert "Traceback" not in done.err
     lines = done.err.splitlines()
@@ -60,19 +51,6 @@ def verify(row, done: Outcome) -> None:
     fragments = [f.replace("<deck>", file_name(row)) for f in row.fragments]
     found = [x for x in lines if x.startswith(f"{row.severity}: ") and all(f in x for f in fragments)]
     assert found, (fragments, done.err)
-
-
-@pytest.mark.parametrize("row", rows.ROWS, ids=lambda r: r.name)
-def test_row(row, outcomes):
-    verify(row, outcomes[row.name])
-
-
-@pytest.mark.parametrize("family", [
-    pytest.param(f, marks=[pytest.mark.slow] * (f not in ("STRUCTURE", "WORDS"))) for f in FAMILIES
-])  # fmt: skip
-def test_family_in_its_own_process(family, folder):
-    row = getattr(rows, family)[0]
-    verify(row, spacar(*command_line(row), folder=folder))
 
 
 def test_errors_of_a_run_are_in_the_log_with_their_code(folder, outcomes):
@@ -100,8 +78,8 @@ def test_twenty_errors_are_printed_and_the_rest_is_counted(folder):
     assert log.count("error: many.dat:") == 30  # the log has them all
 
 
-MISSING_FUNCTION = "USERSIG nothere\n"
-FUNCTIONS = {  # name of the function: body, status, fragments of the message
+FUNCTIONS = {  # name of the function: body (none: there is no file), status, fragments of the message
+    "nothere": ("", 2, ("withnothere.dat:7: USERSIG", "nothere.py")),
     "raises": ("raise ZeroDivisionError('by hand')", 1, ("raises", "t = 0", "ZeroDivisionError: by hand")),
     "shape": ("return t, [[1, 1]], []", 1, ("shape", "t = 0", "3 or 5 numbers")),
     "nan": ("return t, [[1, 1, float('nan')]], []", 1, ("nan", "t = 0", "row 1", "not finite")),
@@ -110,23 +88,16 @@ FUNCTIONS = {  # name of the function: body, status, fragments of the message
 SPRING = "PLTRUSS 1 1 2\nX 2 1. 0.\nFIX 1\nFIX 2 2\nDYNE 1 1\nEND HALT\n{line}XM 2 1.\nTIMESTEP 1. 2\nEND END\n"
 
 
-def test_user_function_that_does_not_exist(folder):
-    (folder / "nofunction.dat").write_text(SPRING.format(line=MISSING_FUNCTION))
-    done = spacar("1", "nofunction", folder=folder)
-    assert done.status == 2
-    assert "nofunction.dat:7: USERSIG" in done.err
-    assert "nothere.py" in done.err
-    assert "Traceback" not in done.err
-
-
 def test_user_functions_that_misbehave(folder):
     for name, (body, _, _) in FUNCTIONS.items():
-        (folder / f"{name}.py").write_text(f"def {name}(t, ne, le, e, ep, nx, lnp, x, xp):\n    {body}\n")
+        if body:
+            (folder / f"{name}.py").write_text(f"def {name}(t, ne, le, e, ep, nx, lnp, x, xp):\n    {body}\n")
         (folder / f"with{name}.dat").write_text(SPRING.format(line=f"USERSIG {name}\n"))
     ended = many([["1", f"with{name}"] for name in FUNCTIONS], folder)
     for (name, (_, status, fragments)), done in zip(FUNCTIONS.items(), ended, strict=True):
         assert done.status == status, done.err
         assert all(f in done.err for f in fragments), done.err
+        assert "Traceback" not in done.err
         assert not (folder / f"with{name}.sbd").exists()
 
 

@@ -1,11 +1,7 @@
 """The container against its description: the vector that two other programs agreed on, round trips."""
 
-import signal
 import string
 import struct
-import subprocess
-import sys
-import time
 import tracemalloc
 from contextlib import suppress
 
@@ -201,7 +197,7 @@ def test_a_hundred_thousand_steps_need_no_memory_and_one_of_them_is_read_alone(t
     assert peak < 1_000_000  # the file is ten times larger; the reader keeps one byte a step
 
 
-# Damaged bytes and killed processes: only SbfError is raised, committed steps are never lost.
+# Damaged bytes: only SbfError is raised. Killed processes and full disks: tests/acceptance/test_runs.py.
 COVERED = [k for k in range(512) if k != 13 and not 0x118 <= k < 0x120]  # state and number of steps have no checksum
 
 
@@ -316,64 +312,3 @@ def test_an_unmapped_writer_does_not_disturb_an_open_reader(tmp_path):
     with SbfFile(path) as file:
         vector_file(path)
         assert file.get("x", 200)[0, 0] == 199
-
-
-PROGRAM = """
-import sys, numpy as np
-from spacar_formats.sbf import SbfWriter
-out = SbfWriter(sys.argv[1], "sbd", {"NX": 40}, {"T": (1, 1), "X": (40, 1)})
-for k in range(10**9):
-    out.append({"T": k, "X": np.full(40, k)})
-    if k == 20:
-        print("go", flush=True)
-"""
-
-
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
-@pytest.mark.parametrize("delay", [0.0, 0.003, 0.02, 0.1])
-def test_a_killed_process_leaves_whole_steps(tmp_path, delay):
-    path = tmp_path / "killed.sbd.part"
-    child = subprocess.Popen([sys.executable, "-c", PROGRAM, str(path)], stdout=subprocess.PIPE)
-    assert child.stdout is not None
-    child.stdout.readline()
-    time.sleep(delay)
-    child.send_signal(signal.SIGKILL)
-    child.wait()
-    child.stdout.close()
-    with SbfFile(path) as file:
-        assert (file.state, file.complete, file.truncated) == (0, False, False)
-        assert file.steps >= 21
-        assert file.surplus in (0, file.directory.stride) or 0 < file.surplus < file.directory.stride
-        assert file.damaged_steps().size == 0
-        np.testing.assert_array_equal(file.get("t")[:, 0], np.arange(file.steps))
-        assert f"stopped after step {file.steps} at t = {file.steps - 1}" in (incomplete_note(file) or "")
-    assert checksbf(path).sound
-
-
-FULL_DISK = """
-import resource, signal, sys
-from spacar.errors import AnalysisError
-from spacar_formats.sbf import SbfWriter
-signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))
-out = SbfWriter(sys.argv[1], "sbd", {}, {"X": (40, 1)})
-try:
-    for k in range(100):
-        out.append({"X": [k] * 40})
-except AnalysisError as error:
-    print(out.steps, error)
-out.close(complete=False)
-"""
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="needs a limit on the size of files")
-def test_a_full_disk_stops_with_a_reason_and_keeps_the_steps_before(tmp_path):
-    path = tmp_path / "full.sbd.part"
-    done = subprocess.run([sys.executable, "-c", FULL_DISK, str(path)], capture_output=True, text=True, check=True)
-    steps, text = done.stdout.split(" ", 1)
-    assert f"step {int(steps) + 1}" in text
-    with SbfFile(path) as file:
-        assert (file.steps, file.state) == (int(steps), 2)
-        assert file.steps == (10_000 - file.directory.data_offset) // file.directory.stride
-        np.testing.assert_array_equal(file.get("x")[:, 0], np.arange(file.steps))
-    assert checksbf(path).sound
