@@ -11,10 +11,9 @@ from spacar.errors import Report
 from spacar.linear import backward_error, eigen, form, lowest, subspace
 from spacar.linear.buckling import buckling_modes, order_of
 from spacar.linear.lowest import lost_pairs
-from spacar.mechanism import build
-from spacar.stationary import LoadProgram, StationarySolver
 from tests.examples import DATA
 from tests.stationary.test_stability import PENDULUM
+from tests.stationary.walk import walked
 
 
 def test_a_doubtful_pair_is_kept_with_a_warning(monkeypatch):
@@ -77,10 +76,7 @@ def test_a_mode_of_which_no_digit_is_known_is_nan(monkeypatch):
     rows += [("FIX", k + 1, 2) for k in range(1, n + 1)] + [("DYNE", k, 1) for k in range(1, n + 1)]
     dynamics = [("XM", k + 1, 1.0) for k in range(1, n + 1)] + [("ESTIFF", k, 1.0) for k in range(1, n + 1)]
     exact = np.sort(2 * np.sin((2 * np.arange(1, n + 1) - 1) * np.pi / (2 * (2 * n + 1))))
-    m = build(spacar.Deck.build(rows, dynamics), 7)
-    solver = StationarySolver(m, Report())
-    for level in LoadProgram(m.settings):
-        solver.solve(level)
+    solver = walked(spacar.Deck.build(rows, dynamics))
     tangent = solver.sparse_tangent()
     tangent.sigma = solver.solution.sigma
     monkeypatch.setattr(lowest, "SPARE", 0)  # the start block does not hold all modes

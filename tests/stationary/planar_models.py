@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass, field
 
-import numpy as np
-
 
 @dataclass
 class Planar:
@@ -125,21 +123,11 @@ def lee(load: float, steps: int, n: int, follow: int = 0) -> tuple[str, int]:
 def buckled(steps: int, height: float = 0.008, push: float = 0.002, n: int = 16) -> tuple[str, int]:
     """Clamped beam of 0.1 m, one end pushed in, the middle held at a height and then moved to its negative."""
     m = Planar()
-    a, ra, c, rc, b, rb = (
-        m.position(0.0, 0.0),
-        m.angle(),
-        m.position(0.05, 0.0),
-        m.angle(),
-        m.position(0.1, 0.0),
-        m.angle(),
-    )
+    a, ra, c, rc = m.position(0.0, 0.0), m.angle(), m.position(0.05, 0.0), m.angle()
+    b, rb = m.position(0.1, 0.0), m.angle()
     EA, EI = 105e3, 7e-3
     A, B = m.beam(a, ra, c, rc, n // 2, EA, EI), m.beam(c, rc, b, rb, n // 2, EA, EI)
     kinematics = [f"FIX {a}", f"FIX {ra}", f"FIX {rb}", f"FIX {b} 2", f"INPUTX {b} 1", f"INPUTX {c} 2"]
     dynamics = [f"INPUTX {b} 1 {0.1 - push!r}", f"INPUTX {c} 2 {height!r}", f"DELINPX {c} 2 {-2 * height!r}"]
     dynamics += [f"ITERSTEP 10 {steps} 1e-7 1 2 {steps}"]
     return m.text(A + B, {B[-1]: (1, 2, 3), A[-1]: (2,)}, kinematics, dynamics), c
-
-
-def distance(a: tuple[float, float], b: tuple[float, float]) -> float:
-    return float(np.hypot(a[0] - b[0], a[1] - b[1]))

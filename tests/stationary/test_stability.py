@@ -5,14 +5,13 @@ import pytest
 from statics import cantilever
 
 import spacar
-from spacar.errors import Report
 from spacar.linear import form
 from spacar.linear_systems import assemble, matrix_inertia
 from spacar.linear_systems.matrix_inertia import Inertia
-from spacar.mechanism import build
-from spacar.stationary import LoadProgram, StationarySolver
 from spacar.stationary.resting_tangent import RestingTangent
 from tests.examples import DATA
+
+from .walk import walked
 
 EULER = np.pi**2 / 4.0  # critical load of a clamped column with l = EI = 1, its end free
 
@@ -24,7 +23,6 @@ def column(n: int, force: float) -> str:
 
 def asked(text: str) -> list[tuple[bool, tuple[int, int], int]]:
     """At every state that the walk looks at: is it proved to be stable, the count, the number of stresses."""
-    m = build(spacar.parse_deck(text, mode=7), 7)
     found = []
     with pytest.MonkeyPatch.context() as patch:
         proof = RestingTangent.is_definite
@@ -35,9 +33,7 @@ def asked(text: str) -> list[tuple[bool, tuple[int, int], int]]:
             return proved
 
         patch.setattr(RestingTangent, "is_definite", both)
-        solver = StationarySolver(m, Report())
-        for level in LoadProgram(m.settings):
-            solver.solve(level)
+        walked(text)
     return found
 
 
@@ -63,10 +59,7 @@ def test_what_is_proved_has_no_negative_eigenvalue(name):
 def test_large_models_are_counted_only_where_nothing_is_proved(monkeypatch):
     """A bent chain of 30 beams, above the limit of dense storage, is stable at all levels: nothing is counted."""
     monkeypatch.setattr(matrix_inertia.Inertia, "__call__", lambda *_: pytest.fail("eigenvalues were counted"))
-    m = build(spacar.parse_deck(cantilever(30), mode=7), 7)
-    solver = StationarySolver(m, Report())
-    for level in LoadProgram(m.settings):
-        solver.solve(level)
+    solver = walked(cantilever(30))
     assert solver._continuation is not None
     assert str(solver._continuation.stable) == "0 negative eigenvalues"
 
@@ -162,7 +155,6 @@ def test_few_directions_wait(monkeypatch):
 
     The blocks of all orders together would make the cost grow with the cube of the number of beams.
     """
-    m = build(spacar.parse_deck(cantilever(200), mode=7), 7)
     orders, eigh = [], np.linalg.eigh
     seen: list[tuple[int, int]] = []
 
@@ -177,9 +169,7 @@ def test_few_directions_wait(monkeypatch):
         return False  # not proved: the walk counts
 
     monkeypatch.setattr(RestingTangent, "is_definite", counted)
-    solver = StationarySolver(m, Report())
-    for level in LoadProgram(m.settings):
-        solver.solve(level)
+    walked(cantilever(200))
     assert seen
     assert max(orders) <= 2 * matrix_inertia.SMALLEST_BLOCK
 
@@ -269,15 +259,6 @@ def test_inertia_of_banded_matrices_with_zeros_on_the_diagonal(n, band):
     assert Inertia(n, rows, columns)(A[rows, columns]) == (negative, 0)
 
 
-def statics_report(text: str) -> list[str]:
-    """What the stationary solution alone says."""
-    m, report = build(spacar.parse_deck(text, mode=7), 7), Report()
-    solver = StationarySolver(m, report)
-    for level in LoadProgram(m.settings):
-        solver.solve(level)
-    return report.lines
-
-
 def clamped_column(load: float, n: int) -> str:
     """Square column, clamped: buckles in both directions at once at pi^2/4."""
     lines = [f"BEAM {k} {2 * k - 1} {2 * k} {2 * k + 1} {2 * k + 2} 0. 1. 0." for k in range(1, n + 1)]
@@ -291,7 +272,7 @@ def clamped_column(load: float, n: int) -> str:
 def test_double_critical_state_is_said(n):
     """Two eigenvalues change their signs together; with 60 beams the mixed matrix has more than 600 unknowns, and the
     sign of its determinant does not change."""
-    below, above = statics_report(clamped_column(2.4, n)), statics_report(clamped_column(2.6, n))
+    below, above = (walked(clamped_column(load, n)).report.lines for load in (2.4, 2.6))
     assert not any("critical" in line or "unstable" in line for line in below)
     assert any("unstable" in line and "2 negative eigenvalues" in line for line in above)
     assert any("critical state is passed" in line and "2 negative eigenvalues more" in line for line in above)

@@ -7,19 +7,10 @@ from statics import cantilever, elastica, solve
 
 import spacar
 from spacar.deck import parse_deck
-from spacar.errors import AnalysisError, Report
-from spacar.mechanism import build
-from spacar.stationary import LoadProgram, StationarySolver, continuation
+from spacar.errors import AnalysisError
+from spacar.stationary import continuation
 
-
-def solver_of(text: str, mode: int = 7) -> tuple[StationarySolver, list[int]]:
-    """The solver after the whole program, and the number of iterations of every level."""
-    m = build(parse_deck(text, mode=mode), mode)
-    solver, counts = StationarySolver(m, Report()), []
-    for level in LoadProgram(m.settings):
-        solver.solve(level)
-        counts.append(solver.iterations)
-    return solver, counts
+from .walk import levels, walked
 
 
 def test_strongly_bent_cantilever_converges_with_second_order():
@@ -32,11 +23,12 @@ def test_strongly_bent_cantilever_converges_with_second_order():
 
 
 def test_prediction_saves_iterations(monkeypatch):
-    text = cantilever(10, 3.0, steps=10)
-    _, predicted = solver_of(text)
+    def iterations() -> int:
+        return sum(solver.iterations for solver, _ in levels(cantilever(10, 3.0, steps=10)))
+
+    predicted = iterations()
     monkeypatch.setattr(continuation, "REMEMBERED", 1)
-    _, plain = solver_of(text)
-    assert sum(predicted) < 0.8 * sum(plain)
+    assert predicted < 0.8 * iterations()
 
 
 def test_load_steps_are_cut_when_newton_fails():
@@ -176,26 +168,17 @@ def test_no_dynamic_degrees_of_freedom():
     assert np.array_equal(result["xcompl"][0], np.zeros(6))
 
 
-def evaluations(text: str) -> tuple[int, StationarySolver]:
-    """Evaluations of all deformations on the way to the last level."""
-    solver, _ = solver_of(text)
-    return solver.dynamics.sweep.count, solver
-
-
 def test_levels_on_the_way_are_cheap():
     """Four steps to 10 EI/l^2 with turns of more than 0.8 rad took 127 evaluations when the position was first tried
     in one go, and when every level was solved to the tolerance; the result keeps the tolerance of ITERSTEP."""
-    count, solver = evaluations(cantilever(10, steps=4))
-    assert count <= 80
-    _, exact = evaluations(cantilever(10, steps=40))
+    solver, exact = (walked(cantilever(10, steps=steps)) for steps in (4, 40))
+    assert solver.dynamics.sweep.count <= 80
     assert np.allclose(solver.y, exact.y, rtol=0, atol=1e-10)
 
 
 def test_a_loading_that_does_nothing_is_solved_once():
     """Without loads all levels have the solution of the first."""
-    counts = []
-    for steps in (1, 10):
-        count, solver = evaluations(cantilever(4, 0.0, steps))
-        assert not solver.y.any()
-        counts.append(count)
-    assert counts[1] <= counts[0] + 1
+    one, ten = (walked(cantilever(4, 0.0, steps)) for steps in (1, 10))
+    assert not one.y.any()
+    assert not ten.y.any()
+    assert ten.dynamics.sweep.count <= one.dynamics.sweep.count + 1
