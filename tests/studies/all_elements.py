@@ -39,16 +39,8 @@ MODELS: dict[str, tuple[list[tuple], list[tuple]]] = {
         [("ESTIFF", 1, 60.0, 5.0), ("EM", 1, *PIPE, 1, 0.02), ("XM", 4, 0.1)],
     ),
     "PLTRUSS": (
-        [
-            ("PLTRUSS", 1, 1, 3),
-            ("PLTRUSS", 2, 2, 3),
-            ("X", 2, 0.0, 1.0),
-            ("X", 3, 0.8, 0.3),
-            ("FIX", 1),
-            ("FIX", 2),
-            ("DYNE", 1, 1),
-            ("DYNE", 2, 1),
-        ],
+        [("PLTRUSS", 1, 1, 3), ("PLTRUSS", 2, 2, 3), ("X", 2, 0.0, 1.0), ("X", 3, 0.8, 0.3), ("FIX", 1), ("FIX", 2),
+         ("DYNE", 1, 1), ("DYNE", 2, 1)],
         [("EM", 1, 0.3), ("EM", 2, 0.2), ("ESTIFF", 1, 70.0), ("ESTIFF", 2, 40.0), ("EDAMP", 1, 0.3), ("XM", 3, 0.5)],
     ),
     "PLTOR PLPINBOD": (
@@ -57,14 +49,8 @@ MODELS: dict[str, tuple[list[tuple], list[tuple]]] = {
     ),
     "PLRBEAM PLWHEEL": (CART, CART_LAW),
     "PLBELT": (
-        [
-            ("PLBELT", 1, 1, 2, 3, 4, 0.3, -0.1),
-            ("PLRBEAM", 2, 1, 5, 3),
-            ("X", 3, 0.5, 0.1),
-            *FIXED,
-            ("DYNX", 5, 1),
-            ("DYNE", 1, 1),
-        ],
+        [("PLBELT", 1, 1, 2, 3, 4, 0.3, -0.1), ("PLRBEAM", 2, 1, 5, 3), ("X", 3, 0.5, 0.1), *FIXED, ("DYNX", 5, 1),
+         ("DYNE", 1, 1)],
         [("XM", 3, 1.0), ("XM", 4, 0.1), ("ESTIFF", 1, 30.0), ("EM", 1, 0.2, 0.5, 0.4), ("STARTDX", 5, 1, 0.0, 1.0)],
     ),
     "BEAM": ([BEAM, *SPATIAL], SPATIAL_LAW),
@@ -76,42 +62,18 @@ MODELS: dict[str, tuple[list[tuple], list[tuple]]] = {
     "BEAMW": (WARPED, WARPED_LAW),
     "BEAMW angle": ([*WARPED, ("ADEFORM",)], WARPED_LAW),
     "TRUSS": (
-        [
-            ("TRUSS", 1, 1, 3),
-            ("TRUSS", 2, 2, 3),
-            ("TRUSS", 4, 5, 3),
-            ("X", 2, 0.0, 1.0, 0.0),
-            ("X", 5, 0.0, 0.0, 1.0),
-            ("X", 3, 0.8, 0.3, 0.2),
-            ("FIX", 1),
-            ("FIX", 2),
-            ("FIX", 5),
-            ("DYNE", 1, 1),
-            ("DYNE", 2, 1),
-            ("DYNE", 4, 1),
-        ],
+        [("TRUSS", 1, 1, 3), ("TRUSS", 2, 2, 3), ("TRUSS", 4, 5, 3), ("X", 2, 0.0, 1.0, 0.0), ("X", 5, 0.0, 0.0, 1.0),
+         ("X", 3, 0.8, 0.3, 0.2), ("FIX", 1), ("FIX", 2), ("FIX", 5), ("DYNE", 1, 1), ("DYNE", 2, 1), ("DYNE", 4, 1)],
         [("EM", 1, 0.3), ("ESTIFF", 1, 70.0), ("ESTIFF", 2, 40.0), ("ESTIFF", 4, 50.0), ("XM", 3, 0.5)],
     ),
     "HINGE RBEAM": (
-        [
-            ("HINGE", 1, 1, 2, 0.0, 1.0, 0.2),
-            ("RBEAM", 2, 4, 2, 3, 0.0, 1.0, 0.0),
-            ("X", 3, 0.7, 0.2, 0.1),
-            ("FIX", 1),
-            ("FIX", 4),
-            ("DYNE", 1, 1),
-        ],
+        [("HINGE", 1, 1, 2, 0.0, 1.0, 0.2), ("RBEAM", 2, 4, 2, 3, 0.0, 1.0, 0.0), ("X", 3, 0.7, 0.2, 0.1), ("FIX", 1),
+         ("FIX", 4), ("DYNE", 1, 1)],
         [("XM", 3, 1.5), ("EM", 2, 0.4, 0.02, 0.01, 0.01), ("ESTIFF", 1, 2.0), ("GRAVITY", 0.0, 0.0, -9.81)],
     ),
     "PINBODY": (
-        [
-            ("HINGE", 1, 1, 2, 0.0, 1.0, 0.2),
-            ("PINBODY", 2, 4, 2, 3),
-            ("X", 3, 0.7, 0.2, 0.1),
-            ("FIX", 1),
-            ("FIX", 4),
-            ("DYNE", 1, 1),
-        ],
+        [("HINGE", 1, 1, 2, 0.0, 1.0, 0.2), ("PINBODY", 2, 4, 2, 3), ("X", 3, 0.7, 0.2, 0.1), ("FIX", 1), ("FIX", 4),
+         ("DYNE", 1, 1)],
         [("XM", 3, 1.5), ("XM", 2, 0.1, 0.0, 0.0, 0.2, 0.0, 0.1), ("ESTIFF", 1, 2.0), ("EDAMP", 1, 0.1)],
     ),
     "SCREW": (
@@ -130,17 +92,11 @@ MODELS: dict[str, tuple[list[tuple], list[tuple]]] = {
     ),
     "MEE": ([*PLBEAM], [*PLANAR_LAW, ("XM", 4, 0.1), ("MEE", 1, 2, 0.2), ("MEE", 1, 2, 1, 3, 0.05)]),
     "prescribed motions": (
-        [
-            ("PLBEAM", 1, 1, 2, 3, 4),
-            ("X", 3, 1.0, 0.2),
-            ("FIX", 1),
-            ("INPUTX", 2, 1),
-            ("DYNE", 1, 2, 3),
-            ("INPUTE", 1, 1),
-        ],
+        [("PLBEAM", 1, 1, 2, 3, 4), ("X", 3, 1.0, 0.2), ("FIX", 1), ("INPUTX", 2, 1), ("DYNE", 1, 2, 3),
+         ("INPUTE", 1, 1)],
         [*PLANAR_LAW, ("XM", 4, 0.1), ("INPUTX", 2, 1, 0.0, 1.0, 2.0), ("INPUTE", 1, 1, 0.0, 0.1, 0.0)],
     ),
-}
+}  # fmt: skip
 
 
 def deck_of(name: str) -> Deck:

@@ -9,6 +9,7 @@ import pytest
 
 import spacar
 from spacar.compiled.library import lanes_of_processor, why_off
+from spacar.studies import batched_cases
 from spacar.studies import ensemble as studies_ensemble
 from spacar.studies.affine_cases import FEWEST, affine_cases
 from spacar.studies.assignments import change, setting
@@ -210,17 +211,11 @@ def test_what_has_decks_of_its_own(targets, low, why):
     assert (affine_cases(deck, tuple(map(setting, targets)), values, **AFFINE_OPTIONS, **angle) is None) == bool(why)
 
 
-def test_a_sweep_takes_them_and_gives_the_rows_of_single_runs(monkeypatch):
-    from spacar.studies import batched_cases
-
+def test_a_sweep_takes_them_and_gives_the_rows_of_single_runs(robot, monkeypatch):
     taken = []
     monkeypatch.setattr(batched_cases, "affine_cases", lambda *a, **o: taken.append(affine_cases(*a, **o)) or taken[-1])
-    deck = spacar.read_deck(DATA / "robotsim.dat", 1)
-    masses = np.linspace(20.0, 40.0, FEWEST + 1)
-    options = {"duration": 0.3, "n_steps": 3, "rtol": 1e-7, "atol": 1e-7}
-    rows, alone = (
-        spacar.sweep(deck, {"XM.8": masses}, "z: x[8,3]@end", batch=batch, jobs=1, **options) for batch in (None, False)
-    )
+    ask = robot, {"XM.8": np.linspace(20.0, 40.0, FEWEST + 1)}, "z: x[8,3]@end"
+    rows, alone = (spacar.sweep(*ask, batch=batch, jobs=1, **OPTIONS) for batch in (None, False))
     assert taken
     assert taken[0] is not None
     for one, other in zip(rows, alone, strict=True):
@@ -231,8 +226,6 @@ def test_a_sweep_takes_them_and_gives_the_rows_of_single_runs(monkeypatch):
 @pytest.mark.parametrize("first", [True, False])
 def test_a_length_that_cannot_be_fails_alone_with_its_message(first, monkeypatch):
     """Also where it is the first of all cases, from which the others are counted."""
-    from spacar.studies import batched_cases
-
     kept = []
     monkeypatch.setattr(batched_cases, "affine_cases", lambda *a, **o: kept.append(affine_cases(*a, **o)) or kept[-1])
     deck = spacar.parse_deck(BEAMS.format(shear=""), mode=1)

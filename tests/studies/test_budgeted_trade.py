@@ -209,6 +209,8 @@ def test_the_best_that_is_reached():
     answer = spacar.trade(short, target=1e-16, budget=10.0, repeats=1, variables=["x[2,1]"])
     assert 1e-16 < answer.reached < 1e-9
     assert answer.best is not None
+    assert f"--integrator {answer.options['integrator']}" in answer.command
+    assert 3 <= len(repr(answer).splitlines()) <= 10
     result = spacar.run(1, short, **answer.options)
     error = np.abs(result.node(2, 1) - 1.0 - 0.01 * np.cos(20.0 * result.t)).max() / 0.02
     assert error <= answer.reached
@@ -226,8 +228,6 @@ def test_a_beam_without_inertia_against_torsion(deck):
 
 
 # What a model could do without, with its price; pairs of alike beams as one.
-
-
 # A stiff rod (1e6 times) carries a soft one; the soft one vibrates.
 PRICED_ARM = """
 PLBEAM 1 1 2 3 4   PLBEAM 2 3 4 5 6   X 3 0.5 0.   X 5 1.0 0.

@@ -1,4 +1,5 @@
-"""Batches: results against single runs, what is refused, and that a failing case does not harm the others."""
+"""Batches: what is refused, and that a failing case does not harm the others; test_wheels_in_lanes.py compares them
+with single runs."""
 
 import csv
 import re
@@ -12,46 +13,14 @@ from spacar.compiled.library import why_off
 from spacar.errors import UsageError
 from spacar.studies.assignments import axis, change, setting
 from spacar.studies.batched_cases import reason
-from spacar.studies.ensemble import E_FIELDS, X_FIELDS, why_not
+from spacar.studies.ensemble import why_not
 from spacar.studies.policies.sweep import Study
 from spacar.studies.runs.quantities import quantity
 from spacar.studies.side_by_side import alike
 from tests.ensembles import ensemble
 
 ROBOT = {"duration": 0.3, "n_steps": 3}
-TOLERANCE = 1e-8
 LANES = pytest.mark.skipif(why_off() is not None, reason=str(why_off()))
-
-
-def compare(decks, options, variables=(*X_FIELDS, *E_FIELDS)):
-    """Within ten tolerances of the largest value of a variable: both keep the tolerance, with other steps."""
-    for one, result in zip(decks, ensemble(decks, **options), strict=True):
-        alone = spacar.run(1, one, **options)
-        assert np.array_equal(alone.t, result.t)
-        for name in variables:
-            a, b = alone[name], result[name]
-            assert a.shape == b.shape
-            assert np.abs(a - b).max() <= 10 * TOLERANCE * max(1.0, np.abs(a).max()), name
-
-
-@LANES
-@pytest.mark.parametrize("code", [0, *(pytest.param(c, marks=pytest.mark.slow) for c in (155, 853))])
-def test_a_batch_is_its_single_runs(deck, code):
-    """Nine cases are two blocks, the second one filled up; masses and lengths differ."""
-    settings = [setting("XM.8"), setting("X.8[coordinate x1]")]
-    decks = [change(deck("robotsim", 1), settings, [20.0 + 3.0 * k, 0.4 + 0.02 * k]) for k in range(9)]
-    compare(decks, {"integrator": code, "rtol": TOLERANCE, "atol": TOLERANCE, **ROBOT})
-
-
-@LANES
-def test_flexible_and_prescribed_members(deck):
-    """crankfl: prescribed rotation, fixed, calculable and dynamic deformations; other stiffness, damping and speed."""
-    settings = [setting("ESTIFF.*[EI]"), setting("INPUTX.2.1[start rate]")]
-    decks = [change(deck("crankfl", 1), settings, v) for v in ((13.0, 150.0), (6.0, 100.0), (9.0, 50.0))]
-    # the rates of the vibrations are far larger than the deformations: a hundredth of the tolerance for a step
-    step = 0.01 * TOLERANCE
-    options = {"integrator": 853, "rtol": step, "atol": step, "duration": 0.004, "n_steps": 2}
-    compare(decks, options, ("x", "e", "xd", "ed"))
 
 
 @LANES

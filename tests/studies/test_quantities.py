@@ -2,18 +2,19 @@
 
 import contextlib
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from spacar_drawing.curves import evaluate
+from spacar_drawing.picture_source import source_of_result
 
-import spacar
 from spacar.errors import UsageError
-from spacar.expressions import FUNCTIONS, listed, parse
+from spacar.expressions import FUNCTIONS, listed, parse, unit_text
 from spacar.expressions.grammar import INDICES
 from spacar.studies.runs.quantities import quantity
-from tests.examples import DATA
 
 
 def test_numbers_of_a_result(crank):
@@ -116,8 +117,6 @@ def test_any_text_is_read_or_refused(text):
     "x[1,1]@0.5 - x[1,1]@start", "sqrt(x[1,1])@end", "max(t)", "min(hypot(x[1,1], x[1,2]))", "max(x[1,1]@end)",
 ])  # fmt: skip
 def test_the_numbers_of_many_cases_are_those_of_each(text):
-    from types import SimpleNamespace
-
     rng, cases = np.random.default_rng(3), 3
     values = {"x": rng.standard_normal((5, 2, cases)), "e": rng.standard_normal((5, 1, cases))}
     t = np.linspace(0.0, 1.0, 5)
@@ -142,8 +141,6 @@ def test_the_numbers_of_many_cases_are_those_of_each(text):
 
 
 def test_a_series_has_no_number_for_many_cases():
-    from types import SimpleNamespace
-
     class Read(SimpleNamespace):
         def __getitem__(self, name):
             return np.zeros(4) if name == "t" else np.zeros((4, 2, 3))
@@ -157,15 +154,11 @@ DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 @pytest.fixture(scope="module")
 def drawn(crank):
-    from spacar_drawing.picture_source import source_of_result
-
     return source_of_result(crank)
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_a_function_is_the_same_in_plot_and_sweep(crank, drawn, name):
-    from spacar_drawing.curves import evaluate
-
     angle = {"hypot": "x[6,1], x[3,1]", "atan2": "x[3,2], x[3,1]", "sqrt": "x[6,1]**2"}.get(name, "x[2,1]/x[2,1]@end")
     text = f"{name}({angle})"
     values = evaluate(drawn, text).values
@@ -174,10 +167,6 @@ def test_a_function_is_the_same_in_plot_and_sweep(crank, drawn, name):
 
 
 def test_reductions_and_steps_can_be_plotted_with_their_units(drawn):
-    from spacar_drawing.curves import evaluate
-
-    from spacar.expressions import unit_text
-
     x = evaluate(drawn, "x[6,1]")
     for text, value in {
         "max(x[6,1])": x.values.max(),
@@ -203,8 +192,6 @@ def test_studies_know_the_functions_of_plot(crank):
 
 @pytest.mark.parametrize("text", ["x[99,1]", "x[6]", "y[1,1]", "max(t, t)", "x.real", "spam", "x[6,1", "t@7.5"])
 def test_the_same_sentence_in_both(crank, drawn, text):
-    from spacar_drawing.curves import evaluate
-
     with pytest.raises(UsageError) as plot:
         evaluate(drawn, text)
     with pytest.raises(UsageError) as study:
@@ -212,12 +199,7 @@ def test_the_same_sentence_in_both(crank, drawn, text):
     assert str(plot.value) == str(study.value)
 
 
-def test_a_complex_value_asks_for_a_part(drawn):
-    from spacar_drawing.curves import evaluate
-
-    cantilever = spacar.run(7, DATA / "plbeam5.dat")
-    from spacar_drawing.picture_source import source_of_result
-
+def test_a_complex_value_asks_for_a_part(cantilever):
     with pytest.raises(UsageError, match=r"takes real numbers; write abs\(\)"):
         quantity("hypot(eigval[1], 1)").number(cantilever)
     with pytest.raises(UsageError, match=r"does not contain|complex"):

@@ -1,13 +1,10 @@
 """`spacar.sweep` and `spacar.trade`: a study in one line."""
 
-import json
-
 import numpy as np
 import pytest
 
 import spacar
 from spacar.errors import UsageError
-from tests.command_line import call
 
 
 @pytest.fixture
@@ -51,21 +48,6 @@ def test_together_and_failed_cases(oscillator):
     rows = spacar.sweep(oscillator, {"XM.2": [0.5, -1.0], "ESTIFF.1": [1.0, 2.0]}, ["x[2,1]@end"], together=True)
     assert [r["status"] for r in rows] == ["done", "failed"]
     assert "mass" in rows[1]["reason"]
-
-
-def test_a_trade(oscillator, tmp_path, monkeypatch):
-    """The options keep the target; the command says the same settings."""
-    answer = spacar.trade(oscillator, 1e-4, budget=20.0, variables="x[2,1]", repeats=1)
-    assert answer.best is not None
-    result = spacar.run(1, oscillator, **answer.options)
-    error = np.abs(result.node(2, 1) - 1.0 - 0.01 * np.cos(20.0 * result.t)).max() / 0.02
-    assert error <= 1.1e-4
-    assert f"--integrator {answer.options['integrator']}" in answer.command
-    assert 3 <= len(repr(answer).splitlines()) <= 10
-    monkeypatch.chdir(tmp_path)
-    oscillator.save("oscillator")
-    status, out, _ = call("trade", "oscillator", "--budget", 20, "--variable", "x[2,1]", "--json")
-    assert (status, set(json.loads(out)) >= {"recommended", "command"}) == (0, True)
 
 
 @pytest.mark.parametrize(

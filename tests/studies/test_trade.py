@@ -2,13 +2,14 @@
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from spacar.compiled.library import why_off
-from spacar.deck import Deck
+from spacar.deck import Deck, parse_deck
 from spacar.errors import UsageError
 from spacar.studies.policies.trade import assess, recommend, reference, reference_setups
 from spacar.studies.runs.mesh_ladder import extrapolate
@@ -27,8 +28,6 @@ def oscillator_error(result_row):
 
 @pytest.fixture(scope="module")
 def oscillator():
-    from spacar.deck import parse_deck
-
     trade = Trade(1, parse_deck(OSCILLATOR, mode=1), (quantity("x[2,1]"),), repeats=1)
     cases = setups(trade, (0, 155, 140), (1e-4, 1e-6), (4, 16))
     wanted = reference_setups(trade, (1,), 1e-7)
@@ -161,21 +160,8 @@ def test_command_table_and_restart(call, pendulum):
 
 
 def test_command_json(call, pendulum):
-    done = call(
-        "trade",
-        "pendulum",
-        "-i",
-        "155",
-        "-t",
-        "1e-6",
-        "--target",
-        "1e-5",
-        "--json",
-        "--repeats",
-        "1",
-        "--variable",
-        "x[3,2]",
-    )
+    done = call("trade", "pendulum", "-i", "155", "-t", "1e-6", "--target", "1e-5", "--json", "--repeats", "1",
+                "--variable", "x[3,2]")  # fmt: skip
     found = json.loads(done.out)
     assert found["recommended"]["integrator"] == 155
     assert found["settings"][0]["error"] < 1e-5
@@ -211,8 +197,6 @@ def test_models_of_a_flexible_mechanism(call):
     ],
 )
 def test_wrong_usage(call, words, why):
-    import re
-
     err = call.refused("trade", *words)
     assert re.search(why, err), err
 
@@ -223,12 +207,11 @@ def test_a_motion_without_dynamics_has_nothing_to_trade(call):
     assert all(s["error"] < 1e-12 for s in json.loads(done.out)["settings"])
 
 
-def test_failed_settings_are_told(call, pendulum):
+def test_failed_settings_are_told(call):
     """Fixed implicit steps far too long still give a row; a method that fails is a row with its reason."""
     Path("stiff.dat").write_text(OSCILLATOR.replace("ESTIFF 1 200.", "ESTIFF 1 200.\nEDAMP 1 1e6"))
-    done = call(
-        "trade", "stiff", "-i", "140,430", "--substeps", "1", "--repeats", "1", "--time", "0.001", "--steps", "2"
-    )
+    words = ("-i", "140,430", "--substeps", "1", "--repeats", "1", "--time", "0.001", "--steps", "2")
+    done = call("trade", "stiff", *words)
     assert done.status in (0, 1)
     assert "Traceback" not in done.err
 

@@ -17,7 +17,7 @@ from spacar.mechanism import build
 from spacar.studies import batched_cases
 from spacar.studies.affine_cases import FEWEST, affine_cases
 from spacar.studies.assignments import change, setting
-from spacar.studies.ensemble import why_not
+from spacar.studies.ensemble import E_FIELDS, X_FIELDS, why_not
 from tests.ensembles import ensemble, followed
 from tests.examples import DATA
 
@@ -139,7 +139,8 @@ def test_every_element_is_its_single_run(name):
         single = spacar.run(1, decks[k], **options)
         for found in (results[k], *of_decks[k : k + 1]):
             assert found is not None
-            for variable in ("x", "xd", "e", "sig", "fxtot"):
+            assert np.array_equal(found.t, single.t)
+            for variable in (*X_FIELDS, *E_FIELDS):
                 want = single[variable]
                 size = max(1.0, np.abs(want).max())
                 np.testing.assert_allclose(found[variable], want, atol=100 * ROUNDING * size, rtol=0, err_msg=variable)
