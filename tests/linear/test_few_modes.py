@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-import mpmath
+import mpmath as mp
 import numpy as np
 import pytest
 from scipy.linalg import block_diag
@@ -122,8 +122,7 @@ def test_order_with_and_without_pairs():
     np.testing.assert_array_equal(order_of(np.array([3.0, -1.0, 1.0])), [2, 1, 0])
 
 
-# Low modes of an unsymmetric stiffness, against 40 digits.
-mp = pytest.importorskip("mpmath")
+# Low modes of an unsymmetric stiffness, against 60 digits.
 N = 8
 
 
@@ -136,15 +135,6 @@ def pencil(seed: int, damping: float) -> tuple[np.ndarray, np.ndarray, np.ndarra
     return M, damping * np.diag(omega), K
 
 
-def exact(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> np.ndarray:
-    with mp.workdps(40):
-        A, inverse = mp.zeros(2 * N), mp.inverse(mp.matrix(M.tolist()))
-        A[:N, N:] = mp.eye(N)
-        A[N:, :N], A[N:, N:] = -inverse * mp.matrix(K.tolist()), -inverse * mp.matrix(C.tolist())
-        values, _ = mp.eig(A)
-        return np.array([complex(v) for v in values])
-
-
 @pytest.mark.parametrize(("seed", "damping"), [
     pytest.param(seed, damping, marks=[pytest.mark.slow] * ((seed, damping) not in ((0, 0.0), (1, 0.02))))
     for seed in range(5) for damping in (0.0, 0.02)
@@ -152,11 +142,8 @@ def exact(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> np.ndarray:
 def test_every_mode_of_a_stiffness_over_ten_decades(seed: int, damping: float) -> None:
     """Half of the decades from either end: eps 1e10 / 1e5, and some for the coupling."""
     M, C, K = pencil(seed, damping)
-    found = modes_of_matrices(M, C, K, np.eye(N), np.zeros((N, N)), Report())
-    truth = exact(M, C, K)
-    for value in truth:
-        nearest = found.values[np.argmin(np.abs(found.values - value))]
-        assert abs(nearest - value) < 1e-9 * abs(value), (value, nearest)
+    found = modes(M, C, K)
+    assert worst(found.values, exact_values(M, C, K)) < 1e-9
     for value, z in zip(found.values, found.vectors.T, strict=True):
         q = z[:N]
         terms = [value**2 * (M @ q), value * (C @ q), K @ q]
@@ -166,7 +153,7 @@ def test_every_mode_of_a_stiffness_over_ten_decades(seed: int, damping: float) -
 
 def test_a_rigid_motion_is_left_to_the_other_computation() -> None:
     K = np.array([[1.0, -1.0], [-1.0, 1.0 + 1e-13]])
-    found = modes_of_matrices(np.eye(2), np.zeros((2, 2)), K, np.eye(2), np.zeros((2, 2)), Report())
+    found = modes(np.eye(2), np.zeros((2, 2)), K)
     assert np.isfinite(found.values).all()
     assert np.abs(found.values).max() == pytest.approx(np.sqrt(2.0), rel=1e-12)
 
@@ -210,13 +197,13 @@ def worst(found, truth):
 
 def exact_values(M, C, K):
     """Eigenvalues of z^2 M + z C + K."""
-    with mpmath.workdps(60):
+    with mp.workdps(60):
         n = len(M)
-        M, C, K = (mpmath.matrix(np.asarray(A).tolist()) for A in (M, C, K))
-        A = mpmath.zeros(2 * n)
-        inverse = mpmath.inverse(M)
-        A[:n, n:], A[n:, :n], A[n:, n:] = mpmath.eye(n), -inverse * K, -inverse * C
-        return mpmath.eig(A, left=False, right=False)
+        M, C, K = (mp.matrix(np.asarray(A).tolist()) for A in (M, C, K))
+        A = mp.zeros(2 * n)
+        inverse = mp.inverse(M)
+        A[:n, n:], A[n:, :n], A[n:, n:] = mp.eye(n), -inverse * K, -inverse * C
+        return mp.eig(A, left=False, right=False)
 
 
 def modes(M, C, K):
@@ -282,10 +269,10 @@ def test_two_masses(ratio, c, how, compiled):
     for k in range(4):
         k1, k2, m1, m2 = (ratio if k == i else 1.0 for i in range(4))
         found = spacar.run(7, two_masses(k1, k2, m1, m2, how, c), compiled=compiled)["eigval"][-1]
-        with mpmath.workdps(60):
-            k1, k2, m1, m2, d = map(mpmath.mpf, (k1, k2, m1, m2, c))
+        with mp.workdps(60):
+            k1, k2, m1, m2, d = map(mp.mpf, (k1, k2, m1, m2, c))
             p = [m1 * m2, m2 * d, m1 * k2 + m2 * (k1 + k2), d * k2, k1 * k2]
-            truth = mpmath.polyroots(p, maxsteps=500, extraprec=500)
+            truth = mp.polyroots(p, maxsteps=500, extraprec=500)
         assert worst(found[:, 0] + 1j * found[:, 1], truth) < DIGITS, k
 
 

@@ -20,86 +20,46 @@ from tests.examples import DATA
 from .linear_models import PLANAR, SPATIAL, TRIKE_SPRING, TUBE, example, mechanism
 from .nonlinear import Nonlinear, State, jacobian, random_state
 
-PLANAR_SIGNALS = """INPUTS 1 1 2
-INPUTS 2 2 1
-INPUTF 3 5 1
-INPUTF 4 5 2
-INE 5 4 1
-INEP 6 4 1
-INEDP 7 4 1
-INX 8 7 1
-INXP 9 7 1
-INXDP 10 7 1
-OUTS 1 1 1
-OUTS 2 4 1
-OUTS 3 1 3
-OUTS 4 3 1
-OUTE 5 2 1
-OUTEP 6 2 1
-OUTEDP 7 3 1
-OUTE 8 4 1
-OUTF 9 1 1
-OUTF 10 7 1
-OUTF 11 8 1
-OUTX 12 9 1
-OUTXP 13 9 2
-OUTXDP 14 6 1
-OUTXP 15 7 1
-OUTS 16 1 2
-OUTS 17 2 1
-"""
-SPATIAL_SIGNALS = """INPUTS 1 1 4
-INPUTS 2 4 1
-INPUTF 3 6 2
-INPUTF 4 7 3
-INE 5 5 1
-INEP 6 5 1
-INEDP 7 5 1
-INX 8 8 1
-INXP 9 8 1
-INXDP 10 8 1
-OUTS 1 1 1
-OUTS 2 5 2
-OUTS 3 3 5
-OUTS 4 4 1
-OUTEDP 5 4 1
-OUTEP 6 4 1
-OUTF 7 1 3
-OUTF 8 8 1
-OUTF 9 9 3
-OUTX 10 10 3
-OUTXP 11 7 2
-OUTXDP 12 6 1
-"""
-TRIKE_SIGNALS = """INPUTS 1 6 1
-INPUTF 2 3 1
-OUTS 1 1 1
-OUTS 2 2 2
-OUTE 3 6 1
-OUTXP 4 1 1
-OUTXDP 5 7 2
-OUTEDP 6 6 1
-"""
-TUBE_SIGNALS = """INX 1 2 1
-INXP 2 2 1
-INXDP 3 2 1
-INPUTF 4 5 2
-OUTF 1 2 1
-OUTF 2 1 1
-OUTS 3 2 1
-OUTXDP 4 5 2
-"""
+
+def signals(inputs: dict[str, str], outputs: dict[str, str]) -> str:
+    """A third block: the nodes and elements of every kind, each with a coordinate or a mode, numbered from 1."""
+    lines = []
+    for given in (inputs, outputs):
+        places = [(kind, place) for kind, several in given.items() for place in several.split(", ")]
+        lines += [f"{kind} {k} {place}" for k, (kind, place) in enumerate(places, 1)]
+    return "\n".join([*lines, ""])
+
+
+PLANAR_SIGNALS = signals(
+    {"INPUTS": "1 2, 2 1", "INPUTF": "5 1, 5 2", "INE": "4 1", "INEP": "4 1", "INEDP": "4 1",
+     "INX": "7 1", "INXP": "7 1", "INXDP": "7 1"},
+    {"OUTS": "1 1, 4 1, 1 3, 3 1, 1 2, 2 1", "OUTE": "2 1, 4 1", "OUTEP": "2 1", "OUTEDP": "3 1",
+     "OUTF": "1 1, 7 1, 8 1", "OUTX": "9 1", "OUTXP": "9 2, 7 1", "OUTXDP": "6 1"},
+)  # fmt: skip
+SPATIAL_SIGNALS = signals(
+    {"INPUTS": "1 4, 4 1", "INPUTF": "6 2, 7 3", "INE": "5 1", "INEP": "5 1", "INEDP": "5 1",
+     "INX": "8 1", "INXP": "8 1", "INXDP": "8 1"},
+    {"OUTS": "1 1, 5 2, 3 5, 4 1", "OUTEDP": "4 1", "OUTEP": "4 1", "OUTF": "1 3, 8 1, 9 3",
+     "OUTX": "10 3", "OUTXP": "7 2", "OUTXDP": "6 1"},
+)  # fmt: skip
+TRIKE_SIGNALS = signals(
+    {"INPUTS": "6 1", "INPUTF": "3 1"},
+    {"OUTS": "1 1, 2 2", "OUTE": "6 1", "OUTXP": "1 1", "OUTXDP": "7 2", "OUTEDP": "6 1"},
+)
+TUBE_SIGNALS = signals(
+    {"INX": "2 1", "INXP": "2 1", "INXDP": "2 1", "INPUTF": "5 2"},
+    {"OUTF": "2 1, 1 1", "OUTS": "2 1", "OUTXDP": "5 2"},
+)
 WITH_BLOCK = ("TIMESTEP 1.0 100\nEND\n", "TIMESTEP 1.0 100\nEND\nHALT\n" + TRIKE_SIGNALS + "END\n")
 MODELS = {
     "planar": lambda folder: (mechanism(PLANAR, third=PLANAR_SIGNALS), 0.05),
     "with user function": lambda folder: (
-        mechanism(PLANAR, extra="USERSIG forces", third=PLANAR_SIGNALS, folder=folder),
-        0.05,
+        mechanism(PLANAR, extra="USERSIG forces", third=PLANAR_SIGNALS, folder=folder), 0.05,
     ),
     "spatial": lambda folder: (mechanism(SPATIAL, third=SPATIAL_SIGNALS), 0.05),
     "tubes": lambda folder: (mechanism(TUBE, third=TUBE_SIGNALS), 0.05),
     "tricycle": lambda folder: (example("trike2", 4, TRIKE_SPRING, WITH_BLOCK), 0.1),
-}
+}  # fmt: skip
 RATE = {"INX": 0, "INE": 0, "INXP": 1, "INEP": 1, "INXDP": 2, "INEDP": 2}
 
 

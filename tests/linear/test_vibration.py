@@ -175,15 +175,6 @@ def test_gyroscopic_and_damped_systems_in_modal_coordinates():
     assert np.allclose(np.linalg.norm(modes.vectors, axis=0), 1.0)
 
 
-def both(text: str, monkeypatch: pytest.MonkeyPatch, mode: int) -> tuple[spacar.Result, spacar.Result]:
-    """All modes (dense) and the lowest ones (sparse) of the same model."""
-    dense = spacar.run(mode, spacar.parse_deck(text, mode=mode))
-    monkeypatch.setattr(form, "LARGE", 10)
-    sparse = spacar.run(mode, spacar.parse_deck(text, mode=mode))
-    assert any("only the 20 lowest modes" in line for line in sparse.report)
-    return dense, sparse
-
-
 LOADED = "XF 61 -1. 0.3\nGRAVITY 0. -0.5\nITERSTEP 20 4 1e-11"
 
 
@@ -208,7 +199,11 @@ def test_lowest_modes_of_large_systems(case, monkeypatch):
         "spatial": overhung(12, 0.0, 1.0).replace("XGYRO 26 0.0 0. 0. 0.1\n", ""),
         "free": cantilever(30, "DYNX 1\nDYNX 2"),
     }[case]
-    dense, sparse = both(text, monkeypatch, 7)
+    deck = spacar.parse_deck(text, mode=7)
+    dense = spacar.run(7, deck)
+    monkeypatch.setattr(form, "LARGE", 10)
+    sparse = spacar.run(7, deck)
+    assert any("only the 20 lowest modes" in line for line in sparse.report)
     truth, found = (r["eigval"][0] @ [1, 1j] for r in (dense, sparse))
     truth = truth[len(truth) - len(found) :]
     size = np.abs(truth)
@@ -217,16 +212,3 @@ def test_lowest_modes_of_large_systems(case, monkeypatch):
     assert np.all(np.abs(np.abs(found) - size)[~rigid] <= 1e-7 * size[~rigid])
     assert np.all(np.abs(found[rigid]) < 1e-3)
     assert sparse["eigvre"].shape[1:] == (2 * dense.mechanism.numbering.nddof, len(found))
-
-
-def test_buckling_and_compliances_of_large_systems(monkeypatch):
-    dense, sparse = both(cantilever(30, more=LOADED), monkeypatch, 8)
-    assert np.allclose(sparse["xcompl"], dense["xcompl"], rtol=1e-8, atol=1e-12)
-    assert np.allclose(sparse["lmult"][0][:10], dense["lmult"][0][:10], rtol=1e-7)
-
-
-@pytest.mark.slow
-def test_a_thousand_beams():
-    """Lowest 20 modes of 2000 degrees of freedom; rounding grows with the square of the number of elements."""
-    w = frequencies(cantilever(1000))
-    assert np.allclose(w[:5], np.array(ROOTS) ** 2, rtol=1e-6)
