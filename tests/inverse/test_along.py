@@ -47,14 +47,8 @@ def test_matrices_equal_those_of_mode_4_at_the_same_state(nominal, linear, step)
     dynamics = [*arm.DYNAMICS]
     for i in (0, 1):
         dynamics += [("STARTDE", i + 1, 1, float(q[i]), float(qd[i])), ("ESIG", i + 1, -float(nominal["u0"][step, i]))]
-    ports = [
-        ("INPUTS", 1, 1, 1),
-        ("INPUTS", 2, 2, 1),
-        ("OUTX", 1, 7, 1),
-        ("OUTX", 2, 7, 2),
-        ("OUTE", 3, 1, 1),
-        ("OUTXP", 4, 7, 1),
-    ]
+    ports = [("INPUTS", 1, 1, 1), ("INPUTS", 2, 2, 1)]
+    ports += [("OUTX", 1, 7, 1), ("OUTX", 2, 7, 2), ("OUTE", 3, 1, 1), ("OUTXP", 4, 7, 1)]
     free = spacar.run(4, arm.deck(arm.FREE_JOINTS, ports, mode=4, dynamics=dynamics))
     for name in ("m0", "c0", "d0", "k0", "n0", "g0", "A", "B"):
         here, there = linear[name][step], free[name][0]
@@ -110,11 +104,9 @@ def test_end_point_prescribed_gives_the_same_linearization():
     joints = spacar.run(3, arm.deck(arm.PRESCRIBED_JOINTS, arm.MOTORS, mode=3), nominal=inverse)
     tip = spacar.run(3, arm.deck(arm.END_POINT, arm.MOTORS, mode=3), nominal=inverse)
     assert tip["u0"] == pytest.approx(inverse["u0"], rel=1e-10)
-    at_rest = (0,)  # the change of coordinates depends on time while the arm moves
-    for k in at_rest:
-        a, b = (np.sort_complex(np.linalg.eigvals(r["A"][k] @ r["A"][k])) for r in (joints, tip))
-        # rate terms vanish only at rest with zero acceleration (front 2 starts smoothly)
-        assert a == pytest.approx(b, rel=1e-8)
+    # at rest with zero acceleration (front 2 starts smoothly): the change of coordinates depends on time otherwise
+    a, b = (np.sort_complex(np.linalg.eigvals(r["A"][0] @ r["A"][0])) for r in (joints, tip))
+    assert a == pytest.approx(b, rel=1e-8)
 
 
 # -- refusals -------------------------------------------------------------------------------------------------------
@@ -277,39 +269,33 @@ def test_another_iterstep_is_refused(ten):
         spacar.run(3, deck, nominal=ten)
 
 
-def command(*words: object) -> str:
-    """Standard output of a command that must succeed."""
-    done = call.done(*words)
-    return done.out
+@pytest.fixture
+def hinge_3(tmp_path: Path) -> Path:
+    """NAME of mode 10 and NAME_3 of mode 3, not run yet."""
+    (tmp_path / "hinge.dat").write_text(text())
+    (tmp_path / "hinge_3.dat").write_text(text("DYNX"))
+    return tmp_path / "hinge_3"
 
 
-def test_the_files_as_spacar_light_writes_them(tmp_path: Path):
+def test_the_files_as_spacar_light_writes_them(hinge_3: Path):
     """NAME_3 finds NAME; values of what is free now are no errors; M0, K0B, C0B are in the .ltv."""
-    (tmp_path / "hinge.dat").write_text(text())
-    (tmp_path / "hinge_3.dat").write_text(text("DYNX"))
-    for mode, name in (("10", "hinge"), ("9", "hinge"), ("10", "hinge"), ("3", "hinge_3")):
-        command(mode, tmp_path / name)
-        if mode == "9":  # the last run on NAME may be one of mode 9
-            command("3", tmp_path / "hinge_3")
-    log = (tmp_path / "hinge_3.log").read_text()
-    assert "the mode 10 result hinge.sbd" in log
-    assert "node 7 y" in command("eigen", tmp_path / "hinge_3")
-    assert {"M0", "K0B", "C0B"} <= set(command("checksbf", tmp_path / "hinge_3.ltv").split())
+    for mode in (9, 10):  # the last run on NAME may be one of mode 9
+        call.done(mode, hinge_3.with_name("hinge"))
+        call.done(3, hinge_3)
+    assert "the mode 10 result hinge.sbd" in hinge_3.with_suffix(".log").read_text()
+    assert "node 7 y" in call.done("eigen", hinge_3).out
+    assert {"M0", "K0B", "C0B"} <= set(call.done("checksbf", hinge_3.with_suffix(".ltv")).out.split())
 
 
-def test_compliance_of_the_free_mechanism(tmp_path: Path):
-    """`spacar compliance NAME_3`: with the coordinate free, W K^-1 W^T of the stored matrices."""
-    (tmp_path / "hinge.dat").write_text(text())
-    (tmp_path / "hinge_3.dat").write_text(text("DYNX"))
-    command("10", tmp_path / "hinge")
-    command("3", tmp_path / "hinge_3")
-    found = np.array(json.loads(command("compliance", tmp_path / "hinge_3", "7", "--at", "2", "--json"))["global"])
-    nominal = spacar.run(10, tmp_path / "hinge.dat")
-    result = spacar.run(3, tmp_path / "hinge_3.dat", nominal=nominal)
-    n = result.mechanism.numbering
+def test_compliance_of_the_free_mechanism(hinge_3: Path, three: spacar.Result):
+    """`spacar compliance NAME_3`: with the coordinate free, W K^-1 W^T of the matrices."""
+    call.done(10, hinge_3.with_name("hinge"))
+    call.done(3, hinge_3)
+    found = np.array(json.loads(call.done("compliance", hinge_3, 7, "--at", 2, "--json").out)["global"])
+    n = three.mechanism.numbering
     rows = [n.x_index(7, 1), n.x_index(7, 2), n.x_index(8, 1)]
-    W = result["dx"][1].reshape(n.nx, -1)[rows][:, : n.ndof]
-    assert found == pytest.approx(W @ np.linalg.solve(result["k0b"][1], W.T), rel=1e-8, abs=1e-12)
+    W = three["dx"][1].reshape(n.nx, -1)[rows][:, : n.ndof]
+    assert found == pytest.approx(W @ np.linalg.solve(three["k0b"][1], W.T), rel=1e-8, abs=1e-12)
 
 
 # `spacar 3 --modes` and what reads its files, as a user meets them above the size from which equations are sparse.

@@ -1,5 +1,7 @@
 """Mode 2: nominal inputs against closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -68,18 +70,12 @@ def test_spring_and_damper_of_an_actuated_joint_are_passive():
     assert result["u0"][:, 1] == pytest.approx(plain["u0"][:, 1], rel=1e-12)
 
 
-def pendulum(third, extra=()):
+def pendulum(third):
     """Mass 2 kg at 0.6 m on a prescribed joint."""
-    kinematics = [
-        ("PLTOR", 1, 1, 2),
-        ("PLBEAM", 2, 3, 2, 4, 5),
-        ("X", 3, 0.0, 0.0),
-        ("X", 4, 0.6, 0.0),
-        ("FIX", 1),
-        ("FIX", 3),
-    ]
-    dynamics = [("XM", 4, 2.0), ("GRAVITY", 0.0, -10.0), *extra]
-    return spacar.Deck.build([*kinematics, ("INPUTE", 1, 1)], dynamics, third, mode=2, source="pendulum.dat")
+    kinematics = [("PLTOR", 1, 1, 2), ("PLBEAM", 2, 3, 2, 4, 5), ("X", 3, 0.0, 0.0), ("X", 4, 0.6, 0.0)]
+    kinematics += [("FIX", 1), ("FIX", 3), ("INPUTE", 1, 1)]
+    dynamics = [("XM", 4, 2.0), ("GRAVITY", 0.0, -10.0)]
+    return spacar.Deck.build(kinematics, dynamics, third, mode=2, source="pendulum.dat")
 
 
 def test_trajectories_follow_each_other_and_extra_loads_act_during_theirs():
@@ -114,16 +110,9 @@ def test_extra_inertia_of_an_orientation_node():
     """Accelerating the elbow joint needs J times the acceleration more."""
     # TRM goes with the path of a node: prescribe the orientation of the arm instead of the joint
     kinematics = [("PLBEAM", 2, 3, 2, 4, 5), ("X", 3, 0.0, 0.0), ("X", 4, 0.6, 0.0), ("FIX", 3), ("INPUTX", 2, 1)]
-    dynamics = [("XM", 4, 2.0)]
-    third = [
-        ("TRAJECT", 1),
-        ("TROT", 2, 0.4),
-        ("TRM", 2, 0.3),
-        ("TRTIME", 0.5, 2),
-        ("NOMF", 1, 2, 1),
-        ("REFX", 1, 2, 1),
-    ]
-    result = spacar.run(2, spacar.Deck.build(kinematics, dynamics, third, mode=2))
+    third = [("TRAJECT", 1), ("TROT", 2, 0.4), ("TRM", 2, 0.3), ("TRTIME", 0.5, 2)]
+    third += [("NOMF", 1, 2, 1), ("REFX", 1, 2, 1)]
+    result = spacar.run(2, spacar.Deck.build(kinematics, [("XM", 4, 2.0)], third, mode=2))
     acceleration = 2 * 0.4 / 0.5 / 0.25
     assert result["u0"][0, 0] == pytest.approx((2.0 * 0.6**2 + 0.3) * acceleration, rel=1e-12)
     assert result["y0"][:, 0] == pytest.approx([0.0, 0.2, 0.4], abs=1e-14)
@@ -158,10 +147,7 @@ def test_user_trajectory(tmp_path):
         "    return t, [(1, 1, 0.1 * math.sin(t), 0.1 * math.cos(t), -0.1 * math.sin(t))], []\n"
     )
     third = [("TRAJECT", 1), ("USERTRAJ", "mytraj"), ("TRTIME", 2.0, 8), ("NOMS", 1, 1, 1)]
-    deck = pendulum(third)
-    from dataclasses import replace
-
-    result = spacar.run(2, replace(deck, path=tmp_path / "pendulum.dat"))
+    result = spacar.run(2, replace(pendulum(third), path=tmp_path / "pendulum.dat"))
     q, qdd = 0.1 * np.sin(result.t), -0.1 * np.sin(result.t)
     expected = 2.0 * 0.36 * qdd + 2.0 * 10.0 * 0.6 * np.cos(q)
     # the position iteration ends below 1e-11, and V is that of its last but one iterate
@@ -171,11 +157,8 @@ def test_user_trajectory(tmp_path):
 def test_circle_in_the_plane():
     """The distance to the centre stays; the velocity is that of the profile."""
     centre = arm.START + np.array([-0.1, 0.0])
-    third = [
-        ("TRAJECT", 1),
-        ("TRCIRL", 7, *map(float, centre), *map(float, centre + np.array([0.0, 0.2]))),
-        ("TRTIME", 1.0, 10),
-    ]
+    ends = map(float, (*centre, *(centre + np.array([0.0, 0.2]))))
+    third = [("TRAJECT", 1), ("TRCIRL", 7, *ends), ("TRTIME", 1.0, 10)]
     result = spacar.run(2, arm.deck(arm.END_POINT, third))
     tip = np.column_stack((result.node(7, 1), result.node(7, 2)))
     assert np.linalg.norm(tip - centre, axis=1) == pytest.approx(0.1, abs=1e-13)

@@ -6,10 +6,13 @@ free: their accelerations at one instant, and differences of them.
 
 import numpy as np
 import pytest
+from spacar_formats.ltvfile import read_ltv
 from spacar_formats.setpoint_files import find_setpoints
 
 import spacar
 from spacar.deck import parse_deck, read_deck
+from spacar.simulation import TimeVarying, simulate_ltv, with_gain
+from tests.command_line import call
 from tests.examples import DATA
 
 FIXED = (DATA / "robotflexinv.dat").read_text()
@@ -60,8 +63,6 @@ def test_the_linearization_does_not_depend_on_the_file_of_mode_2(linear):
 
 def test_the_vibration_does_not_depend_on_the_file_of_mode_2(linear, nominal):
     """The response to SIG0 alone, which was zero; held joints (stiff ESTIFF-like gain) keep it small."""
-    from spacar.simulation import TimeVarying, simulate_ltv, with_gain
-
     def tip(result):
         data = with_gain(TimeVarying.of(result), 2e5 * np.eye(3), 2e3 * np.eye(3))
         return simulate_ltv(data, substeps=4).y[:, 6:9]
@@ -140,27 +141,16 @@ def test_a_preload_is_not_part_of_the_excitation(nominal, linear):
 @pytest.mark.slow
 def test_from_files(tmp_path, linear):
     """As the command line does it: the classes come from the tables of the sbd file."""
-    from spacar_cli.main import main
-
     (tmp_path / "arm.dat").write_text(PRESCRIBED)
     (tmp_path / "armlin.dat").write_text(LINEAR)
     for mode, name in (("2", "arm"), ("3", "armlin")):
-        assert run_quietly(main, [mode, str(tmp_path / f"{name}.dat")]) == 0
+        call.done(mode, tmp_path / name)
     nominal = find_setpoints(tmp_path / "armlin.dat")
     result = spacar.run(3, read_deck(tmp_path / "armlin.dat", 3), nominal=nominal)
     assert result.header["NRBM"] == 3
     assert relative(result["sig0"], linear["f"]["sig0"]) < 1e-10
-    from spacar_formats.ltvfile import read_ltv
-
     data, _ = read_ltv(tmp_path / "armlin")
     assert (data.n_rigid, data.sigma0.shape) == (3, (121, 8))
-
-
-def run_quietly(main, arguments):
-    try:
-        return main(arguments) or 0
-    except SystemExit as stop:
-        return stop.code or 0
 
 
 @pytest.mark.parametrize("of_mode_2", [pytest.param("f", marks=pytest.mark.slow), "p"])
