@@ -140,22 +140,6 @@ def exact(d: Dynamics, t: float, drive: object) -> tuple[np.ndarray, np.ndarray]
         return xdd, np.array([float(v) for v in solution[len(F) :]])
 
 
-def test_the_constitutive_stress_of_a_dynamic_deformation_is_the_one_of_equilibrium() -> None:
-    """Kinetostatics (theory-system.md (10)) at the solution: multipliers on the dynamic rows equal S e + S_d de/dt."""
-    d = evaluator(*chain(20, "mixed"))
-    y = random_state(d, 1e-3, 0.3)
-    f = d.frame(0.3, y)
-    V, M, load, _H, sigma, _ = parts(d, 0.3)
-    n = d.numbering
-    E, U = d.kinematics.E, d.kinematics.U
-    rest = f.sig.copy()
-    rest[E] = 0.0
-    multipliers = np.linalg.solve(V[np.ix_(E, U)].T, -(M @ f.xdd - load + V.T @ rest)[U])
-    dynamic = slice(n.e_class["input"].stop, n.e_class["dynamic"].stop)
-    scale = np.abs(f.sig).max()
-    np.testing.assert_allclose(multipliers[dynamic], sigma[dynamic], atol=1e-9 * scale)
-
-
 def test_nodal_forces_vanish_where_nothing_is_applied() -> None:
     """fxtot is the sum of applied, gravity and support forces: free coordinates balance exactly."""
     d = evaluator(*chain(20, "mixed"))

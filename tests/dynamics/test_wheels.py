@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 import spacar
-from spacar.dynamics import Dynamics
 from spacar.errors import AnalysisError
-from spacar.mechanism import build
 from tests.examples import DATA
 
 G, EPS = 9.81, np.finfo(float).eps
@@ -96,23 +94,6 @@ def test_a_rolling_wheel_against_newton_euler(rho: float) -> None:
         assert r.element(4, 4, "sig")[0] == pytest.approx(0.0, abs=1e-10 * np.abs(force).max())
 
 
-def test_a_rolling_disk_keeps_its_energy_and_rolls_without_slip() -> None:
-    radius = 0.35
-    rows, dynamics, m, J = free_wheel(radius, 0.0)
-    dynamics += [("STARTDE", 1, 1, 0.0, 0.3), ("STARTDE", 2, 1, 0.2, 0.1), ("STARTDE", 3, 1, 0.0, 12.0),
-                 ("TIMESTEP", 2.0, 40), ("ERROR", 1e-10, 1e-10)]  # fmt: skip
-    r = spacar.run(1, spacar.Deck.build(rows, dynamics))
-    for slip in (5, 6):
-        np.testing.assert_allclose(r.element(4, slip, "ed"), 0.0, atol=1e-11)
-    v = np.array([r.node(5, k, "xd") for k in (1, 2, 3)]).T
-    lam, lam_d = r["x"][:, r.lnp[3] - 1], r["xd"][:, r.lnp[3] - 1]
-    s, u, sd, ud = lam[:, :1], lam[:, 1:], lam_d[:, :1], lam_d[:, 1:]
-    w = 2 * (s * ud - sd * u - np.cross(u, ud))
-    E = 0.5 * m * (v**2).sum(1) + 0.5 * (w @ J * w).sum(1) + m * G * r.node(5, 3)
-    np.testing.assert_allclose(E / E[0], 1.0, atol=1e-8)
-    assert np.ptp(r.element(2, 1)) > 0.05
-
-
 def test_the_spin_of_a_wheel_counts_its_turns() -> None:
     radius = 0.35
     rows, dynamics, _, _ = free_wheel(radius, 0.0)
@@ -190,17 +171,3 @@ def test_tricycles_straight_ahead() -> None:
     r = spacar.run(1, deck, n_steps=5, atol=1e-8, rtol=1e-8)
     forces = np.array([r.element(w, 3, "sig") for w in (3, 6, 11)])
     np.testing.assert_allclose(forces, np.array([[-294.30], [-294.30], [-250.155]]) @ np.ones((1, 6)), atol=1e-9)
-
-
-@pytest.mark.parametrize("name", ["trike3v", "trike3i"])
-def test_vertical_balance_of_a_vehicle(name: str) -> None:
-    """Sum of the normal forces and the weight = rate of vertical momentum (the inclined fork lifts the frame)."""
-    m = build(spacar.read_deck(DATA / f"{name}.dat", 1))
-    d = Dynamics(m)
-    f = d.frame(0.0, d.start())
-    n = m.numbering
-    z = np.zeros(n.nx)
-    z[[n.x_index(node.number, 3) for node in n.nodes if node.kind == "position"]] = 1.0
-    total = z @ f.fxtot - sum(f.sig[n.e_index(w, 3)] for w in (3, 6, 11))
-    inertia = z @ d.sweep.mass_times(f.xdd)
-    assert total == pytest.approx(inertia, abs=1e-8)

@@ -186,6 +186,7 @@ SIGNATURE = {"USERSIG": "t, ne, le, e, ep, nx, lnp, x, xp", "USERINP": "t, step"
     ("keyword", "result", "code", "expected"),
     [
         ("USERSIG", "1 / 0", "failed", ("myfun", "t = 0", "ZeroDivisionError")),
+        ("USERSIG", "(_ for _ in ()).throw(ValueError('bad\\nluck'))", "failed", ("myfun", "t = 0", "bad")),
         ("USERSIG", "None", "failed", ("myfun", "t = 0")),
         ("USERSIG", "(t, None)", "failed", ("myfun", "t = 0")),
         ("USERSIG", "(t, [[3, 1]], None)", "shape", ("sig", "3 or 5", "(1, 2)")),
