@@ -9,7 +9,7 @@ import spacar
 from spacar.elements.planar.plbeam import PlanarBeam
 from spacar.elements.planar.plbeam_angle import PlanarAngleBeam, PlanarAngleTube
 
-from .derivatives import check_inertia, check_strain, close, evaluate, group
+from .derivatives import check_inertia, check_strain, close, evaluate, group, mass_of
 from .rod import cantilever_tip
 
 N = 6
@@ -81,17 +81,26 @@ def test_range():
 
 
 # -- whole program -------------------------------------------------------------------------------------------------
-def cantilever(nodes, load: float = 14.0, extra=(), EI: float = 102.0, EA: float = 0.0, **values) -> spacar.Deck:
-    """Clamped at nodes[0], EA = 0: inextensible; dead force -load along y at the end."""
-    rows: list[tuple] = [("FIX", 1), ("FIX", 2), ("X", 1, float(nodes[0]), 0.0), *extra]
-    modes = (1, 2, 3) if EA else (2, 3)
-    dynamics: list[tuple] = []
+def row(nodes, dynamics, *, modes=(2, 3), clamp=("FIX", 2), **values) -> spacar.Deck:
+    """Beams between these places along x, held at the first one; values: ESTIFF=..., EM=... of each."""
+    rows: list[tuple] = [("FIX", 1), clamp, ("X", 1, float(nodes[0]), 0.0)]
+    laws: list[tuple] = []
     for k, x in enumerate(nodes[1:], 1):
         p = 2 * k - 1
         rows += [("PLBEAM", k, p, p + 1, p + 2, p + 3), ("DYNE", k, *modes), ("X", p + 2, float(x), 0.0)]
-        dynamics += [("ESTIFF", k, EA, EI), ("EM", k, 1.0), *((name, k, *v) for name, v in values.items())]
-    dynamics += [("XF", 2 * len(nodes) - 1, 0.0, -load), ("ITERSTEP", 50, 10, 1e-12)]
-    return spacar.Deck.build(rows, dynamics)
+        laws += [(name, k, *value) for name, value in values.items()]
+    return spacar.Deck.build(rows, [*laws, *dynamics])
+
+
+def unit_row(n: int, dynamics, **values) -> spacar.Deck:
+    """n equal inextensible beams on 1 m, EI = m = 1."""
+    return row(np.linspace(0, 1, n + 1), dynamics, **{"ESTIFF": (0.0, 1.0), "EM": (1.0,)} | values)
+
+
+def cantilever(nodes) -> spacar.Deck:
+    """Inextensible, EI = 102: 14 N down at the end."""
+    load = [("XF", 2 * len(nodes) - 1, 0.0, -14.0), ("ITERSTEP", 50, 10, 1e-12)]
+    return row(nodes, load, ESTIFF=(0.0, 102.0), EM=(1.0,))
 
 
 def tip(result, n: int) -> np.ndarray:
@@ -128,13 +137,7 @@ def test_cantilever_converges_with_order_four(n):
 @pytest.mark.parametrize("n", [3, 4, 8])
 def test_full_circle_by_a_moment_is_exact(n):
     """M = 2 pi EI/L: the end is back at the clamp for any number of elements."""
-    nodes = np.linspace(0, 1, n + 1)
-    rows = cantilever(nodes, 0.0, EI=1.0)
-    deck = spacar.Deck.build(
-        [(s.keyword, *s.values) for s in rows.statements if s.block == 1],
-        [(s.keyword, *s.values) for s in rows.statements if s.block == 2 and s.keyword in ("ESTIFF", "EM")]
-        + [("XF", 2 * n + 2, 2 * np.pi), ("ITERSTEP", 50, 20, 1e-13)],
-    )
+    deck = unit_row(n, [("XF", 2 * n + 2, 2 * np.pi), ("ITERSTEP", 50, 20, 1e-13)])
     result = spacar.run(7, deck, beams="angle")
     np.testing.assert_allclose(tip(result, n), 0.0, atol=1e-11)
     np.testing.assert_allclose(result.node(2 * n + 2, 1)[-1], 2 * np.pi, rtol=1e-12)
@@ -144,14 +147,9 @@ def errors_of(beams, counts, force, *, EA: float = 0.0, shear: float = 0.0, q=(0
     """Errors of the tip of cantilevers of length 1 and EI = 1 under a dead force and gravity q per length."""
     found = []
     for n in counts:
-        rows: list[tuple] = [("FIX", 1), ("FIX", 2)]
-        dynamics: list[tuple] = [("XF", 2 * n + 1, *force), ("ITERSTEP", 60, 10, 1e-12), ("GRAVITY", *q)]
-        for k in range(1, n + 1):
-            p = 2 * k - 1
-            rows += [("PLBEAM", k, p, p + 1, p + 2, p + 3), ("X", p + 2, k / n, 0.0)]
-            rows += [("DYNE", k, *((1, 2, 3) if EA else (2, 3)))]
-            dynamics += [("ESTIFF", k, EA, 1.0, shear), ("EM", k, 1.0)]
-        found.append(np.linalg.norm(tip(spacar.run(8, spacar.Deck.build(rows, dynamics), beams=beams), n) - truth))
+        loads = [("XF", 2 * n + 1, *force), ("ITERSTEP", 60, 10, 1e-12), ("GRAVITY", *q)]
+        deck = unit_row(n, loads, modes=(1, 2, 3) if EA else (2, 3), ESTIFF=(EA, 1.0, shear))
+        found.append(np.linalg.norm(tip(spacar.run(8, deck, beams=beams), n) - truth))
     return np.array(found)
 
 
@@ -212,18 +210,8 @@ def test_curved_tubes_are_of_fourth_order():
 
 def swung(n, beams) -> np.ndarray:
     """Cantilever (all unity) whose clamp turns with 8 rad/s^2: position of the end after 0.8 s."""
-    rows: list[tuple] = [("FIX", 1), ("INPUTX", 2, 1)]
-    dynamics: list[tuple] = [
-        ("INPUTX", 2, 1, 0.0, 0.0, 8.0),
-        ("TIMESTEP", 0.8, 4),
-        ("ERROR", 1e-8, 1e-8),
-        ("INTEGRAT", 595),
-    ]
-    for k in range(1, n + 1):
-        p = 2 * k - 1
-        rows += [("PLBEAM", k, p, p + 1, p + 2, p + 3), ("DYNE", k, 2, 3), ("X", p + 2, k / n, 0.0)]
-        dynamics += [("ESTIFF", k, 0.0, 1.0), ("EM", k, 1.0)]
-    return tip(spacar.run(1, spacar.Deck.build(rows, dynamics), beams=beams), n)
+    turn = [("INPUTX", 2, 1, 0.0, 0.0, 8.0), ("TIMESTEP", 0.8, 4), ("ERROR", 1e-8, 1e-8), ("INTEGRAT", 595)]
+    return tip(spacar.run(1, unit_row(n, turn, clamp=("INPUTX", 2, 1)), beams=beams), n)
 
 
 @pytest.mark.slow
@@ -269,17 +257,12 @@ def rayleigh():
 
 
 def frequencies(n, beams, force=0.0):
-    rows, dynamics = [("FIX", 1), ("FIX", 2)], [("XF", 2 * n + 1, 0.0, force), ("ITERSTEP", 50, 4, 1e-12)]
-    for k in range(1, n + 1):
-        p = 2 * k - 1
-        rows += [("PLBEAM", k, p, p + 1, p + 2, p + 3), ("DYNE", k, 2, 3), ("X", p + 2, k / n, 0.0)]
-        dynamics += [("ESTIFF", k, 0.0, 1.0), ("EM", k, 1.0, J)]
-    return 2.0 * np.pi * spacar.run(7, spacar.Deck.build(rows, dynamics), beams=beams).frequencies[-1][:2]
+    deck = unit_row(n, [("XF", 2 * n + 1, 0.0, force), ("ITERSTEP", 50, 4, 1e-12)], EM=(1.0, J))
+    return 2.0 * np.pi * spacar.run(7, deck, beams=beams).frequencies[-1][:2]
 
 
 def orders_to(found, truth):
-    error = np.abs(np.array(found) / truth - 1.0)
-    return np.log2(error[:-1] / error[1:])
+    return orders(np.abs(np.array(found) / truth - 1.0))
 
 
 def test_lumped_inertia_limits_frequencies_to_order_two():
@@ -305,10 +288,8 @@ def test_a_rigid_turn_has_all_of_the_inertia():
     """All angles turn at 1 rad/s about node p: the rotary part of 2 T is J l0."""
     x0 = np.array([[0.0, 0.0, 0.0, 1.5, 0.8, 0.0]]).T
     beam = PlanarAngleBeam(group("PLBEAM", x0, em=[(0.0, 0.7)]))
-    e, V, M = np.zeros((3, 1)), np.zeros((3, 6, 1)), np.zeros((6, 6, 1))
-    beam.mass(beam.strain(x0, e, e, V), M)
     v = np.array([0.0, 0.0, 1.0, -0.8, 1.5, 1.0])
-    assert v @ M[:, :, 0] @ v == pytest.approx(0.7 * 1.7, rel=1e-14)
+    assert v @ mass_of(beam, x0)[:, :, 0] @ v == pytest.approx(0.7 * 1.7, rel=1e-14)
 
 
 @pytest.mark.parametrize(("kind", "size"), [(PlanarBeam, "lumped"), (PlanarAngleBeam, "consistent")])
@@ -317,8 +298,7 @@ def test_dispersion_of_waves(kind, size):
     h, k, r = 0.25, 1.0, 0.7  # next terms: a hundredth of the first ones
     x0 = np.array([[0.0, 0.0, 0.0, h, 0.0, 0.0]]).T
     beam = kind(group("PLBEAM", x0, em=[(1.0, r * r)], estiff=[(1.0, 1.0)]))
-    e, V, M = np.zeros((3, 1)), np.zeros((3, 6, 1)), np.zeros((6, 6, 1))
-    beam.mass(beam.strain(x0, e, e, V), M)
+    V, M = evaluate(beam, x0)[2], mass_of(beam, x0)
     K = np.einsum("ai,ab,bj->ij", V[:, :, 0], beam.stiffness()[0][:, :, 0], V[:, :, 0])
     z = np.exp(1j * k * h)
     P = np.zeros((6, 2), complex)  # transverse displacement and angle of p, and of q a phase later

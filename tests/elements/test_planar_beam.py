@@ -44,11 +44,7 @@ def test_derivatives(seed):
     check_strain(family, x, v, rng.normal(size=(3, N)))
     check_inertia(family, x, v, a)
     check_stiffness(family)
-
-
-def test_start_is_free_of_strain():
-    family, x0, _, _ = random_beams(0)
-    close(evaluate(family, x0)[1], np.zeros((3, N)), "e at the start", 1e-15)
+    check_gravity(family, x, np.array([1.0, -9.81]))
 
 
 @cache
@@ -112,22 +108,6 @@ def test_mass_is_kinetic_energy_of_the_line():
     truth = 0.5 * m * l0 * sum(w * (r * r).sum(0) for w, r in zip(WEIGHTS, rate, strict=True))
     truth += 0.25 * J * l0 * (v[2] ** 2 + v[5] ** 2)
     close(0.5 * (v[:, None] * mass_of(family, x) * v).sum((0, 1)), truth, "kinetic energy", 1e-13)
-
-
-def test_weight_is_gradient_of_the_potential():
-    """Virtual work of gravity on the line: m l0 integral of g.dr."""
-    family, x0, x, rng = random_beams(4)
-    d0 = x0[3:5] - x0[0:2]
-    start, l0 = np.arctan2(d0[1], d0[0]), np.hypot(*d0)
-    g = np.array([1.0, -9.81])
-    weight = check_gravity(family, x, g)
-    v = rng.normal(size=(6, N))
-    rng = np.random.default_rng(4)
-    rng.normal(size=(4, N))
-    m = rng.uniform(0.5, 2.0, (N, 2))[:, 0]
-    rates = [line(x + 1e-30j * v, start, l0, xi).imag / 1e-30 for xi in GAUSS]
-    rate = sum(w * r for w, r in zip(WEIGHTS, rates, strict=True))
-    close((weight * v).sum(0), m * l0 * (g[:, None] * rate).sum(0), "power of the weight", 1e-13)
 
 
 def test_what_is_massless_does_no_mass_work():

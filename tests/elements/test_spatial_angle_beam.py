@@ -165,7 +165,8 @@ DIGITS = {
     4: ((0.815991374572, 0.430275182785, 0.297556975533), (0.963710633507, 0.040226181401, 0.246330153192)),
     8: ((0.815975129025, 0.43031344371, 0.297580396468), (0.963657786797, 0.040341694931, 0.246527545892)),
 }
-EXACT = (0.815974064792, 0.430316030873, 0.297581966915), (0.963654109388, 0.04034985326, 0.24654130375)
+
+
 LOADS = (1, 1, 0.7, (0, 2.0, 1.0), (0.5, 0, 0)), (1, 0.1, 0.05, (0, 0.2, 0.1), (0.05, 0, 0))
 
 
@@ -175,12 +176,6 @@ def test_cantilever_digits(n, case):
     """Tables 4.2, rows 2a+2b: the eliminated twist gradient gives the digits of the coordinate."""
     result = spacar.run(8, cantilever(n, *LOADS[case]), beams="angle")
     np.testing.assert_allclose(tip(result, n), DIGITS[n][case], rtol=0, atol=2e-11)
-
-
-def test_cantilever_is_of_fourth_order():
-    for case, exact in enumerate(EXACT):
-        errors = [np.linalg.norm(np.subtract(DIGITS[n][case], exact)) for n in (2, 4, 8)]
-        np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 4.0, atol=0.3)
 
 
 def lateral(n, EIy=0.0, beams="angle", change=lambda deck: deck):

@@ -72,43 +72,6 @@ def test_definition_and_derivatives(linear: Any) -> None:
     check_strain(beams, x + 0.1 * rng.normal(size=x.shape), rng.normal(size=x.shape), rng.normal(size=(6, N)))
 
 
-def test_small_rotations_have_the_stated_signs() -> None:
-    """e2..6 = l0 (x_q - x_p, -y_p, y_q, -z_p, z_q) of small angles; error 1e-5^2 = 1e-10."""
-    x0 = reference(np.random.default_rng(0), 1, LAYOUT)
-    x0[:3, 0], x0[7:10, 0] = 0.0, (2.0, 0, 0)
-    beam = SpatialBeam(group("BEAM", x0, geometry=[(0.0, 1, 0)]))
-    small, expected = 1e-5, {("p", 0): (1, -1), ("q", 0): (1, 1), ("p", 1): (2, -1), ("q", 1): (3, 1)}
-    expected |= {("p", 2): (4, -1), ("q", 2): (5, 1)}
-    for (end, axis), (mode, sign) in expected.items():
-        x = x0.copy()
-        row = 3 if end == "p" else 10
-        x[row : row + 4, 0] = turn(np.eye(3)[axis], small)
-        truth = np.zeros((6, 1))
-        truth[mode] = sign * 2.0 * small
-        np.testing.assert_allclose(evaluate(beam, x)[1], truth, atol=1e-9)
-
-
-def test_torsion_shortens_an_open_section() -> None:
-    """Unloaded (e1 = 0): axial strain -f1 alpha^2/2; the sine law of eb2 changes it by 8e-4 at 0.05 rad."""
-    f1, angle = 0.02, 0.05
-    x0 = reference(np.random.default_rng(0), 1, LAYOUT)
-    x0[:3, 0], x0[7:10, 0] = 0.0, (1.0, 0, 0)
-    beam = SpatialBeam(group("BEAM", x0, geometry=[(f1,)]))
-    x = x0.copy()
-    x[10:14, 0] = turn((1, 0, 0), angle)
-    assert evaluate(beam, x)[1][0, 0] == pytest.approx(0.5 * f1 * angle**2, rel=1e-3)
-
-
-def test_rigid_motion_leaves_no_deformation() -> None:
-    beams, x0, _, _ = random_beams(5)
-    lam = turn((0.2, -1.0, 0.5), 2.5)
-    x = x0.copy()
-    for row in (0, 7):
-        x[row : row + 3] = rotation(lam) @ x0[row : row + 3] + np.array([[1.0], [2], [3]])
-        x[row + 3 : row + 7] = lam[:, None]
-    close(evaluate(beams, x)[1], np.zeros((6, N)), "rigid motion", 1e-14)
-
-
 def test_inertia() -> None:
     beams, _, x, v = random_beams(6, em=np.random.default_rng(1).uniform(0.5, 2.0, (N, 1)))
     rng = np.random.default_rng(7)
@@ -183,20 +146,6 @@ def test_stiffness_with_shear() -> None:
     np.testing.assert_allclose(
         S_d[4:, 4:, 0], np.array([[4 + phi_y, phi_y - 2], [phi_y - 2, 4 + phi_y]]) * 0.5 / (1 + phi_y)
     )
-
-
-def test_shear_flexible_cantilever_compliance() -> None:
-    """Tip force in y' on a clamped beam: compliance l^3/(3 EI) + l/(GAk) of the beam theory."""
-    l0, EI, shear = 2.0, 5.0, 0.3  # shear = EI/(GA k), so l/(GA k) = l shear/EI
-    x0 = reference(np.random.default_rng(0), 1, LAYOUT)
-    x0[:3, 0], x0[7:10, 0] = 0.0, (l0, 0, 0)
-    beam = SpatialBeam(group("BEAM", x0, geometry=[(0.0, 1, 0)], estiff=[(1.0, 1, 7, EI, 0, shear)]))
-    V = evaluate(beam, x0)[2][:, :, 0]
-    S = beam.stiffness()[0][:, :, 0]
-    free = [7, 8, 9, 11, 12, 13]
-    K = V[:, free].T @ S @ V[:, free]
-    deflection = np.linalg.solve(K, np.eye(6)[1])[1]
-    assert deflection == pytest.approx(l0**3 / (3 * EI) + l0 * shear / EI, rel=1e-12)
 
 
 def test_default_direction_is_the_highest_index_of_equals() -> None:

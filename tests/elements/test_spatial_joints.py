@@ -11,7 +11,7 @@ from spacar.elements.spatial.node_inertia import Normalization
 from spacar.elements.spatial.pinbody import SpatialPinbody
 
 from .derivatives import check_gravity, check_inertia, check_strain, close, evaluate, group, mass_of
-from .spatial_truth import G, chord_frame, moved, rates, reference, rotation, turn
+from .spatial_truth import G, chord_frame, moved, reference, rotation, turn
 
 N = 6
 
@@ -173,5 +173,3 @@ def test_normalization() -> None:
     family = Normalization(np.arange(N))
     np.testing.assert_allclose(evaluate(family, x)[1][0], (x**2).sum(0) - 1)
     check_strain(family, x, rng.normal(size=x.shape), rng.normal(size=(1, N)))
-    v = rates(rng, x / np.linalg.norm(x, axis=0), "l")
-    close(evaluate(family, x / np.linalg.norm(x, axis=0))[2][0] * v, v * 2 * x / np.linalg.norm(x, axis=0), "V")

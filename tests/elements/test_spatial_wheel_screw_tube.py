@@ -11,7 +11,7 @@ from spacar.elements.spatial.screw import Screw
 from spacar.elements.spatial.tube import SpatialTube
 from spacar.elements.spatial.wheel import DiskWheel, TorusWheel
 
-from .derivatives import check_gravity, check_inertia, check_strain, close, evaluate, gradient, group, written
+from .derivatives import check_gravity, check_inertia, check_strain, close, evaluate, group
 from .spatial_truth import G, chord_frame, moved, rates, reference, rotation, turn
 from .test_spatial_joints import hinge_frame
 
@@ -255,65 +255,6 @@ def test_definition_and_derivatives(keyword: str) -> None:
     # far off the ground and off the unit sphere, where no term vanishes
     far = x + 0.2 * rng.normal(size=x.shape)
     check_strain(family, far, v, rng.normal(size=(6, N)))
-
-
-@pytest.mark.parametrize("keyword", ["WHEEL", "TWHEEL"])
-def test_slips_are_not_integrable(keyword: str) -> None:
-    """H1 and H2 of the slips differ (a rolling wheel has no position constraint); those of e1..e4 agree."""
-    family, x0, _, _ = wheels(keyword)
-    rng = np.random.default_rng(3)
-    v = rng.normal(size=x0.shape)
-    c = evaluate(family, x0)[0]
-    H1, H2 = (written(m, (6, 10, N), float, c, v) for m in (family.gradient_rate, family.gradient_transport))
-    close(H1[:4], H2[:4], "holonomic", 1e-15)
-    assert (np.abs(H1[4:] - H2[4:]).max(axis=1) > 0.1).all()
-
-
-@pytest.mark.parametrize("keyword", ["WHEEL", "TWHEEL"])
-def test_no_slip_means_that_the_material_contact_point_is_at_rest(keyword: str) -> None:
-    """For rates that keep e1..e4 and both slips zero, dx_p + w x d = 0; three such motions are free."""
-    family, x0, _, _ = wheels(keyword)
-    rng = np.random.default_rng(4)
-    lam = turn(UP, 0.8)  # a turn about the vertical keeps the wheel on the ground
-    x = x0.copy()
-    for k in range(N):
-        x[:3, k], x[7:, k] = rotation(lam) @ x0[:3, k], rotation(lam) @ x0[7:, k]
-        x[3:7, k] = lam
-    _, e, V = evaluate(family, x)
-    close(e, np.zeros((6, N)), "on the ground", 1e-15)
-    for k in range(N):
-        rows = np.vstack((V[:, :, k], np.concatenate((np.zeros(3), x[3:7, k], np.zeros(3)))))
-        free = np.linalg.svd(rows)[2][7:]
-        assert len(free) == 3
-        u = rng.normal(size=3) @ free
-        spin = (rotation(x[3:7, k] + 1e-30j * u[3:7]).imag / 1e-30) @ rotation(x[3:7, k]).T
-        contact = u[:3] + spin @ (x[7:, k] - x[:3, k])
-        np.testing.assert_allclose(contact, np.zeros(3), atol=1e-14)
-        assert np.linalg.norm(u[:3]) > 1e-3  # and it rolls
-
-
-def test_contact_force() -> None:
-    """Equilibrium of the contact node without lateral force: sigma4 = 0, the road pushes along the normal."""
-    family, x0, _, _ = wheels("TWHEEL")
-    _, _, V = evaluate(family, x0)
-    for k in range(N):
-        rows = V[[0, 1, 2, 3, 5], 7:, k]  # slip 5 does not act on the contact node
-        given = np.array([2.0, 0.0])  # normal compression -sigma3 = 2, lateral sigma6 = 0
-        sigma = np.linalg.solve(rows[[0, 1, 3]].T, given[0] * UP)
-        assert sigma[2] == pytest.approx(0.0, abs=1e-14)
-        road = sigma[0] * rows[0] + sigma[1] * rows[1]
-        np.testing.assert_allclose(road, given[0] * UP, atol=1e-14)
-        assert sigma[0] < 0.0  # compression of the wheel
-
-
-def test_slip_rates_are_the_transport_of_the_rows() -> None:
-    """H(v,v) of a slip is d(W v)/dt at zero accelerations, a second way to the checker's contraction."""
-    family, x0, _, _ = wheels("WHEEL")
-    rng = np.random.default_rng(5)
-    v = rng.normal(size=x0.shape)
-    c = evaluate(family, x0)[0]
-    slip = gradient(lambda z: (evaluate(family, z)[2] * v).sum(1), x0)
-    close(written(family.convective_strain, (6, N), float, c, v), (slip * v).sum(1), "H(v,v)")
 
 
 @pytest.mark.parametrize(
