@@ -11,6 +11,8 @@ import spacar
 from spacar.frame import E_FIELDS, X_FIELDS, Frame, FramesInRows, JoinedFrames, StoredFrames, column, joined
 from tests.examples import DATA
 
+CRANK = DATA / "crank.dat"
+
 
 def block(first: int, n: int) -> StoredFrames:
     """Frames whose numbers tell where they stand: x = (t, -t), e = (10 t,)."""
@@ -75,23 +77,18 @@ def test_one_block_stays_what_it_is():
     assert joined([alone]) is alone
 
 
-def test_a_column_of_a_result_is_its_own(crank):
+def test_a_column_of_a_result_is_its_own():
     """Changing it does not change the result."""
-    result = spacar.run(1, crank)
+    result = spacar.run(1, CRANK)
     for read in (lambda: result["x"], lambda: result.t, lambda: result.node(2, 1), lambda: result.element(1, 1)):
         found, kept = read(), read().copy()
         found[:] = np.nan
         assert np.array_equal(read(), kept)
 
 
-@pytest.fixture
-def crank():
-    return DATA / "crank.dat"
-
-
 @pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda result: pickle.loads(pickle.dumps(result))])
-def test_a_result_can_be_copied_and_sent(copied, crank):
-    result = spacar.run(1, crank)
+def test_a_result_can_be_copied_and_sent(copied):
+    result = spacar.run(1, CRANK)
     other = copied(result)
     assert [f.statistics for f in other.frames] == [f.statistics for f in result.frames]
     for name in ("t", *X_FIELDS, *E_FIELDS):
@@ -99,8 +96,8 @@ def test_a_result_can_be_copied_and_sent(copied, crank):
 
 
 @pytest.mark.parametrize("mode", [1, 4])
-def test_a_result_has_what_its_run_gives_frame_by_frame(mode, crank):
-    result, run = spacar.run(mode, crank), spacar.frames(mode, crank)
+def test_a_result_has_what_its_run_gives_frame_by_frame(mode):
+    result, run = spacar.run(mode, CRANK), spacar.frames(mode, CRANK)
     each = list(run)
     assert len(each) == len(result.frames) == run.n_frames
     assert result.report == tuple(run.report.lines)

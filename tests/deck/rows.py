@@ -5,6 +5,7 @@ The fragments must all occur in one message line of that severity; `<deck>` stan
 Rows whose situation needs a file system, a user function or a numerical analysis are not here.
 """
 
+from functools import partial
 from typing import NamedTuple
 
 
@@ -31,23 +32,7 @@ TROLLEY = "PLWHEEL 1 1 2 3 0.3 0. 1.\nDYNX 3 1\nKINX 1 1 2\nKINX 2 1\n"
 END, NEXT = "END END\n", "END HALT\n"
 
 
-def planar(kinematics: str = "", dynamics: str = "", third: str = "") -> str:
-    return _deck(PLANAR, kinematics, dynamics, third)
-
-
-def spatial(kinematics: str = "", dynamics: str = "", third: str = "") -> str:
-    return _deck(SPATIAL, kinematics, dynamics, third)
-
-
-def arm(kinematics: str = "", dynamics: str = "", third: str = "") -> str:
-    return _deck(ARM, kinematics, dynamics, third)
-
-
-def bar(kinematics: str = "", dynamics: str = "", third: str = "") -> str:
-    return _deck(BAR, kinematics, dynamics, third)
-
-
-def _deck(start: str, kinematics: str, dynamics: str, third: str) -> str:
+def _deck(start: str, kinematics: str = "", dynamics: str = "", third: str = "") -> str:
     text = start + _lines(kinematics)
     if dynamics or third:
         text += NEXT + _lines(dynamics)
@@ -60,6 +45,7 @@ def _lines(text: str) -> str:
     return "".join(f"{line.strip()}\n" for line in text.split("|") if line.strip())
 
 
+planar, spatial, arm, bar = (partial(_deck, start) for start in (PLANAR, SPATIAL, ARM, BAR))
 E, W, I = "error", "warning", "information"
 
 

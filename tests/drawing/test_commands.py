@@ -12,7 +12,6 @@ from spacar_cli import progress
 from spacar_drawing import animate, draw, report
 
 import spacar
-from spacar.errors import UsageError
 from tests.examples import DATA
 
 from .conftest import call
@@ -22,8 +21,6 @@ COARSE = ("--dpi", 30)  # where it is not the picture that is looked at
 
 
 def picture_size(path):
-    from PIL import Image
-
     with Image.open(path) as image:
         return image.size, getattr(image, "n_frames", 1)
 
@@ -126,8 +123,6 @@ def test_matrices_of_another_run_are_refused(results):
 
 
 def test_gif_has_the_frames_and_loops(results):
-    from PIL import Image
-
     assert call("draw", results / "crank", "-o", results / "c.gif", "--frames", 5, "--dpi", 40).status == 0
     (width, height), frames = picture_size(results / "c.gif")
     assert (frames, width % 2, height % 2) == (5, 0, 0)
@@ -291,13 +286,6 @@ def test_results_in_files(tmp_path):
     assert (tmp_path / "few.svg").stat().st_size > 1000
     animate(tmp_path / "crank", tmp_path / "crank.gif", frames=2)
     assert "x[6,1]" in report(tmp_path / "crank", ["x[6,1]"])
-
-
-def test_what_does_not_exist_is_said(result, tmp_path):
-    with pytest.raises(UsageError, match="step 9 does not exist"):
-        result.draw(steps="9")
-    with pytest.raises(UsageError, match="ends in"):
-        result.draw(tmp_path / "crank.txt")
 
 
 def test_several_load_steps_are_no_times(result):

@@ -1,14 +1,18 @@
 """Geometry of the pictures against closed forms and against the theory reference."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from spacar_drawing.bodies import beam_lines, chord_axes, elastic_line, section_axes
 from spacar_drawing.element_pictures import span
 from spacar_drawing.look import look_of, pin_joints, places_of_hinges
+from spacar_drawing.mechanism_picture import Extras, draw_steps
 from spacar_drawing.scene import Pose, positions, rotations
 from spacar_drawing.stage import Camera, view_angles
 
 from spacar.errors import UsageError
+from tests.elements.spatial_truth import rotation
 
 from .models import result_source
 
@@ -80,9 +84,7 @@ def test_deflected_cantilever_ends_in_its_nodes_with_the_right_slopes():
     np.testing.assert_allclose(points[-1, :2], [3.680791, -8.489703], atol=5e-7)  # half of the last printed digit
     points = beam_lines(source.scene, pose, [first], 2001)[0][0]
     slope = np.diff(points[:2], axis=0)[0]
-    assert (
-        abs(slope[1] / slope[0]) < 2e-3
-    )  # clamped: horizontal; the chord of the first 1/2000 has a slope of its order
+    assert abs(slope[1] / slope[0]) < 2e-3  # clamped: horizontal; the chord of 1/2000 has a slope of its order
 
 
 def test_rotation_matrices_follow_the_theory():
@@ -95,10 +97,7 @@ def test_rotation_matrices_follow_the_theory():
     lam = rng.normal(size=4)
     lam /= np.linalg.norm(lam)
     x[scene.lnp[node - 1] - 1] = lam
-    a, b, c, d = lam
-    bar = np.array([[-b, a, -d, c], [-c, d, a, -b], [-d, -c, b, a]])
-    plain = np.array([[-b, a, d, -c], [-c, -d, a, b], [-d, c, -b, a]])
-    np.testing.assert_allclose(rotations(scene, x)[node - 1], bar @ plain.T, atol=ROUNDING)
+    np.testing.assert_allclose(rotations(scene, x)[node - 1], rotation(lam), atol=ROUNDING)
 
 
 def test_planar_rotation_and_place():
@@ -169,8 +168,6 @@ def test_camera_keeps_lengths_and_angles():
 
 @pytest.mark.parametrize("name", ["crank", "trike3v"])
 def test_axes_have_equal_scales(name):
-    from spacar_drawing.mechanism_picture import Extras, draw_steps
-
     source = result_source(name, 0)
     axes = draw_steps(source.scene, source.x(), source.settings, Extras()).axes[0]
     box = axes.get_window_extent()
@@ -179,8 +176,6 @@ def test_axes_have_equal_scales(name):
 
 
 def test_steps_on_the_line_follow_the_setting():
-    from dataclasses import replace
-
     source = result_source("lateral4", 0)
     assert look_of(source.scene, source.x(), source.settings).points == 101  # STEPLINE 0.01
     assert look_of(source.scene, source.x(), replace(source.settings, step_line=None)).points == 25

@@ -20,6 +20,7 @@ from spacar_drawing.stresses import GRID, Resultants, along, resultants, stress_
 
 import spacar
 from spacar.deck import parse_deck
+from tests.elements.spatial_truth import rotation
 from tests.examples import DATA
 
 from .models import result_source
@@ -37,12 +38,7 @@ class Matrices:
         return name in self.frames[0].matrices
 
     def get(self, name, step):
-        from spacar.errors import UsageError
-
-        value = self.frames[step - 1].matrices.get(name)
-        if value is None:
-            raise UsageError(f"ID not found: {name}")
-        return value
+        return self.frames[step - 1].matrices[name]
 
     array = get
 
@@ -230,13 +226,10 @@ def test_von_mises_of_simple_loads(section):
 
 def test_signs_of_bending_stress():
     """Mz = EI w_y'' > 0 bends towards +y: +y is compressed; My = -EI w_z'' > 0: +z is stretched."""
-    section = SectionShape("RECT", (0.3, 0.2))
-    normal, _ = stress_field(section, only(Mz=1.0))
-    corners = normal[0].reshape(GRID, GRID)  # rows z, columns y
-    assert corners[0, -1] < 0 < corners[0, 0]
-    normal, _ = stress_field(section, only(My=1.0))
-    corners = normal[0].reshape(GRID, GRID)
-    assert corners[0, 0] < 0 < corners[-1, 0]
+    for moment, pressed, pulled in (("Mz", (0, -1), (0, 0)), ("My", (0, 0), (-1, 0))):
+        normal, _ = stress_field(SectionShape("RECT", (0.3, 0.2)), only(**{moment: 1.0}))
+        corners = normal[0].reshape(GRID, GRID)  # rows z, columns y
+        assert corners[pressed] < 0 < corners[pulled]
 
 
 def test_circle_under_shear_and_torque():
@@ -289,9 +282,7 @@ def orientation(result, node, planar):
     if planar:
         c, s = np.cos(a := float(result.node(node, 1)[-1])), np.sin(a)
         return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    a, *v = (float(result.node(node, k)[-1]) for k in range(1, 5))
-    across = np.cross(np.eye(3), v)  # of v, as a matrix
-    return np.eye(3) + 2 * a * across + 2 * (np.outer(v, v) - np.dot(v, v) * np.eye(3))
+    return rotation([result.node(node, k)[-1] for k in range(1, 5)])
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,11 @@
 """Every example model has a picture that somebody has looked at; it must not change unnoticed."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from PIL import Image
+from spacar_drawing.mechanism_picture import Extras, draw_steps
 
 from tests.examples import DATA
 
@@ -13,8 +17,6 @@ TOLERANCE = 1.0
 
 
 def stored(name):
-    from PIL import Image
-
     return np.asarray(Image.open(REFERENCE / f"{name}.png").convert("L"), float)
 
 
@@ -34,22 +36,16 @@ def test_picture_is_the_reviewed_one(name):
 
 
 def test_the_tolerance_notices_a_change():
-    from dataclasses import replace
-
-    from spacar_drawing.mechanism_picture import Extras, draw_steps
-
     source = result_source("fourbar", 1)
-    x = source.x().copy()
-    right = pixels(draw_steps(source.scene, x, source.settings, Extras(True, True, title="")))
+
+    def drawn(x, settings=source.settings):
+        return pixels(draw_steps(source.scene, x, settings, Extras(True, True, title="")))
+
+    x, right = source.x().copy(), drawn(source.x())
     x[:, source.scene.lnp[1, 0] - 1] += 0.04  # one of four nodes, 3 % of the width
-    wrong = pixels(draw_steps(source.scene, x, source.settings, Extras(True, True, title="")))
-    assert difference(wrong, stored("fourbar")) > TOLERANCE
+    assert difference(drawn(x), stored("fourbar")) > TOLERANCE
     assert difference(right, stored("fourbar")) < 0.5
-    hidden = replace(source.settings, hidden=frozenset({3}))
-    assert (
-        difference(pixels(draw_steps(source.scene, source.x(), hidden, Extras(True, True, title=""))), right)
-        > TOLERANCE
-    )
+    assert difference(drawn(source.x(), replace(source.settings, hidden=frozenset({3}))), right) > TOLERANCE
     assert DPI < 60
 
 

@@ -70,15 +70,8 @@ def test_wrong_wishes(results):
 
 
 def test_commands(results):
-    done = call(
-        "stress", results / "lateral4", "-e", 1, "--place", 0.5, "-o", results / "a.png", "--of", "shear"
-    )
-    assert done.status == 0, done.err
-    done = call("visual", results / "lateral4", "--stress", "mises", "--over-section", "-o", results / "b.png")
-    assert done.status == 0, done.err
-    done = call(
-        "visual", results / "plbeam5", "--stress", "normal", "--over-section", "--section", "RECT 0.6 0.2", "-o",
-        results / "c.png",
-    )  # fmt: skip
-    assert done.status == 0, done.err
+    call.done("stress", results / "lateral4", "-e", 1, "--place", 0.5, "-o", results / "a.png", "--of", "shear")
+    over = ("--over-section", "--stress")
+    call.done("visual", results / "lateral4", *over, "mises", "-o", results / "b.png")
+    call.done("visual", results / "plbeam5", *over, "normal", "--section", "RECT 0.6 0.2", "-o", results / "c.png")
     assert all((results / f"{n}.png").stat().st_size > 5000 for n in "abc")

@@ -10,6 +10,7 @@ import spacar
 from spacar.dynamics import Dynamics
 from spacar.kinematics.transfer import velocity_transfer
 from spacar.mechanism import build
+from tests.elements.spatial_truth import rotation, turn
 from tests.examples import DATA
 
 from .reduced_form import random_state
@@ -65,17 +66,12 @@ def reference(
 
 def rotations(lam: np.ndarray) -> np.ndarray:
     """(n, 3, 3) of unit Euler parameters (n, 4)."""
-    result = []
-    for s, *v in lam:
-        K = skew(np.array(v))
-        result.append(np.eye(3) + 2 * s * K + 2 * K @ K)
-    return np.array(result)
+    return np.array([rotation(one) for one in lam])
 
 
 def turns(axis: np.ndarray, angles: np.ndarray) -> np.ndarray:
     """(n, 3, 3) rotations about a fixed axis."""
-    K = skew(np.asarray(axis))
-    return np.array([np.eye(3) + np.sin(a) * K + (1 - np.cos(a)) * K @ K for a in angles])
+    return rotations([turn(axis, a) for a in angles])
 
 
 def body_rates(lam: np.ndarray, lam_d: np.ndarray) -> np.ndarray:

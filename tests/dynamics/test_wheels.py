@@ -5,15 +5,11 @@ import pytest
 
 import spacar
 from spacar.errors import AnalysisError
+from tests.elements.spatial_truth import rotation, turn
 from tests.examples import DATA
 
 G, EPS = 9.81, np.finfo(float).eps
 UP = np.array([0.0, 0.0, 1.0])
-
-
-def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
-    K = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
-    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
 
 
 def free_wheel(radius: float, rho: float) -> tuple[list[tuple], list[tuple], float, np.ndarray]:
@@ -75,8 +71,8 @@ def test_a_rolling_wheel_against_newton_euler(rho: float) -> None:
         angles, rates = rng.uniform(-0.7, 0.7, 3) * [3.0, 1.0, 3.0], rng.normal(size=3) * [1.0, 1.0, 5.0]
         starts = [("STARTDE", k + 1, 1, float(angles[k]), float(rates[k])) for k in range(3)]
         r = spacar.run(1, spacar.Deck.build(rows, dynamics + starts))
-        yaw, lean = rotation(UP, angles[0]), rotation(np.array([1.0, 0.0, 0.0]), angles[1])
-        R = yaw @ lean @ rotation(np.array([0.0, 1.0, 0.0]), angles[2])
+        yaw, lean, spin = (rotation(turn(axis, a)) for axis, a in zip((UP, (1, 0, 0), (0, 1, 0)), angles, strict=True))
+        R = yaw @ lean @ spin
         omega = rates[0] * UP + yaw @ (rates[1] * np.array([1.0, 0, 0]) + lean @ (rates[2] * np.array([0, 1.0, 0])))
         acceleration, alpha, force = newton_euler(radius, rho, m, J, R, omega)
         centre = r.lnp[4, :3] - 1

@@ -5,7 +5,6 @@ coordinates can hold: a coordinate at a distance d is stored to eps d/2, so a di
 eps d; the bounds below are that times the condition of the position.
 """
 
-import re
 
 import numpy as np
 import pytest
@@ -83,23 +82,6 @@ def test_a_position_that_is_hard_to_determine_is_known_to_its_condition(gap: flo
     assert np.abs(r.node(2, 1)).max() <= 100 * EPS / gap
 
 
-def test_a_failure_agrees_with_its_history() -> None:
-    """The printed residual is the last of the printed history, in a model of 1000 m as in one of 1 mm."""
-    for size in (1e-3, 1.0, 1e3):
-        r, rod = 0.15 * size, 0.35 * size
-        start = float(np.sqrt(rod**2 - r**2))
-        rows = [
-            ("PLRBEAM", 1, 1, 2, 3), ("PLRBEAM", 2, 3, 4, 5), ("X", 3, 0.0, r), ("X", 5, start, 0.0), ("FIX", 1),
-            ("FIX", 5, 2), ("INPUTX", 5, 1),
-        ]  # fmt: skip
-        dynamics = [("INPUTX", 5, 1, start, 0.1 * size, 0.0), ("TIMESTEP", 3.0, 30)]
-        with pytest.raises(AnalysisError) as caught:
-            spacar.run(1, spacar.Deck.build(rows, dynamics))
-        found = re.search(r"scaled residual (\S+) \(history ([^)]*)\)", str(caught.value))
-        assert found, caught.value
-        assert found[2].split()[-1] == found[1]
-
-
 def test_rounding_grows_with_the_numbers_that_enter() -> None:
     """64 eps at the origin, in proportion to the distance far away, whatever the unit of length."""
     from spacar.mechanism import build
@@ -116,7 +98,7 @@ def test_rounding_grows_with_the_numbers_that_enter() -> None:
 
 @pytest.mark.parametrize("offset", [0.0, 1.0, 1e3, 1e5, 1e6])
 def test_a_dead_point_far_from_the_origin_is_still_one(offset: float) -> None:
-    """A parallelogram whose crank stops at its dead point: whatever comes out for the follower is undetermined."""
+    """A parallelogram at its dead point at an output: whatever comes out for rod and follower is undetermined."""
     rows = [
         ("PLRBEAM", 1, 1, 2, 3), ("PLRBEAM", 2, 4, 5, 6), ("PLRBEAM", 3, 3, 7, 6), ("X", 1, offset, -offset),
         ("X", 3, offset, 1.0 - offset), ("X", 4, offset + 2.0, -offset), ("X", 6, offset + 2.0, 1.0 - offset),
@@ -129,4 +111,5 @@ def test_a_dead_point_far_from_the_origin_is_still_one(offset: float) -> None:
             count += 1
     assert caught.value.code == "position.singular"
     assert count == 10
-    assert "t = 1" in str(caught.value)
+    for words in ("t = 1:", "node 5 phi", "node 7 phi", "dead point", "other degrees of freedom"):
+        assert words in str(caught.value)

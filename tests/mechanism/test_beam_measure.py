@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from spacar_cli.main import main
+from spacar_formats.sbf import SbfFile
 
 import spacar
 from spacar import Deck
@@ -16,12 +17,6 @@ ROWS = [
     ("FIX", 1), ("FIX", 2), ("DYNE", 1, 2, 3), ("DYNE", 2, 2, 3), ("RLSE", 3, 1),
 ]  # fmt: skip
 LOADS = [*(("ESTIFF", k, 0.0, 1.0) for k in (1, 2)), *(("EM", k, 1.0) for k in (1, 2)), ("XF", 5, 0.0, -1.0)]
-TEXT = (
-    "\n".join(" ".join(map(str, r)) for r in ROWS)
-    + "\n{}\nEND\nHALT\n"
-    + "\n".join(" ".join(map(str, r)) for r in LOADS)
-    + "\nEND\nEND\n"
-)
 
 
 def measures(deck: Deck, **options) -> dict[int, str]:
@@ -59,9 +54,7 @@ def test_both_measures_in_one_model():
 
 
 def test_result_file_and_log_name_the_measure(tmp_path):
-    (tmp_path / "m.dat").write_text(TEXT.format("ADEFORM 2"))
-    from spacar_formats.sbf import SbfFile
-
+    (tmp_path / "m.dat").write_text(Deck.build([*ROWS, ("ADEFORM", 2)], LOADS).to_text())
     for options, kdform, words in (
         ((), (1, 2, 0), ("angles, fourth order in the length of the elements  2", "sines, second order")),
         (("--beams", "angle"), (2, 2, 0), ("angles, fourth order in the length of the elements  1 2", "--beams")),

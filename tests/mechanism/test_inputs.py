@@ -6,7 +6,6 @@ import pytest
 import spacar
 from spacar import Deck
 from spacar.dynamics import Dynamics
-from spacar.dynamics.loaded_mechanism import moment_gradient
 from spacar.mechanism import Mechanism, build
 
 G = 9.81
@@ -21,13 +20,6 @@ def mechanism(rows: tuple, dynamics: tuple = ()) -> Mechanism:
 
 def initial(rows: tuple, dynamics: tuple = (), mode: int = 1) -> spacar.Result:
     return spacar.run(mode, Deck.build(rows, dynamics, mode=mode))
-
-
-def rotation(lam: np.ndarray) -> np.ndarray:
-    """Rotation matrix of unit Euler parameters, the textbook formula."""
-    s, v = lam[0], lam[1:]
-    skew = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
-    return np.eye(3) + 2 * s * skew + 2 * skew @ skew
 
 
 # -- geometry ------------------------------------------------------------------------------------------------------
@@ -75,19 +67,6 @@ def test_three_numbers_on_a_spatial_orientation_node_are_a_moment() -> None:
     four = (("XM", 2, 2.0, 0.0, 0.0, 3.0, 0.0, 4.0), ("XF", 2, 0.0, 2.0, 4.0, 6.0))
     np.testing.assert_allclose(initial(rows, four)["xdd"], r["xdd"], rtol=1e-14)
     np.testing.assert_allclose(r["fx"][0][r.lnp[1] - 1], [0.0, 2.0, 4.0, 6.0], rtol=1e-14)
-
-
-def test_a_constant_moment_stays_constant_while_the_body_turns() -> None:
-    """virtual power: f_lambda . dlambda/dt = M . omega for any orientation."""
-    rng = np.random.default_rng(1)
-    lam = rng.normal(size=4)
-    lam /= np.linalg.norm(lam)
-    M, omega = rng.normal(size=3), rng.normal(size=3)
-    s, v = lam[0], lam[1:]
-    rate = 0.5 * np.concatenate(([-v @ omega], s * omega + np.cross(omega, v)))
-    force = moment_gradient(M[None])[:, :, 0] @ lam
-    assert force @ rate == pytest.approx(M @ omega, rel=1e-13)
-    assert force @ lam == pytest.approx(0.0, abs=1e-14)
 
 
 def test_gravity_on_lumped_and_distributed_mass() -> None:

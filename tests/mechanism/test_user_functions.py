@@ -1,6 +1,7 @@
 """USERSIG and USERINP: what they are given, what they may return, and every way in which they can be wrong."""
 
 import os
+import sys
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -193,6 +194,8 @@ SIGNATURE = {"USERSIG": "t, ne, le, e, ep, nx, lnp, x, xp", "USERINP": "t, step"
         ("USERSIG", "(t, [[3, 1, 2.0, 1.0]], None)", "shape", ("sig", "3 or 5")),
         ("USERSIG", "(t, None, [[[2, 1, 2.0]]])", "shape", ("f", "3 or 5")),
         ("USERSIG", "(t, [['a', 1, 2.0]], None)", "shape", ("sig", "numbers")),
+        ("USERSIG", "(t, None, [{2, 1, 2.0}])", "shape", ("f", "not an array")),
+        ("USERSIG", "(t, None, [[2, 1, [2.0]]])", "shape", ("f", "not an array")),
         ("USERSIG", "(t, [[3, 1, 2.0], [3, 1]], None)", "shape", ("sig",)),
         ("USERSIG", "(t, [[3, 1, 2.0], [3, 1, float('nan')]], None)", "not-finite", ("row 2 of sig", "t = 0")),
         ("USERSIG", "(t, None, [[2, 1, float('inf')]])", "not-finite", ("row 1 of f", "t = 0")),
@@ -237,8 +240,9 @@ def test_exceptions_that_end_the_program_are_not_swallowed(tmp_path: Path) -> No
         spacar.run(1, model(tmp_path, "USERINP myfun", body))
 
 
-def test_the_same_text_is_compiled_once_and_executed_for_every_model(tmp_path: Path) -> None:
-    """An edited file counts, and what a file remembers is that of one model."""
+def test_the_same_text_is_compiled_once_and_executed_for_every_model(tmp_path: Path, monkeypatch) -> None:
+    """An edited file counts, what a file remembers is that of one model, and nothing is written beside it."""
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
     path = model(tmp_path, "USERSIG myfun", SPRING)
 
     def loaded() -> Callable[..., Any]:
@@ -257,6 +261,7 @@ def test_the_same_text_is_compiled_once_and_executed_for_every_model(tmp_path: P
     other = spacar.frames(1, elsewhere).mechanism.user_signal.function.function
     assert other.__code__.co_filename == str(tmp_path / "other" / "myfun.py")
     assert other.__globals__["__file__"] == other.__code__.co_filename
+    assert {found.name for found in tmp_path.rglob("*")} == {"model.dat", "myfun.py", "other"}
 
 
 def test_a_file_in_small_letters_serves(tmp_path: Path) -> None:
