@@ -33,8 +33,9 @@ def strobe(source: PictureSource, count: int, **extras: Any) -> Any:
     )
 
 
-def plain(source: PictureSource, **extras: Any) -> Any:
-    return strobe(source, 1, **extras)
+def still(name: str, mode: int = 0, **extras: Any) -> Callable[[], Any]:
+    """The first step of an example."""
+    return lambda: strobe(result_source(name, mode), 1, **extras)
 
 
 NUMBERED = {"node_numbers": True, "element_numbers": True}
@@ -44,32 +45,22 @@ PICTURES: dict[str, Callable[[], Any]] = {
     "crankfl": lambda: strobe(result_source("crankfl", 1, 0.01, 5), 6),
     "slider": lambda: strobe(result_source("slider", 1, 3.0, 10), 5),
     "cardan": lambda: strobe(result_source("cardan", 1, 0.1, 4), 1),
-    "cardansimp": lambda: plain(result_source("cardansimp", 0)),
-    "column2": lambda: plain(result_source("column2", 0), **NUMBERED),
-    "crosshingew": lambda: plain(result_source("crosshingew", 0), **NUMBERED),
-    "finger": lambda: plain(result_source("finger", 0), **NUMBERED),
     "fingersim": lambda: strobe(result_source("fingersim", 1, 0.1, 10), 4),
-    "fourbar": lambda: plain(result_source("fourbar", 1), **NUMBERED),
-    "lateral4": lambda: plain(result_source("lateral4", 0)),
-    "lateral4cw": lambda: plain(result_source("lateral4cw", 0), view="xz"),
-    "leafguide": lambda: plain(result_source("leafguide", 0)),
-    "lever": lambda: plain(result_source("lever", 1), **NUMBERED),
-    "massspring": lambda: plain(result_source("massspring", 1), **NUMBERED),
-    "plbeam5": lambda: plain(result_source("plbeam5", 7)),
-    "plbeam5buck": lambda: plain(result_source("plbeam5buck", 0), **NUMBERED),
-    "plbeam5free": lambda: plain(result_source("plbeam5free", 0)),
-    "robotflexinv": lambda: plain(result_source("robotflexinv", 0), **NUMBERED),
-    "robotflexinvlin": lambda: plain(result_source("robotflexinvlin", 0), view="xz"),
-    "robotflexsim": lambda: plain(result_source("robotflexsim", 0)),
+    "lateral4cw": still("lateral4cw", view="xz"),
+    "plbeam5": still("plbeam5", 7),
+    "robotflexinvlin": still("robotflexinvlin", view="xz"),
     "robotinv": lambda: strobe(result_source("robotinv", 2), 6),
-    "robotinvlin": lambda: plain(result_source("robotinvlin", 0), **NUMBERED),
-    "robotsim": lambda: plain(result_source("robotsim", 0), view="-120,30"),
+    "robotsim": still("robotsim", view="-120,30"),
     "screw": lambda: strobe(result_source("screw", 1, 1.0, 10), 1),
-    "shear2": lambda: plain(result_source("shear2", 0)),
     "trike2": lambda: strobe(result_source("trike2", 1, 0.5, 10), 3),
-    "trike3i": lambda: plain(result_source("trike3i", 0)),
     "trike3v": lambda: strobe(result_source("trike3v", 1, 0.4, 6), 2),
 }
+for _names, _mode, _numbers in (
+    ("cardansimp lateral4 leafguide plbeam5free robotflexsim shear2 trike3i", 0, {}),
+    ("column2 crosshingew finger plbeam5buck robotflexinv robotinvlin", 0, NUMBERED),
+    ("fourbar lever massspring", 1, NUMBERED),
+):
+    PICTURES |= {name: still(name, _mode, **_numbers) for name in _names.split()}
 
 
 def pixels(figure: Any) -> np.ndarray:

@@ -7,6 +7,7 @@ Runs are compiled where there is a compiler, which gives the same to rounding.
 
 from functools import cache
 
+import models
 import numpy as np
 import pytest
 
@@ -18,43 +19,11 @@ from spacar.integrators import METHODS, Problem, integrate
 from spacar.integrators.drive import steps
 from spacar.integrators.problem import Tolerance
 from spacar.mechanism.mechanism import SolverSettings
-from tests.examples import DATA
-
-CRANK = """PLBEAM 1 1 2 3 4   PLBEAM 2 3 5 6 7   X 3 0.15 0.   X 6 0.45 0.   FIX 1   FIX 6 2
-"""
-FALLING = """DYNX 2 1   END HALT
-XM 6 0.033375   EM 1 0.2225   EM 2 0.2225   GRAVITY 0. -9.81   STARTDX 2 1 0. 10.   TIMESTEP 10. 100
-END END
-"""
-FLEXIBLE = """INPUTX 2 1   DYNE 2 2 3   END HALT
-XM 6 0.033375   INPUTX 2 1 0. 150. 0.   EM 2 0.2225   ESTIFF 2 0. 13.359623   TIMESTEP 0.02 20
-END END
-"""
-
-
-def pendulum(links: int, duration: float, steps: int) -> str:
-    """Chain of uniform rods of 1 m and 1 kg, straight, 30 degrees from the vertical, released under gravity."""
-    n, sine, cosine = links, 0.5, 0.8660254037844386
-    lines = [f"PLRBEAM {i + 1} {i + 1} {n + 2 + i} {i + 2}" for i in range(n)]
-    lines += [f"X {i + 1} {sine * i!r} {-cosine * i!r}" for i in range(n + 1)]
-    lines += ["FIX 1", *(f"DYNX {n + 2 + i} 1" for i in range(n)), "END", "HALT"]
-    lines += [*(f"EM {i + 1} 1." for i in range(n)), "GRAVITY 0. -9.81", f"TIMESTEP {duration} {steps}"]
-    return "\n".join([*lines, "END", "END", ""])
-
-
-def manipulator() -> str:
-    """The arm of robotsim.dat falls under its weights."""
-    kinematics, dynamics = (DATA / "robotsim.dat").read_text().split("HALT")[:2]
-    falling = dynamics.replace("END", "STARTDE 1 1 0. 1.\nTIMESTEP 0.7 7\nEND\nEND")
-    return f"{kinematics}HALT{falling}"
-
 
 CASES = {
-    "slider-crank": CRANK + FALLING,
-    "flexible slider-crank": CRANK + FLEXIBLE,
-    "pendulum": pendulum(4, 3.0, 10),
-    "manipulator": manipulator(),
-}
+    "slider-crank": models.free_slider_crank(10.0, 100), "flexible slider-crank": models.slider_crank(1, 0.02, 20),
+    "pendulum": models.pendulum(4, 3.0, 10), "manipulator": models.manipulator(0.7, 7),
+}  # fmt: skip
 
 
 def frames(text: str, code: int, error: float, compiled: bool = True) -> list[Frame]:
@@ -136,7 +105,7 @@ def test_the_error_of_the_result_falls_with_error(name: str, code: int) -> None:
 def test_small_tolerances_do_not_make_the_steps_collapse(compiled: bool) -> None:
     """Order 8: a hundredth of the error costs 100^(1/8) = 1.8 times the evaluations; positions that were converged to
     1e-11 only made it 20 times."""
-    text = pendulum(10, 1.0, 2)
+    text = models.pendulum(10, 1.0, 2)
     rhs = [sum(f.statistics.get("rhs", 0) for f in frames(text, 853, e, compiled)) for e in (1e-8, 1e-10)]
     assert rhs[1] < 2.5 * rhs[0]
 
@@ -154,6 +123,6 @@ def test_outputs_far_apart_stay_on_the_way_of_the_motion(compiled: bool) -> None
     """Between outputs the crank goes up and comes back: the expansion over 0.2 s led to a crank turned by 180 degrees.
 
     The wrong way is off by the size of the mechanism; the error of ERROR 1e-7 is far below 1e-5 of it."""
-    x = motion(CASES["slider-crank"].replace("TIMESTEP 10. 100", "TIMESTEP 10. 50"), 853, 1e-7, compiled)
+    x = motion(models.free_slider_crank(10.0, 50), 853, 1e-7, compiled)
     fine = reference("slider-crank")[::2]
     assert np.abs(x - fine).max() <= 1e-5 * np.abs(fine).max()

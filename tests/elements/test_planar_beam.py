@@ -72,15 +72,13 @@ def shortening():
 
 def test_deformations_by_definition():
     """e from angles (arctan2) and the shortening from the differential equation of the beam."""
-    family, x0, x, _ = random_beams(7)
+    shear = np.random.default_rng(7).uniform(0.1, 2.0, N)
+    family, x0, x, _ = random_beams(7, estiff=np.outer(shear, [0, 0, 1]))
     _, e, _ = evaluate(family, x)
     d0, d = x0[3:5] - x0[0:2], x[3:5] - x[0:2]
     l0 = np.hypot(*d0)
     turned = np.arctan2(d[1], d[0]) - np.arctan2(d0[1], d0[0])
     p, q = np.sin(x[2] - turned), np.sin(x[5] - turned)
-    rng = np.random.default_rng(7)
-    rng.normal(size=(4, N)), rng.uniform(0.5, 2.0, (N, 2))
-    shear = rng.uniform(0.1, 2.0, (N, 3))[:, 2]
     Q = [l0[k] * shortening()(12 * shear[k] / l0[k] ** 2, p[k], q[k]) for k in range(N)]
     Q[2] = 0.0  # LDEFORM
     truth = np.stack((np.hypot(*d) - l0 + np.array(Q, float), l0 * p, -l0 * q))
@@ -97,13 +95,11 @@ def line(x, start, l0, xi):
 
 def test_mass_is_kinetic_energy_of_the_line():
     """v.M.v/2 against Gauss quadrature (exact for the degree 6) of the velocity by complex steps."""
-    family, x0, x, rng = random_beams(3)
+    m, J = np.random.default_rng(9).uniform(0.5, 2.0, (2, N))
+    family, x0, x, rng = random_beams(3, em=np.stack((m, J), axis=1))
     d0 = x0[3:5] - x0[0:2]
     start, l0 = np.arctan2(d0[1], d0[0]), np.hypot(*d0)
     v = rng.normal(size=(6, N))
-    rng = np.random.default_rng(3)
-    rng.normal(size=(4, N))
-    m, J = rng.uniform(0.5, 2.0, (N, 2)).T
     rate = [line(x + 1e-30j * v, start, l0, xi).imag / 1e-30 for xi in GAUSS]
     truth = 0.5 * m * l0 * sum(w * (r * r).sum(0) for w, r in zip(WEIGHTS, rate, strict=True))
     truth += 0.25 * J * l0 * (v[2] ** 2 + v[5] ** 2)
