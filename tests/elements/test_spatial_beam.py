@@ -72,6 +72,33 @@ def test_definition_and_derivatives(linear: Any) -> None:
     check_strain(beams, x + 0.1 * rng.normal(size=x.shape), rng.normal(size=x.shape), rng.normal(size=(6, N)))
 
 
+def test_small_rotations_have_the_stated_signs() -> None:
+    """e2..6 = l0 (x_q - x_p, -y_p, y_q, -z_p, z_q) of small angles; error 1e-5^2 = 1e-10."""
+    x0 = reference(np.random.default_rng(0), 1, LAYOUT)
+    x0[:3, 0], x0[7:10, 0] = 0.0, (2.0, 0, 0)
+    beam = SpatialBeam(group("BEAM", x0, geometry=[(0.0, 1, 0)]))
+    small, expected = 1e-5, {("p", 0): (1, -1), ("q", 0): (1, 1), ("p", 1): (2, -1), ("q", 1): (3, 1)}
+    expected |= {("p", 2): (4, -1), ("q", 2): (5, 1)}
+    for (end, axis), (mode, sign) in expected.items():
+        x = x0.copy()
+        row = 3 if end == "p" else 10
+        x[row : row + 4, 0] = turn(np.eye(3)[axis], small)
+        truth = np.zeros((6, 1))
+        truth[mode] = sign * 2.0 * small
+        np.testing.assert_allclose(evaluate(beam, x)[1], truth, atol=1e-9)
+
+
+def test_torsion_shortens_an_open_section() -> None:
+    """Unloaded (e1 = 0): axial strain -f1 alpha^2/2; the sine law of eb2 changes it by 8e-4 at 0.05 rad."""
+    f1, angle = 0.02, 0.05
+    x0 = reference(np.random.default_rng(0), 1, LAYOUT)
+    x0[:3, 0], x0[7:10, 0] = 0.0, (1.0, 0, 0)
+    beam = SpatialBeam(group("BEAM", x0, geometry=[(f1,)]))
+    x = x0.copy()
+    x[10:14, 0] = turn((1, 0, 0), angle)
+    assert evaluate(beam, x)[1][0, 0] == pytest.approx(0.5 * f1 * angle**2, rel=1e-3)
+
+
 def test_inertia() -> None:
     beams, _, x, v = random_beams(6, em=np.random.default_rng(1).uniform(0.5, 2.0, (N, 1)))
     rng = np.random.default_rng(7)

@@ -257,6 +257,20 @@ def test_definition_and_derivatives(keyword: str) -> None:
     check_strain(family, far, v, rng.normal(size=(6, N)))
 
 
+def test_contact_force() -> None:
+    """Equilibrium of the contact node without lateral force: sigma4 = 0, the road pushes along the normal."""
+    family, x0, _, _ = wheels("TWHEEL")
+    _, _, V = evaluate(family, x0)
+    for k in range(N):
+        rows = V[[0, 1, 2, 3, 5], 7:, k]  # slip 5 does not act on the contact node
+        given = np.array([2.0, 0.0])  # normal compression -sigma3 = 2, lateral sigma6 = 0
+        sigma = np.linalg.solve(rows[[0, 1, 3]].T, given[0] * UP)
+        assert sigma[2] == pytest.approx(0.0, abs=1e-14)
+        road = sigma[0] * rows[0] + sigma[1] * rows[1]
+        np.testing.assert_allclose(road, given[0] * UP, atol=1e-14)
+        assert sigma[0] < 0.0  # compression of the wheel
+
+
 @pytest.mark.parametrize(
     ("shift", "words"),
     [
