@@ -50,7 +50,19 @@ TUBE_SIGNALS = signals(
     {"INX": "2 1", "INXP": "2 1", "INXDP": "2 1", "INPUTF": "5 2"},
     {"OUTF": "2 1, 1 1", "OUTS": "2 1", "OUTXDP": "5 2"},
 )
-WITH_BLOCK = ("TIMESTEP 1.0 100\nEND\n", "TIMESTEP 1.0 100\nEND\nHALT\n" + TRIKE_SIGNALS + "END\n")
+SPATIAL_TRIKE_SIGNALS = signals(
+    {"INPUTS": "8 1", "INPUTF": "3 1"},
+    {"OUTE": "5 1, 12 1", "OUTEP": "10 1", "OUTXP": "1 1", "OUTXDP": "9 2", "OUTEDP": "13 1"},
+)
+# a distance, whose rate depends on the configuration, is a kinematic coordinate in place of x
+DISTANCE = ("KINX 1 1\n", "TRUSS 13 15 1\nX 15 -1. 0.5 0.2\nFIX 15\nKINE 13 1\n")
+
+
+def with_signals(text: str) -> tuple[str, str]:
+    """The end of a tricycle's file, and this with signals behind it."""
+    return "TIMESTEP 1.0 100\nEND\n", f"TIMESTEP 1.0 100\nEND\nHALT\n{text}END\n"
+
+
 MODELS = {
     "planar": lambda folder: (mechanism(PLANAR, third=PLANAR_SIGNALS), 0.05),
     "with user function": lambda folder: (
@@ -58,7 +70,8 @@ MODELS = {
     ),
     "spatial": lambda folder: (mechanism(SPATIAL, third=SPATIAL_SIGNALS), 0.05),
     "tubes": lambda folder: (mechanism(TUBE, third=TUBE_SIGNALS), 0.05),
-    "tricycle": lambda folder: (example("trike2", 4, TRIKE_SPRING, WITH_BLOCK), 0.1),
+    "tricycle": lambda folder: (example("trike2", 4, TRIKE_SPRING, with_signals(TRIKE_SIGNALS)), 0.1),
+    "spatial tricycle": lambda folder: (example("trike3v", 4, DISTANCE, with_signals(SPATIAL_TRIKE_SIGNALS)), 0.02),
 }  # fmt: skip
 RATE = {"INX": 0, "INE": 0, "INXP": 1, "INEP": 1, "INXDP": 2, "INEDP": 2}
 
