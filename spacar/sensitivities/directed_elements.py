@@ -38,7 +38,7 @@ class ElementMatrices:
 
     def times(self, right: Array) -> Array:
         """The matrix of every element times its rows of right (., m): (rows, n, m)."""
-        return np.asarray(np.einsum("abn,bnm->anm", self.values, right[self.columns]))
+        return np.einsum("abn,bnm->anm", self.values, right[self.columns])
 
 
 class DirectedElements:

@@ -56,8 +56,7 @@ class _Chain(ExpressionWalk):
     steps: int = 0
 
     def variable(self, node: ast.Subscript) -> Value:
-        found: Value = self.variables(node)
-        return found
+        return self.variables(node)
 
     @property
     def t(self) -> NDArray[np.float64]:
@@ -96,10 +95,10 @@ class _Chain(ExpressionWalk):
 
 def _of_series(name: str, value: Array, series: Array, rate: Array) -> Array:
     if name == "last":
-        return np.asarray(rate[-1])
+        return rate[-1]
     if name == "mean":
-        return np.asarray(rate.mean(axis=0))
+        return rate.mean(axis=0)
     if name == "rms":
-        return np.asarray((np.conj(series)[:, None] * rate).real.mean(axis=0) / value)
+        return (np.conj(series)[:, None] * rate).real.mean(axis=0) / value
     high, low = rate[np.argmax(series)], rate[np.argmin(series)]
     return {"max": high, "min": low, "span": high - low}[name]

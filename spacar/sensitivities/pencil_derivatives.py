@@ -62,7 +62,7 @@ class PencilDerivatives:
     def moved(self, phi: Array) -> Array:
         """dW phi (nx, m)."""
         with nothing_lost():
-            return np.asarray(self._solved(self.L.W, phi).imag / STEP)
+            return self._solved(self.L.W, phi).imag / STEP
 
     def _vibration(self, phi: Array, psi: Array) -> list[Array]:
         L, (mass, damping, flow, Me, tangent) = self.L, self._of_vibration
@@ -113,7 +113,7 @@ class PencilDerivatives:
         """X phi with its derivative, V X phi = B."""
         found = X[:, self.dynamics.numbering.dynamic] @ phi
         missing = np.imag(B - self._strained(found))
-        return np.asarray(found + 1j * self.dynamics.kinematics.dependent(np.zeros(found.shape), missing))
+        return found + 1j * self.dynamics.kinematics.dependent(np.zeros(found.shape), missing)
 
     def _strained(self, u: Array) -> Array:
         """V u (ne, m)."""

@@ -40,14 +40,14 @@ class UserTerms:
         we, w = left
         by = dict(zip(("e", "x", "ed", "xd"), right, strict=True))
         found = we.T @ self.known.along("sigma", **by) - w.T @ self.known.along("f", **by)
-        return np.asarray(found + 1j * STEP * self._second(np.vstack((we, -w)).real, np.vstack(right).real))
+        return found + 1j * STEP * self._second(np.vstack((we, -w)).real, np.vstack(right).real)
 
     def springs(self, w: Array, u: Array) -> Array:
         """w^T k u (k, m), with k the stiffness that the function states for its forces."""
         ds, h = self._along, self._step(self._along, SLOPE_SHARE)
         change = sum(c * self._at(n * h * ds).force_k for n, c in ((-2, 1.0), (-1, -8.0), (1, 8.0), (2, -1.0)))
         k = self._at(0.0 * ds).force_k + 1j * STEP * change / (12.0 * (h or 1.0))
-        return np.asarray((w.T * k) @ u)
+        return (w.T * k) @ u
 
     @property
     def _along(self) -> Array:

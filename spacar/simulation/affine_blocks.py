@@ -130,7 +130,7 @@ def diagram_jacobian(s: Schedule, t: float, x: Array, u: Array, absolute: float)
         states, inputs, outputs = s.states[b.name], s.inputs[b.name], s.outputs[b.name]
         f = b.affine() or by_differences(b, t, x[states], u[inputs], absolute)
         A[states, states], B[states, inputs], C[outputs, states], D[outputs, inputs] = f.A, f.B, f.C, f.D
-    return np.asarray(A + B @ s.wiring @ np.linalg.solve(np.eye(n_y) - D @ s.wiring, C))
+    return A + B @ s.wiring @ np.linalg.solve(np.eye(n_y) - D @ s.wiring, C)
 
 
 def by_differences(b: Block, t: float, x: Array, u: Array, absolute: float) -> Affine:

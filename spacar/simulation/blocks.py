@@ -238,7 +238,7 @@ class Gain(Block):
         self.K = table
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
-        return np.asarray(self.K @ u)
+        return self.K @ u
 
     def affine(self) -> Affine:
         return without_states(self.K, np.zeros(self.n_out))
@@ -265,7 +265,7 @@ class Product(Block):
         super().__init__(name, 2 * size, size)
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
-        return np.asarray(u[: self.n_out] * u[self.n_out :])
+        return u[: self.n_out] * u[self.n_out :]
 
 
 def fitting(name: str, A: Any, B: Any, C: Any, D: Any = None) -> tuple[Array, Array, Array, Array]:

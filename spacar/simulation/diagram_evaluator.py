@@ -42,14 +42,14 @@ class DiagramEvaluator:
         """
         order = Order([*self.s.first], [*self.s.later]) if hit else self.plan.signals
         self._together(t, x, order, hit)
-        return np.asarray(self.s.wiring @ self.y)
+        return self.s.wiring @ self.y
 
     def watch(self, t: float, x: Array) -> Array:
         """The numbers in which events are seen: all inputs, of which those of blocks whose modes end are of this time;
         if `whole`, they all are.
         """
         self._together(t, x, self.plan.signals if self.whole else self.plan.for_events)
-        return np.asarray(self.s.wiring @ self.y)
+        return self.s.wiring @ self.y
 
     def _together(self, t: float, x: Array, order: Order, hit: Sequence[Block] = ()) -> None:
         """The outputs of an order; only where blocks are sampled, `hit`, do they choose their modes."""

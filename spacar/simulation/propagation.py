@@ -96,7 +96,7 @@ def _stepwise(t: Array, A: Array, B: Array, u: Array) -> Array:
     augmented = np.zeros((len(t), n + 1, n + 1))
     augmented[:, :n, :n], augmented[:, :n, n] = A, b
     left, right = expm(augmented[:-1] * half[:, None, None]), expm(augmented[1:] * half[:, None, None])
-    return np.asarray(right @ left)
+    return right @ left
 
 
 def _linear(t: Array, A: Array, B: Array, u: Array, substeps: int) -> Array:
@@ -129,9 +129,9 @@ def _linear(t: Array, A: Array, B: Array, u: Array, substeps: int) -> Array:
         reduced[:, :n, : n + 1] = step[:, :n, : n + 1]
         reduced[:, n, n] = 1.0
         total = reduced @ total
-    return np.asarray(total)
+    return total
 
 
 def _between(values: Array, w: float) -> Array:
     """Values at the part w of every interval."""
-    return np.asarray((1.0 - w) * values[:-1] + w * values[1:])
+    return (1.0 - w) * values[:-1] + w * values[1:]

@@ -157,7 +157,7 @@ def _static_flexibility(t: Array, modes: Array, K: Array) -> Array:
             " first (spacntrl)"
         )
         raise AnalysisError(text, "simulation.modes")
-    return np.asarray(modes @ np.linalg.solve(T @ K @ modes, T))
+    return modes @ np.linalg.solve(T @ K @ modes, T)
 
 
 def _report(

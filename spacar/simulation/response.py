@@ -5,8 +5,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from spacar.arrays import Array
 from spacar.modes import registered
 from spacar.simulation.diagram import Diagram
@@ -20,7 +18,7 @@ class Signals(Mapping[str, Array]):
 
     def __getitem__(self, name: str) -> Array:
         block, rows = self._diagram.signals(str(name))
-        return np.asarray(self._y[..., self._outputs[block].start + rows])
+        return self._y[..., self._outputs[block].start + rows]
 
     def __iter__(self) -> Any:
         return iter(self._diagram.blocks)

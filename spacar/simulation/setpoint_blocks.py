@@ -70,7 +70,7 @@ class TimesM0(Block):
         self.breaks = self.table.breaks
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
-        return np.asarray(self.table(t) @ u)
+        return self.table(t) @ u
 
 
 class Ltv(Block):
@@ -95,10 +95,10 @@ class Ltv(Block):
         self.breaks = self.system.breaks
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
-        return np.asarray(self.system(t)[self.n :] @ np.concatenate((x, u)))
+        return self.system(t)[self.n :] @ np.concatenate((x, u))
 
     def derivative(self, t: float, x: Array, u: Array) -> Array:
-        return np.asarray(self.system(t)[: self.n] @ np.concatenate((x, u)))
+        return self.system(t)[: self.n] @ np.concatenate((x, u))
 
 
 def _no_spline(name: str, interpolation: str) -> None:

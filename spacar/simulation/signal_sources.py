@@ -72,7 +72,7 @@ class Table:
         if self.kind == "step" or len(times) == 1:
             return np.asarray(self.values[bisect_right(self._middles, t)])
         if self._spline is not None:
-            return np.asarray(self._spline(t))
+            return self._spline(t)
         k = min(max(bisect_right(times, t) - 1, 0), len(times) - 2)
         w = (t - times[k]) / (times[k + 1] - times[k])
         return np.asarray((1.0 - w) * self.values[k] + w * self.values[k + 1])

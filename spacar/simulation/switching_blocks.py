@@ -212,7 +212,7 @@ class LookupTable(Piecewise):
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
         d, c = u - self.origin[self.mode], self.coefficients[:, self.mode]
-        return np.asarray(c[0] + d * (c[1] + d * (c[2] + d * c[3])))
+        return c[0] + d * (c[1] + d * (c[2] + d * c[3]))
 
     def events(self, t: float, x: Array, u: Array) -> Array:
         return np.concatenate((u - self.low[self.mode], self.high[self.mode] - u))

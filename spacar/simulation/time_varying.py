@@ -105,4 +105,4 @@ class TimeVarying:
         if np.any(B[:, : m0.shape[1]]):
             text = f"{self.name} is a reduced system: fold in gains and choose modes before the reduction"
             raise UsageError(text, "simulation.reduced")
-        return np.asarray(m0 @ B[:, m0.shape[1] :])
+        return m0 @ B[:, m0.shape[1] :]

@@ -91,6 +91,6 @@ def _between(a: float, b: float, values: Array, t: float) -> Array:
     away = z - NODES
     hit = np.flatnonzero(np.abs(away) < 1e-15)
     if len(hit):
-        return np.asarray(values[hit[0]])
+        return values[hit[0]]
     part = WEIGHTS / away
-    return np.asarray(part @ values / part.sum())
+    return part @ values / part.sum()

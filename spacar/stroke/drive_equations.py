@@ -144,7 +144,7 @@ class ReducedDrive:
 
     def momenta(self, motions: Array) -> Array:
         """Mass matrix of the free drive times motions (unknowns, n)."""
-        return np.asarray(self._block(self.L.m0, True) @ motions)
+        return self._block(self.L.m0, True) @ motions
 
     def buckling(self, free: bool, wanted: int, report: Report) -> BucklingModes:
         """Multipliers of all loads and prestresses."""
@@ -164,7 +164,7 @@ class ReducedDrive:
             - df
         )
         d.kinematics.reactions(force, sigma)
-        return np.asarray(sigma)
+        return sigma
 
     def extra(self, free: bool, sigma: Array, load: Loads, wanted: int, report: Report) -> BucklingModes:
         """Multipliers of the extra load alone, with its stresses. Raises AnalysisError 'buckling.singular'."""
@@ -221,7 +221,7 @@ class MixedDrive:
 
     def compliance(self, node: ObservedNode, free: bool) -> Array:
         tangent, P = self._tangents[free], self._forces(node)
-        return np.asarray(P.T @ tangent.displacement(tangent.factor(STATIC), P))
+        return P.T @ tangent.displacement(tangent.factor(STATIC), P)
 
     def path(self, node: ObservedNode) -> tuple[Array, float, Array]:
         (t, free), d, row = self._tangents, self.dynamics, self.drive.row
@@ -249,7 +249,7 @@ class MixedDrive:
         return Frequencies.of(found.values, found.motions)
 
     def momenta(self, motions: Array) -> Array:
-        return np.asarray(self._tangents[True].assembled(("mass",)) @ motions)
+        return self._tangents[True].assembled(("mass",)) @ motions
 
     def buckling(self, free: bool, wanted: int, report: Report) -> BucklingModes:
         return lowest_buckling(self._tangents[free], report, wanted)
@@ -258,7 +258,7 @@ class MixedDrive:
         t = self._tangents[free]
         right = np.zeros(t.nf + t.ne)
         right[: t.nf] = _force(self.dynamics, load)[t.F]
-        return np.asarray(t.flexibility.size * t.factor(STATIC).solve(right)[t.nf :])
+        return t.flexibility.size * t.factor(STATIC).solve(right)[t.nf :]
 
     def extra(self, free: bool, sigma: Array, load: Loads, wanted: int, report: Report) -> BucklingModes:
         entries = moment_entries(load.moment_rows, load.moment)

@@ -93,4 +93,4 @@ def _pole(place: Array, move: Array, spin: Array, length: float) -> Array:
     square = float(spin @ spin)
     if not np.sqrt(square) * length > AT_INFINITY * float(np.linalg.norm(move)):
         return np.full(3, np.nan)
-    return np.asarray(place + np.cross(spin, move) / square)
+    return place + np.cross(spin, move) / square

@@ -96,7 +96,7 @@ class Flexure:
         """(k, m) support stiffness (drive locked) over that of the undeflected state; nan where it is infinite."""
         k = self.stiffness(body=body)
         with np.errstate(invalid="ignore"):
-            return np.asarray(k / k[self.zero])
+            return k / k[self.zero]
 
     @property
     def energy(self) -> Array:

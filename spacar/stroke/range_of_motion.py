@@ -229,4 +229,4 @@ def load_work(forces: Array, x: Array, moments: Array, turns: Array, zero: int) 
 
 def _from_zero(parts: Array, zero: int) -> Array:
     total = np.concatenate(([0.0], np.cumsum(parts)))
-    return np.asarray(total - total[zero])
+    return total - total[zero]

@@ -135,7 +135,7 @@ class _Table:
         return np.where(np.isin(np.arange(len(self.base)), chosen), self.far, self.base)
 
     def _weights(self, where: Array) -> Array:
-        return np.asarray(((where - self.base)[:, self.varied] / (self.far - self.base)[self.varied]).T)
+        return ((where - self.base)[:, self.varied] / (self.far - self.base)[self.varied]).T
 
     def _deck(self, chosen: Array, k: int) -> Deck:
         return self._changed(self.table[chosen[k]])
@@ -218,4 +218,4 @@ def _sine(chord: Array, length: Array, direction: Array) -> Array:
     with np.errstate(all="ignore"):
         a = np.pad(chord / length, ((0, 3 - len(chord)), (0, 0))).T
     b = np.pad(unit / np.linalg.norm(unit), (0, 3 - len(unit)))
-    return np.asarray(np.linalg.norm(np.cross(a, b), axis=-1))
+    return np.linalg.norm(np.cross(a, b), axis=-1)

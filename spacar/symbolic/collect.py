@@ -130,8 +130,7 @@ def gather_scalars(value: Value, symbols: Iterable[sp.Expr] = ()) -> Value:
 
 def _each(value: Value, function: Any) -> Value:
     if isinstance(value, (Vector, Dyad)):
-        result: Value = value.map(function)
-        return result
+        return value.map(function)
     return function(sp.sympify(value))
 
 

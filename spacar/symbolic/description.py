@@ -237,8 +237,7 @@ class Description:
         """With the kinematic equations put in. UsageError for what is no vector."""
         if not isinstance(value, Vector):
             raise UsageError(f"{what} must be a vector such as 2*N[1], not {value!r}")
-        vector: Vector = value.xreplace(self.rates)
-        return vector
+        return value.xreplace(self.rates)
 
     # -- bodies ------------------------------------------------------------------------------------------------
 

@@ -46,8 +46,7 @@ class ModelNames(Mapping[str, sp.Expr]):
         vector = found.velocity if kind else found.position
         if kind == "a":
             vector = self.system.ddt(self.system.N, vector)
-        value: sp.Expr = vector & self.system.N[axis]
-        return value
+        return vector & self.system.N[axis]
 
     def _points(self) -> list[GeometricPoint]:
         sections = (s for beam in self.system.beams for s in beam.sections.values())

@@ -206,8 +206,7 @@ class _TomlReader(ModelFile):
         return self._named(self.frames, row, key)
 
     def point_of(self, row: dict[str, Any], key: str) -> GeometricPoint:
-        found: GeometricPoint = self._named(self.points, row, key)
-        return found
+        return self._named(self.points, row, key)
 
     def components_in(self, row: dict[str, Any]) -> ReferenceFrame:
         return frame_at(self.frame_of(row, "in")) if "in" in row else self.system.N

@@ -97,8 +97,7 @@ def make_function(
 
     def derived(t: float, y: Sequence[float]) -> np.ndarray:
         rhs.jac = generated(program, True)(numbers, feeds)[1]
-        found: np.ndarray = rhs.jac(t, y)
-        return found
+        return rhs.jac(t, y)
 
     rhs.jac = jac or derived
     return rhs
@@ -109,8 +108,7 @@ def generated(program: OrderedProgram, jacobian: bool) -> Callable[..., Any]:
     """`make_rhs` of the generated Python: the text does not depend on the parameter values."""
     space: dict[str, Any] = {}
     exec(compile(emit(program, "python", jacobian, headed=False), "<equations of motion>", "exec"), space)
-    made: Callable[..., Any] = space["make_rhs"]
-    return made
+    return space["make_rhs"]
 
 
 def simulate(

@@ -248,5 +248,4 @@ def _euler_parameters(R: np.ndarray) -> np.ndarray:
     from scipy.spatial.transform import Rotation as ScipyRotation
 
     found = ScipyRotation.from_matrix(R.reshape(-1, 3, 3)).as_quat()
-    result: np.ndarray = np.roll(found, 1, axis=1).reshape(*R.shape[:-2], 4)
-    return result
+    return np.roll(found, 1, axis=1).reshape(*R.shape[:-2], 4)

@@ -132,8 +132,7 @@ class UnevaluatedDot(sp.Expr):
 
     def _eval_derivative(self, s: sp.Symbol) -> sp.Expr:
         if s == TIME:
-            rate: sp.Expr = self.units[-1].frame.held_rate(self)
-            return rate
+            return self.units[-1].frame.held_rate(self)
         if s in self.args:
             raise self._without_value(f"be differentiated by {s}")
         return sp.S.Zero

@@ -59,7 +59,7 @@ def extrapolate(meshes: Sequence[Array], amplitude: Array) -> Extrapolation:
     """Values (variables, steps) of two meshes or more, each twice as fine as the one before; amplitude (variables,)."""
 
     def size(v: Array) -> Array:
-        return np.asarray(np.max(np.abs(v), axis=1, initial=0.0) / amplitude)
+        return np.max(np.abs(v), axis=1, initial=0.0) / amplitude
 
     differences = [size(b - a) for a, b in pairwise(meshes[-4:])]
     none = np.zeros(len(amplitude), int)

@@ -89,7 +89,7 @@ class UserNodes:
     def _shape(self, dynamics: Dynamics, q: Array) -> Array:
         """Degrees of freedom of the user (dynamic, k) of small motions q (dynamic of the divided model, k)."""
         if np.iscomplexobj(q):
-            return np.asarray(self._shape(dynamics, q.real) + 1j * self._shape(dynamics, q.imag))
+            return self._shape(dynamics, q.real) + 1j * self._shape(dynamics, q.imag)
         m, n = dynamics.numbering, self.given.numbering
         dx, de = np.zeros((m.nx, q.shape[1])), np.zeros((m.ne, q.shape[1]))
         count = int(m.nxp[3])

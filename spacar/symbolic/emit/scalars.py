@@ -81,8 +81,7 @@ class _Scalars:
             if base.is_Symbol:
                 return f"({'*'.join([self.writer.add(base)] * int(exponent))})"
             return self.small_power.format(self.writer(base), int(exponent))
-        text: str = super()._print_Pow(e)  # type: ignore[misc]
-        return text
+        return super()._print_Pow(e)  # type: ignore[misc]
 
     def _print_sign(self, e: sp.Expr) -> str:
         x = self.writer(e.args[0])
@@ -147,5 +146,4 @@ class Writer:
             raise UsageError(f"cannot write {e} in {self.language}: it has no {strange[0]}")
         if e.is_number:
             return self.number(e)
-        text: str = self.printer._print(e)
-        return text
+        return self.printer._print(e)
