@@ -23,7 +23,7 @@ from spacar.sensitivities.directed_elements import DirectedElements
 from spacar.stationary import LoadLevel, StationarySolver
 from spacar.stationary.moving_tangent import MovingTangent
 from spacar.stationary.singular import minimum_norm_solutions
-from spacar.stationary.stationary_equations import StationaryEquations, Tangent, require_digits
+from spacar.stationary.stationary_equations import Tangent, require_digits
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def state_derivatives(solver: StationarySolver, level: LoadLevel, directions: li
     known_rows = q.passive & (not isinstance(tangent, MovingTangent))
     motion = _SteadyMotion(d, solver.solution.xdd, solver.moving)
     sigma = solver.solution.sigma + motion.coupling
-    elements, rights = [], []
+    elements, rights, starts = [], [], []
     with nothing_lost():
         for mechanism in directions:
             e = DirectedElements(mechanism, level)
@@ -86,13 +86,16 @@ def state_derivatives(solver: StationarySolver, level: LoadLevel, directions: li
             gap = C.coupled * (strained - given) + C.times(np.where(q.constrained, 0.0, law))
             if not n.holonomic:  # the equations of slips are those of kinematic coordinates and deformations
                 begun_x, begun_e = _starts(e, mechanism)
+                begun = np.zeros(n.nx)
+                begun[n.x_class["dynamic"]] = mechanism.start.x_value.imag
+                starts.append(np.concatenate((begun[q.F] / STEP, np.zeros(q.ne))))
                 gap[q.slips] = np.concatenate((-begun_x, strained[q.e_kinematic] - begun_e))
             rights.append(np.concatenate((force.imag[q.F], -C.size * gap)) / STEP)
             elements.append((e, moved / STEP))
         if n.holonomic or not rights:
             solutions = _solutions(tangent, rights, C.size, q.nf, level)
         else:  # wheels roll without stiffness: they stay where the file puts them, as in the iteration
-            A, begun_at = tangent.dense(), _start_columns(directions, q)
+            A, begun_at = tangent.dense(), np.column_stack(starts)
             try:
                 solutions = begun_at + minimum_norm_solutions(A, np.column_stack(rights) - A @ begun_at)
             except SingularMatrixError as error:
@@ -116,16 +119,6 @@ def state_derivatives(solver: StationarySolver, level: LoadLevel, directions: li
     return found
 
 
-def _start_columns(directions: list[Mechanism], q: StationaryEquations) -> Array:
-    """Changes of the unknowns (n, directions) by the start values of dynamic coordinates."""
-    out = np.zeros((q.nf + q.ne, len(directions)))
-    for column, mechanism in zip(out.T, directions, strict=True):
-        x = np.zeros(mechanism.numbering.nx)
-        x[mechanism.numbering.x_class["dynamic"]] = mechanism.start.x_value.imag
-        column[: q.nf] = x[q.F] / STEP
-    return out
-
-
 def _starts(elements: DirectedElements, mechanism: Mechanism) -> tuple[Array, Array]:
     """Changes of the start values of kinematic coordinates and deformations. A deformation without a value in the file
     starts with that of the reference configuration, which changes with the direction."""
@@ -136,6 +129,7 @@ def _starts(elements: DirectedElements, mechanism: Mechanism) -> tuple[Array, Ar
     return start.x_kinematic.imag, np.where(np.isnan(start.e_kinematic.real), own, start.e_kinematic.imag)
 
 
+@dataclass
 class _SteadyMotion:
     """Velocities and accelerations of steady motion, zero at rest, and how they move with a direction.
 
@@ -145,11 +139,14 @@ class _SteadyMotion:
     V dv = d(ed) - dV v,  V da = -dH(v, v) - dV a, with the factors of the configuration.
     """
 
-    def __init__(self, dynamics: Dynamics, a: Array, moving: bool) -> None:
-        self.d, self.v, self.a, self.moving = dynamics, dynamics.xd, a, moving
-        sweep = dynamics.sweep
-        edd = sweep.rate(a) + sweep.convective(self.v)
-        self.coupling = dynamics.coupling.stress(edd) if dynamics.coupling.present else np.zeros(len(edd))
+    d: Dynamics
+    a: Array
+    moving: bool
+
+    def __post_init__(self) -> None:
+        d, self.v = self.d, self.d.xd
+        edd = d.sweep.rate(self.a) + d.sweep.convective(self.v)
+        self.coupling = d.coupling.stress(edd) if d.coupling.present else np.zeros(len(edd))
 
     def of(self, e: DirectedElements) -> tuple[Array, Array]:
         """v and a (nx,) with their directions, at the configuration of the elements."""

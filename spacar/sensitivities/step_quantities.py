@@ -3,6 +3,7 @@ eigenvalues, load multipliers and compliances of its linearized equations.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -40,18 +41,22 @@ KNOWN = (*COORDINATES, *DEFORMATIONS, *LINEAR, *STRESSES)
 Variable = tuple[str, tuple[int, ...]]
 
 
+@dataclass
 class LinearQuantities:
     """Of the linearized equations L; `states`: one for every direction. Each quantity gives its value and its
     derivatives (directions,)."""
 
-    def __init__(
-        self, dynamics: Dynamics, L: Linearization, states: list[StateDerivative], report: Report, moving: bool
-    ) -> None:
-        self.dynamics, self.L, self.states, self.report, self.moving = dynamics, L, states, report, moving
-        self.dynamic = dynamics.numbering.dynamic
-        self.along = [PencilDerivatives(dynamics, L, s, moving) for s in states]
-        for doubt in L.c.user.doubts if L.c.user else ():
-            report.add(doubt)
+    dynamics: Dynamics
+    L: Linearization
+    states: list[StateDerivative]
+    report: Report
+    moving: bool
+
+    def __post_init__(self) -> None:
+        self.dynamic = self.dynamics.numbering.dynamic
+        self.along = [PencilDerivatives(self.dynamics, self.L, s, self.moving) for s in self.states]
+        for doubt in self.L.c.user.doubts if self.L.c.user else ():
+            self.report.add(doubt)
 
     # -- vibration -----------------------------------------------------------------------------------------------
     @cached_property

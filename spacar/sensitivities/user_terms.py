@@ -67,9 +67,11 @@ class UserTerms:
         """a''[p, q] (ne + nx,), second order in the share of the size that both steps have."""
         h, k = self._step(p, share), self._step(q, share)
         found = np.zeros(len(p) // 2)
+        active = np.arange(self.dynamics.numbering.ne) >= self.dynamics.law.first
         if h and k:
             for i, j in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
-                found += i * j * self._answer(self._at(i * h * p + j * k * q)) / (4.0 * h * k)
+                at = self._at(i * h * p + j * k * q)
+                found += i * j * np.concatenate((at.sigma * active, at.force)) / (4.0 * h * k)
         return found
 
     def _step(self, along: Array, share: float) -> float:
@@ -84,7 +86,3 @@ class UserTerms:
         law: Callable[..., UserForces] | None = d.forces.user
         assert law is not None
         return law(0.0, d.sweep.e + e, d.sweep.rate(d.xd) + ed, d.kinematics.x + x, d.xd + xd)
-
-    def _answer(self, found: UserForces) -> Array:
-        active = np.arange(len(found.sigma)) >= self.dynamics.law.first
-        return np.concatenate((found.sigma * active, found.force))

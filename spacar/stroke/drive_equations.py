@@ -32,7 +32,6 @@ and prestresses instead. For a column under a load P the extra load of the same 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -53,18 +52,11 @@ from spacar.linear.node_compliance import compliance_of, displacements
 from spacar.linear_systems.linear_system import matrix
 from spacar.linearization.coefficients import geometric_stiffness
 from spacar.linearization.matrices import Linearization
-from spacar.mechanism.inputs import applied
 from spacar.mechanism.mechanism import Loads
 from spacar.mechanism.numbering import Numbering
 from spacar.stationary.flexibility import Flexibility
 from spacar.stationary.tangent import STATIC, SparseTangent
-from spacar.stroke.driven_deck import Row
 from spacar.stroke.observed_node import ObservedNode
-
-
-def extra_load(statements: Sequence[Row], n: Numbering) -> Loads:
-    """The sum of XF statements, rows of the dynamics block."""
-    return Loads(*applied((row[1:] for row in statements), n), np.zeros(2 if n.planar else 3), np.zeros(n.ne))
 
 
 def _force(d: Dynamics, load: Loads) -> Array:
@@ -104,7 +96,7 @@ class Frequencies(NamedTuple):
 class ReducedDrive:
     """The linearization L of a state; rows of q without the drive, and with it in the last place.
 
-    `complete`: all modes and multipliers are computed, however many are `wanted`, else up to `most`. Raises
+    `complete`: all modes and multipliers are computed, however many are `wanted`. Raises
     AnalysisError or SingularMatrixError where the state is critical.
     """
 
@@ -112,7 +104,6 @@ class ReducedDrive:
 
     def __init__(self, dynamics: Dynamics, L: Linearization, drive: DrivePlace) -> None:
         self.dynamics, self.L = dynamics, L
-        self.most = dynamics.numbering.nddof
         dynamic = dynamics.numbering.dynamic
         others = dynamic[dynamic != drive.place]
         self._rows = others, np.append(others, drive.place)
@@ -166,7 +157,7 @@ class ReducedDrive:
         d.kinematics.reactions(force, sigma)
         return sigma
 
-    def extra(self, free: bool, sigma: Array, load: Loads, wanted: int, report: Report) -> BucklingModes:
+    def extra(self, sigma: Array, load: Loads, free: bool, wanted: int, report: Report) -> BucklingModes:
         """Multipliers of the extra load alone, with its stresses. Raises AnalysisError 'buckling.singular'."""
         d, L, rows = self.dynamics, self.L, self._rows[free]
         turned = matrix(*moment_entries(load.moment_rows, load.moment), L.G.shape[:1] * 2)
@@ -198,7 +189,6 @@ class MixedDrive:
     def __init__(self, dynamics: Dynamics, drive: DrivePlace) -> None:
         n, row = dynamics.numbering, drive.row
         self.dynamics, self.drive = dynamics, drive
-        self.most = n.nddof
         stiff, moving = Flexibility(dynamics), None
         loose = Flexibility(dynamics, (row,)) if drive.deformation else stiff
         if not drive.deformation:
@@ -260,7 +250,7 @@ class MixedDrive:
         right[: t.nf] = _force(self.dynamics, load)[t.F]
         return t.flexibility.size * t.factor(STATIC).solve(right)[t.nf :]
 
-    def extra(self, free: bool, sigma: Array, load: Loads, wanted: int, report: Report) -> BucklingModes:
+    def extra(self, sigma: Array, load: Loads, free: bool, wanted: int, report: Report) -> BucklingModes:
         entries = moment_entries(load.moment_rows, load.moment)
         return lowest_extra_load(self._tangents[free], sigma, entries, report, wanted)
 

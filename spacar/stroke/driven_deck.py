@@ -153,7 +153,7 @@ def _replaced(mechanism: Mechanism, move: StrokeMove) -> tuple[Place, str] | Non
     Raises UsageError when the drive is fixed or nothing moves it.
     """
     n = mechanism.numbering
-    i = n.e_index(move.number, move.place) if move.deformation else n.x_index(move.number, move.place)
+    i = (n.e_index if move.deformation else n.x_index)(move.number, move.place)
     classes = n.e_class if move.deformation else n.x_class
     found = next(name for name, part in classes.items() if part.start <= i < part.stop)
     if found == "fixed":

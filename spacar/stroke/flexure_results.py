@@ -237,13 +237,11 @@ class Flexure:
 
     def arrays(self) -> dict[str, Array]:
         """Everything with its shape, for a NumPy archive."""
-        e = self.errors
         shaped = {
             "compliance": self.compliance(), "compliance_free": self.compliance(locked=False),
             "compliance_body": self.compliance(body=True), "compliance_free_body": self.compliance(False, True),
-            "displacement": e.displacement, "rotation": e.rotation, "line_error": e.line_error,
-            "pivot_shift": e.pivot_shift, "tilt": e.tilt, "pole": e.pole, "tangent": e.tangent, "axis": e.axis,
-            "pivot": e.pivot, "frequencies": self.frequencies, "free_frequencies": self.free_frequencies,
+            **{name: value for name, value in vars(self.errors).items() if name not in ("angle", "turning")},
+            "frequencies": self.frequencies, "free_frequencies": self.free_frequencies,
         }  # fmt: skip
         return shaped | {name: value for name, value in self.table().items() if name not in shaped}
 

@@ -28,9 +28,10 @@ from spacar.deck.length_unit import shown_in
 from spacar.errors import AnalysisError, Report, UsageError
 from spacar.linear.linear_modes import stationary
 from spacar.mechanism import build
-from spacar.mechanism.mechanism import Mechanism
+from spacar.mechanism.inputs import applied
+from spacar.mechanism.mechanism import Loads, Mechanism
 from spacar.result import Result
-from spacar.stroke.drive_equations import DriveEquations, DrivePlace, MixedDrive, ReducedDrive, extra_load
+from spacar.stroke.drive_equations import DriveEquations, DrivePlace, MixedDrive, ReducedDrive
 from spacar.stroke.driven_deck import Row, driven, load_row, own_move
 from spacar.stroke.error_motions import error_motions, relative_rotations
 from spacar.stroke.flexure_results import Flexure
@@ -128,10 +129,12 @@ def _side(
     settings = {"load_steps": count, "store_every": 1, "stationary_type": WITH_INITIAL}
     run = frames(10, made, **(options | settings))
     n = run.mechanism.numbering
-    row = n.e_index(move.number, move.place) if move.deformation else n.x_index(move.number, move.place)
+    row = (n.e_index if move.deformation else n.x_index)(move.number, move.place)
     drive = DrivePlace.of(n, row, move.deformation)
     side = _Side(run.mechanism, _observed(run.mechanism, move, node, orientation), run.report, [])
-    extra = extra_load(beside, n) if beside else None
+    extra: Loads | None = None
+    if beside:
+        extra = Loads(*applied((row[1:] for row in beside), n), np.zeros(2 if n.planar else 3), np.zeros(n.ne))
     turned = ObservedNode.of(n, move.number) if move.pushed and move.rotation else None
     mixed: MixedDrive | None = None
     with np.errstate(all="ignore"):
@@ -184,6 +187,9 @@ def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Array |
     lines = list(dict.fromkeys(lines + [line for side in sides for line in side.report.lines]))
     result = Result(first.mechanism, 10, shots, tuple(lines), {})
     node = first.node
+    h = np.diff(stroke)
+    correction = h**2 * (slope[:-1] - slope[1:]) / 12.0  # none without a finite slope: the trapezoidal rule
+    parts = 0.5 * h * (force[:-1] + force[1:]) + np.where(np.isfinite(correction), correction, 0.0)
     x, loads = np.array([s.frame.x for s in stations]), first.mechanism.loads
     # d(coordinate)/d(stroke)
     by_stroke = (0.5 * np.cos(0.5 * stroke) if move.rotation else np.ones(len(stroke))).tolist()
@@ -195,7 +201,7 @@ def _joined(deck: Deck, move: StrokeMove, sides: Sequence[_Side], pivot: Array |
     )  # fmt: skip
     return Flexure(
         deck.source, move, node, deck.metre, zero, stroke, force, slope,
-        drive_work(stroke, force, slope, zero),
+        _from_zero(parts, zero),
         load_work(others, x, loads.moment, x[:, loads.moment_rows.T], zero),
         stations, errors, result,
     )  # fmt: skip
@@ -208,14 +214,6 @@ def _pivot(given: Sequence[float] | None, metre: float, planar: bool) -> Array |
     if len(given) not in (2, size):
         raise UsageError(f"the pivot has {size} coordinates, not {len(given)}", "flexure.pivot")
     return np.pad(np.asarray(given, float) * metre, (0, 3 - len(given)))
-
-
-def drive_work(stroke: Array, force: Array, slope: Array, zero: int) -> Array:
-    """(k,) work of the drive [J]; without a finite slope the trapezoidal rule."""
-    h = np.diff(stroke)
-    correction = h**2 * (slope[:-1] - slope[1:]) / 12.0
-    parts = 0.5 * h * (force[:-1] + force[1:]) + np.where(np.isfinite(correction), correction, 0.0)
-    return _from_zero(parts, zero)
 
 
 def load_work(forces: Array, x: Array, moments: Array, turns: Array, zero: int) -> Array:

@@ -11,11 +11,11 @@ s = (phi^T M v)^2 / (phi^T M phi v^T M v). All modes together have 1.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.frame import Frame
 from spacar.linear.buckling import BucklingModes
@@ -72,9 +72,12 @@ def station(
     hertz = _frequencies(e, False, modes, report).hertz
     hertz_free, drive_hertz, unwanted = _free_modes(e, modes + 1, path, report)
     margin, margin_free = (_lowest_positive(e, k, e.buckling, "load multipliers", report) for k in (False, True))
+    law, deformations = e.dynamics.law, e.dynamics.sweep.e
+    # e^T S e/2 + sigma0^T e of the elements whose deformations are free
+    energy = 0.5 * float(deformations @ (law(deformations, np.zeros(len(deformations))) + law.preload))
     return Station(
         frame, slope, velocity, locked, free, _first_of(hertz, modes), _first_of(hertz_free, modes), drive_hertz,
-        unwanted, margin, margin_free, *_extra(e, held, extra, report), _strain_energy(e.dynamics),
+        unwanted, margin, margin_free, *_extra(e, held, extra, report), energy,
     )  # fmt: skip
 
 
@@ -147,10 +150,7 @@ def _extra(e: DriveEquations, held: bool, load: Loads | None, report: Report) ->
     except FAILED as error:
         report.add(f"warning: no {what}: {error}")
         return np.nan, np.nan
-
-    def find(free: bool, wanted: int, own: Report) -> BucklingModes:
-        return e.extra(free, sigma, load, wanted, own)
-
+    find = partial(e.extra, sigma, load)
     locked, free = (_lowest_positive(e, k, find, what, report) for k in (False, True))
     return locked, free
 
@@ -160,7 +160,7 @@ def _lowest_positive(
 ) -> float:
     """The lowest positive multiplier among those of smallest modulus, of more where all these are negative; infinite
     without one."""
-    wanted, most = FIRST, min(MOST, e.most)
+    wanted, every = FIRST, e.dynamics.numbering.nddof
     while True:
         own = Report()
         try:
@@ -169,18 +169,12 @@ def _lowest_positive(
             report.add(f"warning: no {what}: {error}")
             return np.nan
         value, all_found = found.lowest_positive, e.contains_all(found, wanted, free)
-        if np.isfinite(value) or wanted >= most or all_found:
+        if np.isfinite(value) or wanted >= min(MOST, every) or all_found:
             break
-        wanted = min(2 * wanted, most)
+        wanted = min(2 * wanted, MOST, every)
     for line in own.lines:
         if line.startswith("warning"):  # the value tells that there are none
             report.add(line)
-    if np.isinf(value) and not all_found and wanted < e.most:
+    if np.isinf(value) and not all_found and wanted < every:
         report.add(f"warning: none of the {wanted} lowest {what} is positive; a larger one is not looked for")
     return value
-
-
-def _strain_energy(dynamics: Dynamics) -> float:
-    """e^T S e/2 + sigma0^T e of the elements whose deformations are free."""
-    law, e = dynamics.law, dynamics.sweep.e
-    return 0.5 * float(e @ (law(e, np.zeros(len(e))) + law.preload))
