@@ -16,6 +16,7 @@ of its own decide and say what is wrong.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -66,17 +67,21 @@ def affine_cases(
         return None  # the run of a case says why
 
 
+@dataclass
 class _Table:
     """The values of all cases, (cases, settings); `given` and `moved`: settings of numbers and of positions that
     differ."""
 
-    def __init__(
-        self, deck: Deck, settings: tuple[Setting, ...], table: Array, given: Array, moved: Array, options: Any,
-        built: Mechanism | None,
-    ) -> None:  # fmt: skip
-        self.deck, self.settings, self.table, self.options = deck, settings, table, options
-        self.given, self.moved, self.varied = given, moved, np.concatenate((given, moved))
-        self.built = built
+    deck: Deck
+    settings: tuple[Setting, ...]
+    table: Array
+    given: Array
+    moved: Array
+    options: Any
+    built: Mechanism | None
+
+    def __post_init__(self) -> None:
+        self.varied = np.concatenate((self.given, self.moved))
 
     def cases(self) -> Cases | None:
         from spacar.compiled.numbers import of_one
@@ -88,7 +93,9 @@ class _Table:
         passed = self.table[kept]
         self.base, self.far = passed.min(axis=0), passed.max(axis=0)
         self.base[self.moved] = passed[0, self.moved]
-        decks = [self._changed(self._towards(chosen)) for chosen in _subsets(self.given)]
+        # deck k has the far values of those whose bit is set in k
+        choices = ([v for k, v in enumerate(self.given) if bits >> k & 1] for bits in range(1 << len(self.given)))
+        decks = [self._changed(self._towards(chosen)) for chosen in choices]
         known = self.built is not None and self.built.deck.text == decks[0].text
         mechanisms = [self.built if known and self.built else build(decks[0], 1, **self.options)]
         if why_not_of(mechanisms[0]) or not alike(*decks):
@@ -176,11 +183,6 @@ class _Table:
             if not np.allclose(start_of(exact), begun, 1e-13, 1e-14):
                 return None
         return numbers, start, kept
-
-
-def _subsets(varied: Array) -> list[list[int]]:
-    """All choices of them; place k holds those whose bit is set in k."""
-    return [[int(v) for k, v in enumerate(varied) if bits >> k & 1] for bits in range(1 << len(varied))]
 
 
 def placed_well(mechanism: Mechanism, deck: Deck, x0: Array) -> NDArray[np.bool_]:

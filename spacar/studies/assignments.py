@@ -297,12 +297,9 @@ def parameters_of(deck: Deck, s: Statement) -> tuple[Parameter, ...]:
     fits = [v for v in keyword.variants if v.fits(space, role, kind)] or list(keyword.variants)
     given = [v for v in fits if len(s.values) in v.counts]
     parameters = max(given or fits, key=lambda v: len(v.parameters)).parameters
-    return _of_shape(s, parameters) if s.keyword == "SECTION" else parameters
-
-
-def _of_shape(s: Statement, parameters: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
-    """The parameters of a SECTION with the names that the dimensions have in its shape."""
-    names = SHAPES[str(s.values[1]).upper()].dims
+    if s.keyword != "SECTION":
+        return parameters
+    names = SHAPES[str(s.values[1]).upper()].dims  # that the dimensions have in its shape
     dims = [
         replace(p, meaning=name, unit="" if power == 0 else "m" if power == 1 else f"m^{power}")
         for p, (name, power) in zip(parameters[2:], names, strict=False)

@@ -94,11 +94,13 @@ def groups_of_rows(chunk: Chunk) -> Iterator[list[Row]]:
     done: set[int] = set()
     begun = time.perf_counter()
     try:
-        for found in _together(study, chunk):
-            now = time.perf_counter()
-            seconds, begun = (now - begun) / max(len(found), 1), now
-            done.update(found)
-            yield [done_row(chunk.cases[k], numbers, seconds) for k, numbers in found.items()]
+        for cases in _cases(chunk):
+            numbers_of = partial(_numbers, study, cases.chosen)
+            for found in motions(cases, numbers_of, threads=chunk.threads, **study.options):
+                now = time.perf_counter()
+                seconds, begun = (now - begun) / max(len(found), 1), now
+                done.update(found)
+                yield [done_row(chunk.cases[k], numbers, seconds) for k, numbers in found.items()]
     except (SpacarError, ArithmeticError):
         pass  # the run of a case says why
     for k, case in enumerate(chunk.cases):
@@ -106,15 +108,9 @@ def groups_of_rows(chunk: Chunk) -> Iterator[list[Row]]:
             yield [run_case(case)]
 
 
-def _together(study: Study, chunk: Chunk) -> Iterator[dict[int, Numbers]]:
-    """The quantities of the cases that can be run together, by their places, group after group."""
-    for cases in _cases(study, chunk):
-        numbers = partial(_numbers, study, cases.chosen)
-        yield from motions(cases, numbers, threads=chunk.threads, **study.options)
-
-
-def _cases(study: Study, chunk: Chunk) -> Iterator[Cases]:
+def _cases(chunk: Chunk) -> Iterator[Cases]:
     """Those that can be run together, with their places: all at once, or built side by side a few at a time."""
+    study = chunk.study
     values = [case.values for case in chunk.cases]
     cases = affine_cases(study.deck, study.settings, values, chunk.built, **study.options)
     if cases is not None:

@@ -7,6 +7,7 @@ is started again. Rows are append-only and finished cases are skipped, see `rows
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -79,41 +80,29 @@ def sweep(
     are known. Raises UsageError for a file of another study.
     """
 
-    def outcomes(done: Mapping[str, Row]) -> Iterator[list[Row]]:
-        todo = _unfinished(study, cases, done, retry, keys)
-        return batch(study, todo) if batch is not None else singly(todo, engine)
+    def unfinished(done: Mapping[str, Row]) -> Iterator[Case]:
+        """The cases that have to be run, each once, one after the other as they are asked for."""
+        begun: set[str] = set()
+        for k, values in enumerate(cases):
+            key = study.key(values) if keys is None else keys[k]
+            status = done[key]["status"] if key in done else LOST  # a case whose process died is always run again
+            if key not in begun and status != DONE and (status != FAILED or retry):
+                begun.add(key)
+                yield Case(study, values, key)
 
-    if output is None:
-        for group in outcomes({}):
+    file: AbstractContextManager[Rows | None] = Rows(output, study.columns) if output is not None else nullcontext()
+    with file as rows:
+        todo = unfinished(rows.done if rows else {})
+        for group in batch(study, todo) if batch is not None else singly(todo, engine):
+            if rows:
+                rows.add(*group)
             yield from group
-        return
-    with Rows(output, study.columns) as rows:
-        for group in outcomes(rows.done):
-            rows.add(*group)
-            yield from group
-
-
-def _unfinished(
-    study: Study, cases: Iterable[Values], done: Mapping[str, Row], retry: bool, keys: Sequence[str] | None
-) -> Iterator[Case]:
-    """The cases that have to be run, each once, one after the other as they are asked for."""
-    begun: set[str] = set()
-    for k, values in enumerate(cases):
-        key = study.key(values) if keys is None else keys[k]
-        if key not in begun and not finished(done.get(key), retry):
-            begun.add(key)
-            yield Case(study, values, key)
 
 
 def singly(cases: Iterable[Case], engine: Engine = run) -> Iterator[list[Row]]:
     """Rows of cases that run one by one on an engine."""
     for case, outcome in engine(run_case, cases):
         yield [failed_row(case, 0.0, outcome.reason, LOST) if isinstance(outcome, Lost) else outcome]
-
-
-def finished(found: Row | None, retry: bool) -> bool:
-    """Whether a row of an earlier run settles its case; one whose process died is always run again."""
-    return found is not None and (found["status"] == DONE or (found["status"] == FAILED and not retry))
 
 
 def run_case(case: Case) -> Row:

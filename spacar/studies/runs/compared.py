@@ -35,7 +35,11 @@ def compared(deck: Deck, mode: int, variables: Sequence[Quantity], result: Resul
             if both is not None and not _made_of(variable, both):
                 continue
             with suppress(*[UsageError] * fewer):
-                row[:] = real_series(variable, result)
+                series = variable.series(result)
+                if np.iscomplexobj(series):
+                    text = f"{variable.text} is complex; compare real(), imag() or abs() of it"
+                    raise UsageError(text, "study.trade")
+                row[:] = series
         return Assessed(tuple(v.name for v in variables), values, amplitudes(values, find_mode(mode).stationary))
     numbering = build(deck, mode).numbering
     own = {numbering.x_name(i) for i in range(numbering.nx)}
@@ -58,14 +62,6 @@ def _made_of(variable: Quantity, coordinates: Container[tuple[int, ...]]) -> boo
     found = [v for v in ast.walk(parse(variable.text).tree) if isinstance(v, ast.Subscript)]
     names = [(v.value.id, indices(v, variable.text)) for v in found if isinstance(v.value, ast.Name)]
     return all(name in VECTORS or (name in X_NAMES and place in coordinates) for name, place in names)
-
-
-def real_series(variable: Quantity, result: Result) -> list[float]:
-    """A variable over the steps of a result. Raises UsageError for a complex one."""
-    series = variable.series(result)
-    if np.iscomplexobj(series):
-        raise UsageError(f"{variable.text} is complex; compare real(), imag() or abs() of it", "study.trade")
-    return [float(v) for v in series]
 
 
 def row_values(row: Row, names: Sequence[str]) -> Array:
