@@ -27,7 +27,7 @@ class AffineRun:
     """Outputs of blocks that follow each other, at `rows` of y: a `matrix` of z = (all states x, all signals y, 1)."""
 
     def __init__(self, s: Schedule, blocks: Sequence[Block]) -> None:
-        n_x, n_y = sum(b.n_states for b in s.blocks), s.wiring.shape[1]
+        n_x, n_y = s.n_states, s.wiring.shape[1]
         rows = [np.arange(s.outputs[b.name].start, s.outputs[b.name].stop) for b in blocks]
         self.rows = np.concatenate(rows)
         whole = np.zeros((n_y, n_x + n_y + 1))
@@ -78,7 +78,7 @@ class Plan:
         self.signals = Order.of(s, s.first, s.later)
         self.for_rates = Order.of(s, *_behind(s, [b for b in s.blocks if b.n_states]))
         self.for_events = Order.of(s, *_behind(s, [b for b in s.blocks if b.n_events]))
-        n_x, n_y = sum(b.n_states for b in s.blocks), s.wiring.shape[1]
+        n_x, n_y = s.n_states, s.wiring.shape[1]
         self.alone: list[tuple[Block, slice, slice]] = []  # its states, its inputs in the product
         inputs, rates, places = [np.zeros((0, n_x + n_y + 1))], [], [np.zeros(0, np.int64)]
         for b in (b for b in s.blocks if b.n_states):

@@ -64,13 +64,13 @@ class Integrator(Piecewise):
             raise UsageError(f"{name}: the initial value is not between the limits", "simulation.limits")
 
     def state_outputs(self, t: float, x: Array) -> Array:
-        return self.between(self.lower, x, self.upper)
+        return self.capped(x)
 
     def derivative(self, t: float, x: Array, u: Array) -> Array:
         return np.where(self.mode == 0, self.gain * u, 0.0)
 
     def affine(self) -> Affine:
-        zero, limit = np.zeros((self.n_out, self.n_out)), self.between(self.lower, 0.0, self.upper)
+        zero, limit = np.zeros((self.n_out, self.n_out)), self.capped(0.0)
         return Affine(zero, self.free * self.gain, self.free, zero, np.zeros(self.n_out), limit)
 
     def events(self, t: float, x: Array, u: Array) -> Array:
@@ -107,11 +107,11 @@ class RateLimiter(Limited):
         return self.bandwidth * (u - x)
 
     def derivative(self, t: float, x: Array, u: Array) -> Array:
-        return self.between(self.lower, self.limited(x, u), self.upper)
+        return self.capped(self.limited(x, u))
 
     def affine(self) -> Affine:
         one, zero, slope = np.eye(self.n_out), np.zeros((self.n_out, self.n_out)), self.bandwidth * self.free
-        return Affine(-slope, slope, one, zero, self.between(self.lower, 0.0, self.upper), np.zeros(self.n_out))
+        return Affine(-slope, slope, one, zero, self.capped(0.0), np.zeros(self.n_out))
 
 
 class PID(Limited):
@@ -153,17 +153,17 @@ class PID(Limited):
         return v + self.kd * self.N * (u - x[n:]) if self.kd.any() else v
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
-        return self.between(self.lower, self.limited(x, u), self.upper)
+        return self.capped(self.limited(x, u))
 
     def derivative(self, t: float, x: Array, u: Array) -> Array:
         v = self.limited(x, u)
-        back = self.between(self.lower, v, self.upper) - v
+        back = self.capped(v) - v
         rate = np.where(self.held, 0.0, self.ki * u) + self.tracking * back
         return np.concatenate((rate, self.N * (u - x[self.n_out :]))) if self.kd.any() else rate
 
     def affine(self) -> Affine:
         free, sharp = (self.mode == 0).astype(float), self.kd * self.N
-        limit = self.between(self.lower, 0.0, self.upper)
+        limit = self.capped(0.0)
         back = self.tracking * (1.0 - free)
         A, C = np.diag(-back), np.diag(free)
         B = np.diag(np.where(self.held, 0.0, self.ki) - back * (self.kp + sharp))

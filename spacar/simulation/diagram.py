@@ -94,6 +94,10 @@ class Schedule:
     later: tuple[Group, ...]  # blocks with direct feedthrough and algebraic loops, each after those it needs
     notes: tuple[str, ...] = ()
 
+    @property
+    def n_states(self) -> int:
+        return sum(b.n_states for b in self.blocks)
+
 
 def schedule(diagram: Diagram) -> Schedule:
     """Number all signals and find the order. Raises UsageError for an algebraic loop with a sampled block."""

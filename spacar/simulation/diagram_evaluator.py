@@ -26,7 +26,7 @@ class DiagramEvaluator:
 
     def __init__(self, s: Schedule, whole: bool = False) -> None:
         self.s, self.whole = s, whole
-        n_x, n_y = sum(b.n_states for b in s.blocks), s.wiring.shape[1]
+        n_x, n_y = s.n_states, s.wiring.shape[1]
         self.z = np.zeros(n_x + n_y + 1)
         self.z[-1] = 1.0
         self.x, self.y = self.z[:n_x], self.z[n_x:-1]

@@ -89,7 +89,7 @@ def reduce_modes(data: TimeVarying, n_low: int, n_static: int | None = None) -> 
     )  # fmt: skip
     rates = np.sign(values) * np.sqrt(np.abs(values))
     report = _report(data.t, rates, overlap, low, static, high)
-    kept, answering, dropped = (tuple(int(i) for i in part) for part in (low, static, high))
+    kept, answering, dropped = (tuple(part.tolist()) for part in (low, static, high))
     return Reduction(system, basis, rates, kept, answering, dropped, report)
 
 

@@ -10,11 +10,13 @@ from spacar.modes import registered
 from spacar.simulation.diagram import Diagram
 
 
+@dataclass(frozen=True, eq=False)
 class Signals(Mapping[str, Array]):
     """The outputs of all blocks at one time, by signal name ("robot:1-3")."""
 
-    def __init__(self, diagram: Diagram, outputs: Mapping[str, slice], y: Array) -> None:
-        self._diagram, self._outputs, self._y = diagram, outputs, y
+    _diagram: Diagram
+    _outputs: Mapping[str, slice]
+    _y: Array
 
     def __getitem__(self, name: str) -> Array:
         block, rows = self._diagram.signals(str(name))

@@ -79,21 +79,20 @@ class Table:
 
 
 class Source(Block):
-    """Base: outputs that need no inputs."""
+    """Base: outputs that need no inputs. With `given` numbers there are as many as the longest of these has; `values`:
+    these for each output."""
 
-    def __init__(self, name: str, outputs: Sequence[str] | int) -> None:
-        super().__init__(name, 0, outputs)
-
-    def _spread(self, *values: Numbers) -> list[Array]:
-        return spread(self.name, "values", "simulation.size", self.n_out, *values)
+    def __init__(self, name: str, outputs: Sequence[str] | int, *given: Numbers) -> None:
+        super().__init__(name, 0, max(map(np.size, given)) if given else outputs)
+        self.values = spread(name, "values", "simulation.size", self.n_out, *given)
 
 
 class Constant(Source):
     """y = value."""
 
     def __init__(self, name: str, value: Numbers) -> None:
-        super().__init__(name, np.size(value))
-        (self.value,) = self._spread(value)
+        super().__init__(name, 0, value)
+        (self.value,) = self.values
 
     def state_outputs(self, t: float, x: Array) -> Array:
         return self.value
@@ -103,9 +102,9 @@ class StepSignal(Source):
     """y = before for t < time [s], then after. A step of the integration ends exactly at that time."""
 
     def __init__(self, name: str, time: float = 0.0, after: Numbers = 1.0, before: Numbers = 0.0) -> None:
-        super().__init__(name, max(np.size(after), np.size(before)))
+        super().__init__(name, 0, before, after)
         self.time, self.breaks = float(time), (float(time),)
-        self.before, self.after = self._spread(before, after)
+        self.before, self.after = self.values
 
     def state_outputs(self, t: float, x: Array) -> Array:
         return self.before if t < self.time else self.after
@@ -115,9 +114,9 @@ class Ramp(Source):
     """y = start for t < time, then start + slope (t - time)."""
 
     def __init__(self, name: str, slope: Numbers, time: float = 0.0, start: Numbers = 0.0) -> None:
-        super().__init__(name, max(np.size(slope), np.size(start)))
+        super().__init__(name, 0, slope, start)
         self.time, self.breaks = float(time), (float(time),)
-        self.slope, self.begin = self._spread(slope, start)
+        self.slope, self.begin = self.values
 
     def state_outputs(self, t: float, x: Array) -> Array:
         return self.begin + self.slope * max(t - self.time, 0.0)
@@ -129,8 +128,8 @@ class Sine(Source):
     def __init__(
         self, name: str, amplitude: Numbers, frequency: Numbers, phase: Numbers = 0.0, bias: Numbers = 0.0
     ) -> None:
-        super().__init__(name, max(map(np.size, (amplitude, frequency, phase, bias))))
-        self.amplitude, self.frequency, self.phase, self.bias = self._spread(amplitude, frequency, phase, bias)
+        super().__init__(name, 0, amplitude, frequency, phase, bias)
+        self.amplitude, self.frequency, self.phase, self.bias = self.values
 
     def state_outputs(self, t: float, x: Array) -> Array:
         return self.bias + self.amplitude * np.sin(2.0 * np.pi * self.frequency * t + self.phase)
@@ -142,12 +141,12 @@ class Pulses(Source):
     def __init__(
         self, name: str, every: float, duty: float = 0.5, high: Numbers = 1.0, low: Numbers = 0.0, time: float = 0.0
     ) -> None:
-        super().__init__(name, max(np.size(high), np.size(low)))
+        super().__init__(name, 0, high, low)
         if not (every > 0.0 and 0.0 < duty < 1.0):
             text = f"{name}: pulses need every > 0 and a duty between 0 and 1, not {every:g} and {duty:g}"
             raise UsageError(text, "simulation.size")
         self.every, self.duty, self.time = float(every), float(duty), float(time)
-        self.high, self.low = self._spread(high, low)
+        self.high, self.low = self.values
 
     def breaks_until(self, first: float, last: float) -> list[float]:
         """All edges between two times."""

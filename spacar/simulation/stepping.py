@@ -47,7 +47,7 @@ class CompiledLoop:
         self.sources = [b for b in order.first if b is not plant]
         ends = np.cumsum([0, *(b.n_out for b in self.sources)])
         self.places = [slice(a, b) for a, b in pairwise(ends)]
-        n_x = sum(b.n_states for b in s.blocks)
+        n_x = s.n_states
         own, outputs = s.states[plant.name], n_x + s.outputs[plant.name].start
         read, rows = plant.placed
         signals = [n_x + k for b in self.sources for k in range(s.outputs[b.name].start, s.outputs[b.name].stop)]
@@ -107,7 +107,7 @@ class _Problem(Problem):
     def __init__(self, evaluator: DiagramEvaluator, absolute: float) -> None:
         s = evaluator.s
         self.evaluator, self.absolute = evaluator, absolute
-        n = sum(b.n_states for b in s.blocks)
+        n = s.n_states
         pairs = [(s.states[b.name], b.numbering.nddof) for b in s.blocks if isinstance(b, Spasim)]
         first = [i for part, k in pairs for i in range(part.start, part.start + k)]
         last = [i for part, k in pairs for i in range(part.stop - k, part.stop)]

@@ -24,7 +24,10 @@ Numbers = Sequence[float] | float | Array
 
 
 class Piecewise(Block):
-    """Base: y_i depends on u_i and on the piece `mode[i]` that it is in."""
+    """Base: y_i depends on u_i and on the piece `mode[i]` that it is in; `lower`, `upper`: its limits, if any."""
+
+    lower: Array
+    upper: Array
 
     def __init__(self, name: str, size: int, events_each: int) -> None:
         super().__init__(name, size, size)
@@ -43,9 +46,9 @@ class Piecewise(Block):
         before, self.mode = self.mode, self.piece(t, x, u)
         return not np.array_equal(before, self.mode)
 
-    def between(self, lower: Array | float, middle: Array | float, upper: Array | float) -> Array:
-        """(n_out,) what holds below, between and above the limits, by the mode -1, 0, 1 of every signal."""
-        return np.where(self.mode > 0, upper, np.where(self.mode < 0, lower, middle))
+    def capped(self, middle: Array | float) -> Array:
+        """(n_out,) the lower limit, what holds between the limits, or the upper one, by the mode -1, 0, 1."""
+        return np.where(self.mode > 0, self.upper, np.where(self.mode < 0, self.lower, middle))
 
     @property
     def free(self) -> Array:
@@ -79,20 +82,20 @@ class Saturation(Limited):
     """y = u limited to [lower, upper]; the integration stops and starts again where a limit is met or left."""
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
-        return self.between(self.lower, u, self.upper)
+        return self.capped(u)
 
     def affine(self) -> Affine:
-        return without_states(self.free, self.between(self.lower, 0.0, self.upper))
+        return without_states(self.free, self.capped(0.0))
 
 
 class DeadZone(Limited):
     """y = 0 while lower <= u <= upper, beyond it the distance to the nearer end."""
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
-        return self.between(u - self.lower, 0.0, u - self.upper)
+        return u - self.capped(u)
 
     def affine(self) -> Affine:
-        return without_states(np.eye(self.n_out) - self.free, self.between(-self.lower, 0.0, -self.upper))
+        return without_states(np.eye(self.n_out) - self.free, 0.0 - self.capped(0.0))
 
 
 class Relay(Piecewise):
