@@ -73,11 +73,10 @@ def simulate_model(
 def _changed(model: SymbolicModel, changes: dict[str, float]) -> tuple[dict[str, float], dict[str, float]]:
     values, start = dict(model.values), dict(model.start)
     states = {str(s.func) for s in [*model.system.coordinates, *model.system.speeds]}
-    symbols = model.parameter_names()
     for name, number in changes.items():
         if name in states:
             start[name] = number
-        elif name in symbols:
+        elif name in {*model.values, *model.declared}:
             values[name] = number
         else:
             raise UsageError(f"{model.path.name}: --set {name}: the model has no parameter or state of this name")

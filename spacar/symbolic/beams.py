@@ -105,30 +105,30 @@ def make_section(system: Description, beam: Beam, x: sp.Expr) -> CrossSection:
     label = beam.name if x == beam.length else f"{beam.name}_{len(beam.sections)}"
     pseudo: dict[str, sp.Expr] = {}
 
-    def add(letters: str, value: sp.Expr, gradient: dict[sp.Expr, sp.Expr]) -> sp.Expr:
+    def add(letters: str, part: Field | Foreshortening, *derivative: int) -> sp.Expr:
         names = f"{label}_{letters}", f"{label}_{letters}t"
         for name, what in zip(names, ("pseudo-coordinate", "pseudo-speed"), strict=True):
             system.claim(name, f"{what} {name}")
         q, s = (sp.Function(name, real=True)(TIME) for name in names)
         system.accelerations[s] = sp.Symbol(f"{names[1]}_dot", real=True)
         system.rates |= {q.diff(TIME): s, s.diff(TIME): system.accelerations[s]}
-        system.pseudo.append(Pseudo(q, s, value, gradient))
+        system.pseudo.append(Pseudo(q, s, part.value(x, *derivative), part.gradient(x, *derivative)))
         pseudo[letters] = q
         return q
 
     offset = x * beam.frame[1]
     turns: list[tuple[int, sp.Expr]] = []
     for f in beam.fields:
-        q = add(f.name, f.value(x), f.gradient(x))
+        q = add(f.name, f)
         if f.kind == "twist":
             turns.append((1, q))
             continue
         offset += q * beam.frame[f.direction]
         if f.kind == "bending":
-            slope = add(f"{f.name}x", f.value(x, 1), f.gradient(x, 1))
+            slope = add(f"{f.name}x", f, 1)
             turns.append((3, slope) if f.direction == 2 else (2, -slope))
     if beam.shortening:
-        offset -= add("short", beam.shortening.value(x), beam.shortening.gradient(x)) * beam.frame[1]
+        offset -= add("short", beam.shortening) * beam.frame[1]
     frame = beam.frame
     for i, (axis, angle) in enumerate(turns):
         suffix = "tip" if x == beam.length else f"section{len(beam.sections)}"

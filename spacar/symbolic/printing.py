@@ -50,12 +50,8 @@ class _Unicode(_Text):
         name = expr.name
         return name[0] + "\u0307" + name[1:-4] if name.endswith("_dot") else name
 
-    def _print_UnitDot(self, expr: UnevaluatedDot) -> str:
-        return "·".join(unit_unicode(u) for u in expr.units)
-
-    def _print_UnitTriple(self, expr: UnevaluatedDot) -> str:
-        a, b, c = (unit_unicode(u) for u in expr.units)
-        return f"[{a} {b} {c}]"
+    def _print_UnevaluatedDot(self, expr: UnevaluatedDot) -> str:
+        return expr.form.replace(".", "·").format(*map(unit_unicode, expr.units))
 
     def _print_Pow(self, expr: sp.Pow, rational: bool = False) -> str:
         return super()._print_Pow(expr, rational).replace("**2", "²").replace("**3", "³")

@@ -9,7 +9,7 @@ equal parts are done once a step; no Z is ever inlined. Source: `symbolic.md`, s
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import sympy as sp
@@ -89,14 +89,14 @@ def _common(
     return {s: e for s, e in order.items() if s not in alias}, list(results)
 
 
+@dataclass
 class Hoist:
     """Move every maximal part of an expression that depends on constants only into `once`."""
 
-    def __init__(
-        self, constants: set[sp.Symbol], once: dict[sp.Symbol, sp.Expr], names: Callable[[str], sp.Symbol]
-    ) -> None:
-        self.constants, self.once, self.names = constants, once, names
-        self._known: dict[sp.Expr, sp.Symbol] = {}
+    constants: set[sp.Symbol]
+    once: dict[sp.Symbol, sp.Expr]
+    names: Callable[[str], sp.Symbol]
+    _known: dict[sp.Expr, sp.Symbol] = field(default_factory=dict)
 
     def __call__(self, expression: sp.Expr) -> sp.Expr:
         if not isinstance(expression, sp.Expr):  # a condition of a Piecewise

@@ -11,6 +11,7 @@ import difflib
 import math
 import operator
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
@@ -73,9 +74,11 @@ def read_number(value: float) -> sp.Rational:
     return sp.Rational(repr(float(value)))
 
 
+@dataclass
 class _ExpressionReader:
-    def __init__(self, text: str, known: Mapping[str, sp.Expr], unknown: Callable[[str], sp.Expr] | None) -> None:
-        self.text, self.known, self.unknown = text, known, unknown
+    text: str
+    known: Mapping[str, sp.Expr]
+    unknown: Callable[[str], sp.Expr] | None
 
     def read(self, node: ast.AST, depth: int) -> sp.Expr:
         if depth > MAX_DEPTH:

@@ -33,10 +33,6 @@ class SymbolicModel:
     declared: frozenset[str] = frozenset()
     sha256: str = ""
 
-    def parameter_names(self) -> set[str]:
-        """Parameters with a value, and those that were declared without one."""
-        return {*self.values, *self.declared}
-
 
 def read_script(path: Path) -> SymbolicModel:
     """Run the script; errors of any kind become one message with the line. Raises InputError."""

@@ -90,6 +90,8 @@ class UnevaluatedDot(sp.Expr):
     is_real = True
     is_number = False
     units: tuple[Unit, ...]
+    form: str  # in text, with the units in the braces
+    latex_form: str
 
     def __new__(cls, *units: Unit) -> UnevaluatedDot:
         atom = sp.Expr.__new__(cls, TIME, *_turned_by(units))
@@ -144,26 +146,22 @@ class UnevaluatedDot(sp.Expr):
         return result
 
     def _sympystr(self, printer: Any) -> str:
-        return ".".join(str(u) for u in self.units)
+        return self.form.format(*self.units)
 
     def _latex(self, printer: Any, exp: str | None = None) -> str:
-        return r"(" + r" \cdot ".join(unit_latex(u) for u in self.units) + ")" + (f"^{{{exp}}}" if exp else "")
+        return self.latex_form.format(*map(unit_latex, self.units)) + (f"^{{{exp}}}" if exp else "")
 
 
 class UnitDot(UnevaluatedDot):
     """a·b of unit vectors of two frames."""
 
+    form, latex_form = "{}.{}", r"({} \cdot {})"
+
 
 class UnitTriple(UnevaluatedDot):
     """(a×b)·c of unit vectors of three frames."""
 
-    def _sympystr(self, printer: Any) -> str:
-        a, b, c = self.units
-        return f"[{a} {b} {c}]"
-
-    def _latex(self, printer: Any, exp: str | None = None) -> str:
-        a, b, c = (unit_latex(u) for u in self.units)
-        return rf"({a} \times {b} \cdot {c})" + (f"^{{{exp}}}" if exp else "")
+    form, latex_form = "[{} {} {}]", r"({} \times {} \cdot {})"
 
 
 def _turned_by(units: tuple[Unit, ...]) -> list[sp.Expr]:
