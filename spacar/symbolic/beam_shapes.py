@@ -14,12 +14,12 @@ import mpmath  # type: ignore[import-untyped]
 import sympy as sp
 
 from spacar.errors import UsageError
-from spacar.symbolic.unit_vectors import TIME
+from spacar.symbolic.unit_vectors import TIME, Scalars
 
 X = sp.Symbol("x", real=True)
 """The coordinate along a beam [m]."""
 
-Shapes = Callable[[sp.Expr, sp.Expr], tuple[sp.Expr, ...]]
+Shapes = Callable[[sp.Expr, sp.Expr], Scalars]
 
 
 def monomial(*exponents: int) -> Shapes:
@@ -83,7 +83,7 @@ def _family(
         basis.append(p)
     basis = [p * (1 / size(p)) for p in basis]
 
-    def family(x: sp.Expr, L: sp.Expr) -> tuple[sp.Expr, ...]:
+    def family(x: sp.Expr, L: sp.Expr) -> Scalars:
         return tuple(sp.expand(p.as_expr().subs(xi, x / L)) for p in basis)
 
     if fixed is not None:
@@ -104,7 +104,7 @@ def cantilever(number: int) -> Shapes:
     guesses = [1.8751, *(sp.pi.evalf() * (n - sp.Rational(1, 2)) for n in range(2, number + 1))]
     roots = [sp.nsolve(sp.cos(z) + 1 / sp.cosh(z), z, guess, prec=34) for guess in guesses[:number]]
 
-    def family(x: sp.Expr, L: sp.Expr) -> tuple[sp.Expr, ...]:
+    def family(x: sp.Expr, L: sp.Expr) -> Scalars:
         modes = []
         for k in roots:
             sigma = (sp.cosh(k) + sp.cos(k)) / (sp.sinh(k) + sp.sin(k))
@@ -115,7 +115,7 @@ def cantilever(number: int) -> Shapes:
     return family
 
 
-def shape_functions(field: Any, x: sp.Symbol, L: sp.Expr, clamped: int) -> tuple[sp.Expr, ...]:
+def shape_functions(field: Any, x: sp.Symbol, L: sp.Expr, clamped: int) -> Scalars:
     """The shapes that `field` stands for: a family, a number of default shapes, or expressions in x.
 
     Raises UsageError for a shape that violates the essential conditions ψ(0) = 0 (and ψ'(0) = 0 for bending).

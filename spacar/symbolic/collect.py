@@ -14,7 +14,7 @@ import sympy as sp
 from sympy.utilities.iterables import sift
 
 from spacar.symbolic.reference_frames import Recurrence
-from spacar.symbolic.unit_vectors import UnevaluatedDot, Unit
+from spacar.symbolic.unit_vectors import ByExpression, Definitions, Rule, UnevaluatedDot, Unit
 from spacar.symbolic.vectors import Dyad, Vector
 
 Value = TypeVar("Value", sp.Expr, Vector, Dyad)
@@ -32,8 +32,8 @@ class ZTable:
 
     def __init__(self, *, forbidden: Iterable[sp.Basic] = ()) -> None:
         self.forbidden = frozenset(forbidden)
-        self.definitions: dict[sp.Symbol, sp.Expr] = {}
-        self._symbols: dict[sp.Expr, sp.Expr] = {}
+        self.definitions: Definitions = {}
+        self._symbols: ByExpression = {}
 
     def read(self, expression: Any, name: str | None = None) -> sp.Expr:
         """The memory read that stands for `expression`; a number, a symbol or minus a symbol stands for itself."""
@@ -134,9 +134,9 @@ def _each(value: Value, function: Any) -> Value:
     return function(sp.sympify(value))
 
 
-def definition_order(definitions: Mapping[sp.Symbol, sp.Expr], results: Iterable[sp.Expr]) -> dict[sp.Symbol, sp.Expr]:
+def definition_order(definitions: Mapping[sp.Symbol, sp.Expr], results: Iterable[sp.Expr]) -> Definitions:
     """Those of the definitions that `results` need, each after everything that it reads."""
-    order: dict[sp.Symbol, sp.Expr] = {}
+    order: Definitions = {}
     stack: list[tuple[sp.Symbol, bool]] = []
     for result in results:
         stack += [(s, False) for s in sorted(result.free_symbols & definitions.keys(), key=str, reverse=True)]
@@ -163,7 +163,7 @@ class LinearSplit:
         self.symbols = frozenset(symbols)
         self._touched: dict[sp.Basic, bool] = {}
 
-    def __call__(self, expression: sp.Expr) -> tuple[dict[sp.Basic, sp.Expr], sp.Expr]:
+    def __call__(self, expression: sp.Expr) -> tuple[Rule, sp.Expr]:
         """({symbol: coefficient}, rest); ValueError when the expression is not linear in the symbols."""
         parts = self._parts(expression)
         found = {key: sp.Add(*terms) for key, terms in parts.items()}
@@ -231,10 +231,10 @@ def _between(a: sp.Expr, b: sp.Expr) -> sp.Expr:
     return sp.S.Zero if a * b < 0 else min(a, b, key=abs)
 
 
-def _factors(term: sp.Expr) -> tuple[sp.Expr, dict[sp.Expr, sp.Expr]]:
+def _factors(term: sp.Expr) -> tuple[sp.Expr, ByExpression]:
     """(number, {base: rational exponent}) of a product."""
     number, factors = term.as_coeff_Mul()
-    powers: dict[sp.Expr, sp.Expr] = {}
+    powers: ByExpression = {}
     for factor in sp.Mul.make_args(factors):
         base, exponent = factor.as_base_exp()
         if not exponent.is_Rational or base.is_number:
@@ -244,5 +244,5 @@ def _factors(term: sp.Expr) -> tuple[sp.Expr, dict[sp.Expr, sp.Expr]]:
     return number, powers
 
 
-def _product(powers: dict[sp.Expr, sp.Expr]) -> sp.Expr:
+def _product(powers: ByExpression) -> sp.Expr:
     return sp.Mul(*(base**n for base, n in powers.items()))

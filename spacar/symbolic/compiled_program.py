@@ -27,7 +27,7 @@ from spacar.symbolic.emit import emit
 from spacar.symbolic.emit.routines import sizes
 from spacar.symbolic.ordered import OrderedProgram
 from spacar.symbolic.program_jacobian import jacobian_of
-from spacar.symbolic.simulated_motion import check_values
+from spacar.symbolic.simulated_motion import Feeds, check_values
 
 MODULE = "spacar_equations"
 
@@ -121,7 +121,7 @@ class CompiledFunction:
 
     def __init__(
         self, program: OrderedProgram, values: Mapping[str, float],
-        feeds: Mapping[str, Callable[..., float]] | None = None,
+        feeds: Feeds | None = None,
     ) -> None:  # fmt: skip
         numbers = check_values(program, values, feeds)
         self.program = program

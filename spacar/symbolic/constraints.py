@@ -23,7 +23,7 @@ from spacar.symbolic.description import Description
 from spacar.symbolic.ordered import ConstraintRows
 from spacar.symbolic.reference_frames import rate
 from spacar.symbolic.transform import transform
-from spacar.symbolic.unit_vectors import TIME
+from spacar.symbolic.unit_vectors import TIME, Rule
 
 
 def constraint_rows(system: Description, read: Callable[[sp.Expr], sp.Expr] = transform) -> ConstraintRows:
@@ -76,7 +76,7 @@ def _random_numbers(rows: sp.Matrix) -> np.ndarray:
     """The matrix at a random point, rows scaled to length one."""
     chance = random.Random(7)
     atoms = sorted(rows.free_symbols - {TIME} | rows.atoms(AppliedUndef), key=str)
-    point: dict[sp.Basic, sp.Expr] = {a: sp.Float(chance.uniform(0.2, 2.0)) for a in atoms}
+    point: Rule = {a: sp.Float(chance.uniform(0.2, 2.0)) for a in atoms}
     numbers = np.array(rows.xreplace(point | {TIME: sp.Float(chance.uniform(0.2, 2.0))}).evalf(), dtype=float)
     lengths = np.linalg.norm(numbers, axis=1, keepdims=True)
     return numbers / np.where(lengths > 0, lengths, 1.0)

@@ -10,7 +10,7 @@ from spacar.symbolic.collect import ZTable
 from spacar.symbolic.description import Description
 from spacar.symbolic.ordered import ConstraintRows
 from spacar.symbolic.transform import DirectionCosines, transform
-from spacar.symbolic.unit_vectors import UnevaluatedDot
+from spacar.symbolic.unit_vectors import ByExpression, Definitions, Scalars, UnevaluatedDot
 
 
 @dataclass(frozen=True)
@@ -24,8 +24,8 @@ class Derivation:
     rhs: sp.Matrix
     table: ZTable
     cosines: DirectionCosines
-    values: dict[sp.Expr, sp.Expr]
-    held: dict[sp.Expr, sp.Expr] = field(default_factory=dict)
+    values: ByExpression
+    held: ByExpression = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,26 +40,26 @@ class DerivedEquations:
 
     system: Description
     strategy: str
-    coordinates: tuple[sp.Expr, ...]
-    speeds: tuple[sp.Expr, ...]
-    kinematics: dict[sp.Expr, sp.Expr]
-    definitions: dict[sp.Symbol, sp.Expr]
+    coordinates: Scalars
+    speeds: Scalars
+    kinematics: ByExpression
+    definitions: Definitions
     mass_matrix: sp.ImmutableMatrix
     rhs: sp.ImmutableMatrix
-    held_by_speed: dict[sp.Expr, sp.Expr]
+    held_by_speed: ByExpression
     table: ZTable
     cosines: DirectionCosines
     seconds: float
     constraints: ConstraintRows | None = None
 
     @property
-    def held(self) -> tuple[sp.Expr, ...]:
+    def held(self) -> Scalars:
         """The equations 0 = E(s) in vector notation, in the order of the speeds (UsageError when recursive)."""
         if not self.held_by_speed:
             raise UsageError("only the held strategy keeps equations in vector notation: derive(strategy='held')")
         return tuple(self.held_by_speed[s] for s in self.system.speeds)
 
-    def transform(self) -> tuple[sp.Expr, ...]:
+    def transform(self) -> Scalars:
         """The held equations with every product of unit vectors written in cosines and sines."""
         plain = DirectionCosines()
         return tuple(transform(e, plain) for e in self.held)

@@ -28,7 +28,7 @@ from spacar.symbolic.system_parts import (
     frame_at,
 )
 from spacar.symbolic.transform import transform
-from spacar.symbolic.unit_vectors import TIME, Key
+from spacar.symbolic.unit_vectors import TIME, ByExpression, Key, Rule, Scalars
 from spacar.symbolic.vectors import ZERO, Dyad, Vector
 
 _INERTIA = ((1, 1), (2, 2), (3, 3), (1, 2), (2, 3), (3, 1))
@@ -45,10 +45,10 @@ class Description:
         self.O = GeometricPoint("O", None, ZERO, ZERO)
         self.coordinates: list[sp.Expr] = []
         self.speeds: list[sp.Expr] = []
-        self.rates: dict[sp.Basic, sp.Expr] = {}
+        self.rates: Rule = {}
         self.accelerations: dict[sp.Expr, sp.Symbol] = {}
         self.pseudo: list[Pseudo] = []
-        self.quaternions: list[tuple[sp.Expr, ...]] = []
+        self.quaternions: list[Scalars] = []
         self.inputs: dict[sp.Symbol, sp.Expr | None] = {}
         self.points: list[GeometricPoint] = []
         self.bodies: list[RigidBody] = []
@@ -144,11 +144,11 @@ class Description:
         return TIME
 
     @property
-    def field_speeds(self) -> dict[sp.Expr, sp.Expr]:
+    def field_speeds(self) -> ByExpression:
         """{φ_k: dφ_k} of all beams."""
         return {q: s for beam in self.beams for q, s in zip(beam.coordinates, beam.speeds, strict=True)}
 
-    def pseudo_values(self) -> dict[sp.Expr, sp.Expr]:
+    def pseudo_values(self) -> ByExpression:
         """Pseudo-coordinates and pseudo-speeds as values of the assumed fields."""
         speeds = self.field_speeds
         values = {p.coordinate: p.value for p in self.pseudo}

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from spacar.symbolic.beam_shapes import X, product_integral, weighted_integral
-from spacar.symbolic.unit_vectors import TIME
+from spacar.symbolic.unit_vectors import TIME, ByExpression, Rule, Scalars
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,9 +24,9 @@ class Field:
     kind: str
     direction: int
     function: sp.Expr
-    shapes: tuple[sp.Expr, ...]
-    coordinates: tuple[sp.Expr, ...]
-    speeds: tuple[sp.Expr, ...]
+    shapes: Scalars
+    coordinates: Scalars
+    speeds: Scalars
     stiffness: sp.Expr
 
     @property
@@ -38,7 +38,7 @@ class Field:
         """Σ φ_k ψ_k, or a derivative with respect to x, at x."""
         return sp.Add(*(p * g for p, g in self.gradient(x, derivative).items()))
 
-    def gradient(self, x: sp.Expr, derivative: int = 0) -> dict[sp.Expr, sp.Expr]:
+    def gradient(self, x: sp.Expr, derivative: int = 0) -> ByExpression:
         """∂(value)/∂φ_k for every coordinate."""
         return {p: psi.diff(X, derivative).subs(X, x) for p, psi in zip(self.coordinates, self.shapes, strict=True)}
 
@@ -49,9 +49,9 @@ class Field:
         total = [p * q * weighted_integral(self.stiffness, f, g, X, length) for p, f in pairs for q, g in pairs]
         return sp.Add(*total) / 2
 
-    def substitution(self, accelerations: dict[sp.Expr, sp.Symbol]) -> dict[sp.Basic, sp.Expr]:
+    def substitution(self, accelerations: dict[sp.Expr, sp.Symbol]) -> Rule:
         """u, u_t, u_tt and their derivatives to x in terms of φ, dφ and the acceleration symbols."""
-        rule: dict[sp.Basic, sp.Expr] = {}
+        rule: Rule = {}
         levels = (self.coordinates, self.speeds, tuple(accelerations[s] for s in self.speeds))
         for times, amplitudes in enumerate(levels):
             value = sp.Add(*(a * psi for a, psi in zip(amplitudes, self.shapes, strict=True)))
@@ -70,17 +70,17 @@ class Pseudo:
     coordinate: sp.Expr
     speed: sp.Expr
     value: sp.Expr
-    gradient: dict[sp.Expr, sp.Expr]
+    gradient: ByExpression
 
-    def rate(self, speeds: dict[sp.Expr, sp.Expr]) -> sp.Expr:
+    def rate(self, speeds: ByExpression) -> sp.Expr:
         """s' = Σ g_k dφ_k for {φ_k: dφ_k}."""
         return sp.Add(*(g * speeds[q] for q, g in self.gradient.items()))
 
-    def acceleration(self, speeds: dict[sp.Expr, sp.Expr], accelerations: dict[sp.Expr, sp.Symbol]) -> sp.Expr:
+    def acceleration(self, speeds: ByExpression, accelerations: dict[sp.Expr, sp.Symbol]) -> sp.Expr:
         """ṡ' = Σ g_k dφ̇_k + bias."""
         return sp.Add(*(g * accelerations[speeds[q]] for q, g in self.gradient.items()), self.bias(speeds))
 
-    def bias(self, speeds: dict[sp.Expr, sp.Expr]) -> sp.Expr:
+    def bias(self, speeds: ByExpression) -> sp.Expr:
         """Σ ∂g_k/∂φ_j dφ_j dφ_k, the part of ṡ' without accelerations."""
         return sp.Add(*(g.diff(r) * speeds[q] * speeds[r] for q, g in self.gradient.items() for r in speeds))
 
@@ -107,14 +107,14 @@ class Foreshortening:
     def value(self, x: sp.Expr) -> sp.Expr:
         return sp.Add(*(p * q * S / 2 for (p, q), S in self.kernel(x).items()))
 
-    def gradient(self, x: sp.Expr) -> dict[sp.Expr, sp.Expr]:
+    def gradient(self, x: sp.Expr) -> ByExpression:
         """∂w/∂φ_k, linear in φ."""
         parts: dict[sp.Expr, list[sp.Expr]] = {q: [] for f in self.fields for q in f.coordinates}
         for (p, q), S in self.kernel(x).items():
             parts[p].append(q * S)
         return {p: sp.Add(*terms) for p, terms in parts.items()}
 
-    def substitution(self, accelerations: dict[sp.Expr, sp.Symbol]) -> dict[sp.Basic, sp.Expr]:
+    def substitution(self, accelerations: dict[sp.Expr, sp.Symbol]) -> Rule:
         """w, w_t and w_tt as polynomials in x."""
         w, w_t = self.function, self.function.diff(TIME)
         here = Pseudo(w, w_t, self.value(X), self.gradient(X))

@@ -22,7 +22,7 @@ from spacar.symbolic.moments import Form, Integrals, collected
 from spacar.symbolic.reference_frames import omega, partial_velocity
 from spacar.symbolic.system_parts import Beam, DistributedLoad, RigidBody
 from spacar.symbolic.transform import DirectionCosines, transform
-from spacar.symbolic.unit_vectors import TIME, Key
+from spacar.symbolic.unit_vectors import TIME, ByExpression, Key
 from spacar.symbolic.vectors import ZERO, Vector, cross, dot
 
 
@@ -78,7 +78,7 @@ class HeldDerivation:
         self.accelerations = list(system.accelerations.values())
         self.table = ZTable(forbidden=self.accelerations)
         self.cosines = DirectionCosines(self.table if recurrence else None)
-        self.values: dict[sp.Expr, sp.Expr] = {}
+        self.values: ByExpression = {}
         self.integrals = cache(partial(Integrals, self.read))  # of a beam, memory reads when recurrence is on
         self.acceleration, self.relative_acceleration = cache(self._acceleration), cache(self._relative_acceleration)
 
@@ -180,14 +180,14 @@ class HeldDerivation:
             total += dot(partial_velocity(w.rotation, speed), w.torque)
         return total
 
-    def weak(self, beam: Beam) -> dict[sp.Expr, sp.Expr]:
+    def weak(self, beam: Beam) -> ByExpression:
         """The integral of formula (B) for every field speed of the beam."""
         pull = self.system.gravity - self.acceleration(beam.root.velocity)
         relative, whole = self.relative_acceleration(beam), self.integrals(beam)
         kernel = beam.shortening.kernel(X) if beam.shortening else {}
         b1, plain = beam.frame[1], Integrals(self.read, beam, sp.S.One)
         loads = [load for load in self.system.distributed_loads if load.beam is beam]
-        result: dict[sp.Expr, sp.Expr] = {}
+        result: ByExpression = {}
         for f, q, s, psi in beam.modes:
             move = [] if f.kind == "twist" else [(beam.frame[f.direction], {sp.S.One: psi})]
             if drawn := collected((p, value) for (first, p), value in kernel.items() if first is q):

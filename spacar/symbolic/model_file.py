@@ -20,6 +20,8 @@ from spacar.errors import InputError, Message, UsageError
 from spacar.symbolic.name_rules import control_character, is_name
 from spacar.symbolic.scalar_reader import meant
 
+TomlTable = dict[str, Any]
+
 
 @dataclass(frozen=True)
 class Key:
@@ -146,11 +148,11 @@ class ModelFile:
 
     # -- text and types ----------------------------------------------------------------------------------------
 
-    def tables(self) -> dict[str, Any]:
+    def tables(self) -> TomlTable:
         try:
             data = self.path.read_bytes() if self.data is None else self.data
             self.sha256 = hashlib.sha256(data).hexdigest()
-            tables: dict[str, Any] = toml.loads(data.decode("utf-8").replace("\r\n", "\n"))
+            tables: TomlTable = toml.loads(data.decode("utf-8").replace("\r\n", "\n"))
             text = control_character(tables)
         except ValueError as error:
             self.fail(f"cannot read the file: {error}", "syntax")
@@ -164,7 +166,7 @@ class ModelFile:
                 self.fail(f"unknown table '{name}'{meant(name, known)}")
         return tables
 
-    def table(self, tables: dict[str, Any], name: str) -> dict[str, Any]:
+    def table(self, tables: TomlTable, name: str) -> TomlTable:
         """The one table of this name, empty without it."""
         self.place = f"[{name}]"
         row = tables.get(name, {})
@@ -172,7 +174,7 @@ class ModelFile:
             self.fail(f"must be one table, written [{name}]")
         return row
 
-    def numbers(self, row: dict[str, Any], key: str, count: int) -> list[float]:
+    def numbers(self, row: TomlTable, key: str, count: int) -> list[float]:
         """The list of so many numbers under a key, empty without it."""
         given = row.get(key, [])
         wrong = [v for v in given if isinstance(v, bool) or not isinstance(v, (int, float))]
@@ -180,10 +182,10 @@ class ModelFile:
             self.fail(f"key '{key}' must be a list of {count} numbers, not {given!r}")
         return list(map(float, given))
 
-    def single(self, tables: dict[str, Any], name: str) -> dict[str, Any]:
+    def single(self, tables: TomlTable, name: str) -> TomlTable:
         return self.checked(self.table(tables, name), TABLES[name])
 
-    def rows(self, tables: dict[str, Any], name: str) -> list[dict[str, Any]]:
+    def rows(self, tables: TomlTable, name: str) -> list[TomlTable]:
         rows = tables.get(name, [])
         self.place = f"[[{name}]]"
         if not isinstance(rows, list) or not all(isinstance(r, dict) for r in rows):
@@ -193,7 +195,7 @@ class ModelFile:
             self.checked(row, TABLES[name])
         return rows
 
-    def checked(self, row: dict[str, Any], keys: dict[str, Key]) -> dict[str, Any]:
+    def checked(self, row: TomlTable, keys: dict[str, Key]) -> TomlTable:
         for key in row:
             if key not in keys:
                 self.fail(f"unknown key '{key}'" + (meant(key, keys) or f", expected one of {', '.join(keys)}"))
@@ -229,7 +231,7 @@ class ModelFile:
         self.claimed.append((name, self.place))
 
 
-def label_of(table: str, row: dict[str, Any], number: int) -> str:
+def label_of(table: str, row: TomlTable, number: int) -> str:
     """[[beam]] link2, or [[torque]] 2 for a table without a name."""
     name = row.get("name") if table in REFERENCES or table == "body" else None
     return f"[[{table}]] {name if isinstance(name, str) else number}"

@@ -13,7 +13,7 @@ import sympy as sp
 from spacar.errors import UsageError
 from spacar.symbolic.beam_shapes import FAMILIES, X
 from spacar.symbolic.constraints import check_constraints
-from spacar.symbolic.model_file import KINDS, REFERENCES, TABLES, ModelFile, label_of
+from spacar.symbolic.model_file import KINDS, REFERENCES, TABLES, ModelFile, TomlTable, label_of
 from spacar.symbolic.name_rules import is_name, is_output
 from spacar.symbolic.reference_frames import ReferenceFrame
 from spacar.symbolic.script import SymbolicModel, read_script
@@ -96,7 +96,7 @@ class _TomlReader(ModelFile):
 
     # -- scalars -----------------------------------------------------------------------------------------------
 
-    def _parameters(self, table: dict[str, Any]) -> dict[str, float]:
+    def _parameters(self, table: TomlTable) -> dict[str, float]:
         values: dict[str, float] = {}
         for name, value in table.items():
             self.place = f"[parameters] {name}"
@@ -109,7 +109,7 @@ class _TomlReader(ModelFile):
             values[name] = float(value)
         return values
 
-    def _coordinates(self, table: dict[str, Any]) -> None:
+    def _coordinates(self, table: TomlTable) -> None:
         for name, row in table.items():
             self.place = f"[coordinates] {name}"
             if not isinstance(row, dict):
@@ -126,7 +126,7 @@ class _TomlReader(ModelFile):
                 if key in row and state is not None:
                     what[state] = float(row[key])
 
-    def _speeds(self, rows: list[dict[str, Any]]) -> None:
+    def _speeds(self, rows: list[TomlTable]) -> None:
         for row in rows:
             self.place = f"[[speed]] {row['name']}"
             self.claim(row["name"])
@@ -134,7 +134,7 @@ class _TomlReader(ModelFile):
             if "start" in row:
                 self.start[row["name"]] = float(row["start"])
 
-    def _quaternions(self, rows: list[dict[str, Any]]) -> None:
+    def _quaternions(self, rows: list[TomlTable]) -> None:
         """Coordinates and speeds of attitudes; their frames are made when their parents are known."""
         for number, row in enumerate(rows, 1):
             self.place = label_of("attitude", row, number)
@@ -149,12 +149,12 @@ class _TomlReader(ModelFile):
                 made.append([make(name) for name in names])
                 self.start |= dict(zip(names, self.numbers(row, values, len(names)), strict=False))
 
-    def _attitude(self, row: dict[str, Any]) -> None:
+    def _attitude(self, row: TomlTable) -> None:
         name, (quaternion, speeds) = row["name"], self.turning[row["name"]]
         parent, symbol = self.frame_of(row, "parent"), row.get("symbol")
         self.frames[name] = self.system.attitude(name, parent, quaternion, speeds, symbol)
 
-    def _kinematics(self, rows: list[dict[str, Any]]) -> None:
+    def _kinematics(self, rows: list[TomlTable]) -> None:
         turning = {q for quaternion, _ in self.turning.values() for q in quaternion}
         known = {str(q.func): q for q in self.system.coordinates if q not in turning}
         for number, row in enumerate(rows, 1):
@@ -170,7 +170,7 @@ class _TomlReader(ModelFile):
 
     # -- frames, points, beams ---------------------------------------------------------------------------------
 
-    def _resolve(self, tables: dict[str, Any]) -> None:
+    def _resolve(self, tables: TomlTable) -> None:
         """Make frames, points and beams as soon as what they refer to exists."""
         makers = {"frame": self._frame, "attitude": self._attitude, "point": self._point, "beam": self._beam}
         waiting = [(table, n, row) for table in makers for n, row in enumerate(self.rows(tables, table), 1)]
@@ -192,26 +192,26 @@ class _TomlReader(ModelFile):
                     self.fail(f"refers to {missing}, which is not defined")
                 self.fail(f"refers to {self._missing(table, n, row)}, which depends on it in a cycle")
 
-    def _missing(self, table: str, n: int, row: dict[str, Any]) -> list[str]:
+    def _missing(self, table: str, n: int, row: TomlTable) -> list[str]:
         homes = [(row[key], self.points if key in ("base", "root") else self.frames)
                  for key in REFERENCES[table] if key in row]  # fmt: skip
         return [name for name, home in homes if name not in home]
 
-    def _named(self, home: Mapping[str, Any], row: dict[str, Any], key: str) -> Any:
+    def _named(self, home: Mapping[str, Any], row: TomlTable, key: str) -> Any:
         if row.get(key) not in home:
             self.fail(f"{key} refers to ['{row.get(key)}'], which is not defined")
         return home[row[key]]
 
-    def frame_of(self, row: dict[str, Any], key: str) -> Any:
+    def frame_of(self, row: TomlTable, key: str) -> Any:
         return self._named(self.frames, row, key)
 
-    def point_of(self, row: dict[str, Any], key: str) -> GeometricPoint:
+    def point_of(self, row: TomlTable, key: str) -> GeometricPoint:
         return self._named(self.points, row, key)
 
-    def components_in(self, row: dict[str, Any]) -> ReferenceFrame:
+    def components_in(self, row: TomlTable) -> ReferenceFrame:
         return frame_at(self.frame_of(row, "in")) if "in" in row else self.system.N
 
-    def _frame(self, row: dict[str, Any]) -> None:
+    def _frame(self, row: TomlTable) -> None:
         parent = self.frame_of(row, "parent")
         place = self.place
         self.place = f"{place} angle"
@@ -222,12 +222,12 @@ class _TomlReader(ModelFile):
             self.fail(f"key 'symbol' must be a name (letters, digits and _), not {row['symbol']!r}")
         self.frames[row["name"]] = self.system.frame(row["name"], parent, row["axis"], angle, row.get("symbol"))
 
-    def _point(self, row: dict[str, Any]) -> None:
+    def _point(self, row: TomlTable) -> None:
         frame, base = self.components_in(row), self.point_of(row, "base")
         self.place += " offset"
         self.points[row["name"]] = self.system.point(row["name"], base, self._vector(row["offset"], frame))
 
-    def _beam(self, row: dict[str, Any]) -> None:
+    def _beam(self, row: TomlTable) -> None:
         place = self.place
         options: dict[str, Any] = {}
         for key in ("length", "mass", "EI", "damping", "GJ", "polar", "EA"):
@@ -266,7 +266,7 @@ class _TomlReader(ModelFile):
 
     # -- bodies, loads, constraints ----------------------------------------------------------------------------
 
-    def _body(self, row: dict[str, Any], number: int) -> None:
+    def _body(self, row: TomlTable, number: int) -> None:
         self.claim(row["name"])
         mass, point = self.expression(row["mass"]), self.point_of(row, "at")
         if "frame" not in row:
@@ -277,7 +277,7 @@ class _TomlReader(ModelFile):
             self.fail(f"key 'inertia' must be a list of 3 or 6 expressions, not {len(inertia)}")
         self.system.rigid_body(row["name"], self.frame_of(row, "frame"), point, mass, inertia)
 
-    def _load(self, row: dict[str, Any], number: int, kind: str) -> Vector:
+    def _load(self, row: TomlTable, number: int, kind: str) -> Vector:
         """Every measure number that is not constant zero becomes an input with that law."""
         frame, place = self.components_in(row), self.place
         self.place = f"{place} vector"
@@ -292,26 +292,26 @@ class _TomlReader(ModelFile):
             total += self.system.input(name, laws[i - 1]) * frame[i]
         return total
 
-    def _force(self, row: dict[str, Any], number: int) -> None:
+    def _force(self, row: TomlTable, number: int) -> None:
         point = self.point_of(row, "at")
         self.system.force(point, self._load(row, number, "force"))
 
-    def _distributed(self, row: dict[str, Any], number: int) -> None:
+    def _distributed(self, row: TomlTable, number: int) -> None:
         beam = self._named({b.name: b for b in self.system.beams}, row, "beam")
         frame = self.components_in(row)
         self.place += " vector"
         self.system.distributed(beam, self._vector(row["vector"], frame, {"x": X}))
 
-    def _torque(self, row: dict[str, Any], number: int) -> None:
+    def _torque(self, row: TomlTable, number: int) -> None:
         frame = self.frame_of(row, "frame")
         reaction = self.frame_of(row, "reaction") if "reaction" in row else None
         self.system.torque(frame, self._load(row, number, "torque"), reaction)
 
-    def _spring(self, row: dict[str, Any], number: int) -> None:
+    def _spring(self, row: TomlTable, number: int) -> None:
         numbers = [self.expression(row.get(key, 0)) for key in ("stiffness", "length", "damping")]
         self.system.spring(self.point_of(row, "from"), self.point_of(row, "to"), *numbers)
 
-    def _constraint(self, row: dict[str, Any], number: int) -> None:
+    def _constraint(self, row: TomlTable, number: int) -> None:
         if ("expression" in row) == ("point" in row) or ("point" in row) != ("direction" in row):
             self.fail("needs either key 'expression', or keys 'point' and 'direction'")
         if "point" in row:
@@ -322,7 +322,7 @@ class _TomlReader(ModelFile):
         self.system.constraint(expression, row.get("name"))
         check_constraints(self.system)
 
-    def _close(self, row: dict[str, Any], number: int) -> None:
+    def _close(self, row: TomlTable, number: int) -> None:
         axes, frame = row.get("directions", [1, 2, 3]), self.components_in(row)
         if not axes or not all(type(a) is int and a in (1, 2, 3) for a in axes) or len(set(axes)) != len(axes):
             self.fail(f"key 'directions' must be axes out of 1, 2 and 3, not {axes!r}")
@@ -332,7 +332,7 @@ class _TomlReader(ModelFile):
 
     # -- outputs -----------------------------------------------------------------------------------------------
 
-    def _outputs(self, table: dict[str, Any]) -> dict[str, sp.Expr]:
+    def _outputs(self, table: TomlTable) -> dict[str, sp.Expr]:
         result = {}
         for name, value in table.items():
             self.place = f"[outputs] {name}"

@@ -11,8 +11,9 @@ import sympy as sp
 from spacar.symbolic.beam_shapes import X, weighted_integral
 from spacar.symbolic.collect import common_factors
 from spacar.symbolic.system_parts import Beam
+from spacar.symbolic.unit_vectors import ByExpression
 
-Form = dict[sp.Expr, sp.Expr]
+Form = ByExpression
 Forms = tuple[Form, Form, Form]
 _UNIT: Form = {sp.S.One: sp.S.One}
 
@@ -61,7 +62,7 @@ class BeamMoments(Integrals):
     def __init__(self, read: Callable[[sp.Expr], sp.Expr], beam: Beam) -> None:
         super().__init__(read, beam)
         moving = [mode for mode in beam.modes if mode[0].kind != "twist"]
-        self.speed: dict[sp.Expr, sp.Expr] = {q: s for _, q, s, _ in moving}
+        self.speed: ByExpression = {q: s for _, q, s, _ in moving}
         S = beam.shortening.kernel(X) if beam.shortening else {}
         drawn = {p: [(q, -value) for (a, q), value in S.items() if a is p] for p in self.speed}
         self.eta: dict[sp.Expr, Forms] = {

@@ -14,7 +14,7 @@ from sympy.core.function import AppliedUndef
 
 from spacar.errors import UsageError
 from spacar.symbolic.collect import definition_order
-from spacar.symbolic.unit_vectors import TIME
+from spacar.symbolic.unit_vectors import TIME, Definitions, Scalars
 
 Assignments = tuple[tuple[sp.Symbol, sp.Expr], ...]
 
@@ -29,11 +29,11 @@ class ConstraintRows:
 
     names: tuple[str, ...]
     matrix: sp.Matrix
-    bias: tuple[sp.Expr, ...]
-    velocity: tuple[sp.Expr, ...]
+    bias: Scalars
+    velocity: Scalars
     position: dict[int, sp.Expr]
     forces: tuple[sp.Symbol, ...]
-    turning: tuple[sp.Expr, ...] = ()
+    turning: Scalars = ()
 
     @property
     def residual(self) -> list[sp.Expr]:
@@ -59,9 +59,9 @@ class OrderedProgram:
     inputs: dict[sp.Symbol, sp.Expr | None]
     once: Assignments
     step: Assignments
-    mass: tuple[sp.Expr, ...]
-    rhs: tuple[sp.Expr, ...]
-    rates: tuple[sp.Expr, ...]
+    mass: Scalars
+    rhs: Scalars
+    rates: Scalars
     outputs: dict[str, sp.Expr]
     accelerations: tuple[sp.Symbol, ...] = ()
     constraints: ConstraintRows | None = None
@@ -130,7 +130,7 @@ class OrderedProgram:
     def evaluate(self, values: dict[str, Any], digits: int = 30) -> dict[str, Any]:
         """I, f, q̇ and outputs with many digits (SymPy numbers); `values` names parameters, states, inputs."""
         given = [s for s in (*self.parameters, *self.state, *self.inputs) if s.name in values]
-        known: dict[sp.Symbol, sp.Expr] = {s: sp.Float(values[s.name], digits + 10) for s in given}
+        known: Definitions = {s: sp.Float(values[s.name], digits + 10) for s in given}
 
         def number(expression: sp.Expr) -> sp.Expr:
             return sp.N(expression.xreplace(known), digits + 10)
@@ -147,7 +147,7 @@ class OrderedProgram:
             "outputs": {name: number(e) for name, e in self.outputs.items()},
         }  # fmt: skip
 
-    def _solved(self, I: sp.Matrix, f: sp.Matrix, number: Callable[[sp.Expr], sp.Expr]) -> dict[sp.Symbol, sp.Expr]:
+    def _solved(self, I: sp.Matrix, f: sp.Matrix, number: Callable[[sp.Expr], sp.Expr]) -> Definitions:
         """ṡ and λ in many digits."""
         if self.constraints is None:
             return dict(zip(self.accelerations, I.LUsolve(f), strict=True))

@@ -1,7 +1,6 @@
 """From equations to an ordered program, and what a program can do: run, be written, be compiled."""
 
 import os
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -16,7 +15,7 @@ from spacar.symbolic.derivation import DerivedEquations
 from spacar.symbolic.emit import emit
 from spacar.symbolic.ordered import ConstraintRows, OrderedProgram, plain_symbols
 from spacar.symbolic.program_jacobian import Jacobian, NameSource, jacobian_of, share
-from spacar.symbolic.simulated_motion import make_function, simulate
+from spacar.symbolic.simulated_motion import Feeds, make_function, simulate
 from spacar.symbolic.transform import DirectionCosines
 from spacar.symbolic.unit_vectors import TIME
 
@@ -31,13 +30,13 @@ class EquationProgram(OrderedProgram):
         return jacobian_of(self)
 
     def function(
-        self, values: dict[str, float], jacobian: bool = False, feeds: Mapping[str, Callable[..., float]] | None = None
+        self, values: dict[str, float], jacobian: bool = False, feeds: Feeds | None = None
     ) -> Any:
         """f(t, y) -> ẏ and f.jac(t, y) in Python for parameter values; see `simulated_motion.py`."""
         return make_function(self, values, jacobian, feeds)
 
     def compile(
-        self, values: dict[str, float], feeds: Mapping[str, Callable[..., float]] | None = None
+        self, values: dict[str, float], feeds: Feeds | None = None
     ) -> CompiledFunction:
         """The same function in C, compiled here: f(t, y), f.jac, f.outputs; give it to `simulate(function=...)`.
 

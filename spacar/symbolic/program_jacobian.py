@@ -16,6 +16,7 @@ import sympy as sp
 
 from spacar.symbolic.collect import definition_order
 from spacar.symbolic.ordered import Assignments, OrderedProgram
+from spacar.symbolic.unit_vectors import Definitions
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,11 +51,11 @@ class NameSource:
 
 
 def share(
-    definitions: dict[sp.Symbol, sp.Expr], results: list[sp.Expr], constants: set[sp.Symbol], names: NameSource
+    definitions: Definitions, results: list[sp.Expr], constants: set[sp.Symbol], names: NameSource
 ) -> tuple[Assignments, Assignments, list[sp.Expr]]:
     """Split into once and step, share common subexpressions in both; returns (once, step, results)."""
-    once: dict[sp.Symbol, sp.Expr] = {}
-    step: dict[sp.Symbol, sp.Expr] = {}
+    once: Definitions = {}
+    step: Definitions = {}
     hoist = Hoist(set(constants), once, names)
     for symbol, expression in definitions.items():
         if expression.free_symbols <= hoist.constants:
@@ -72,13 +73,13 @@ def share(
 
 
 def _common(
-    definitions: dict[sp.Symbol, sp.Expr], results: list[sp.Expr], names: NameSource, keep: Iterable[sp.Symbol] = ()
-) -> tuple[dict[sp.Symbol, sp.Expr], list[sp.Expr]]:
+    definitions: Definitions, results: list[sp.Expr], names: NameSource, keep: Iterable[sp.Symbol] = ()
+) -> tuple[Definitions, list[sp.Expr]]:
     shared, rewritten = sp.cse([*definitions.values(), *results], symbols=iter(names, None), order="none")
     everything = dict(shared)
     everything |= dict(zip(definitions, rewritten, strict=False))
     results = rewritten[len(definitions) :]
-    alias: dict[sp.Symbol, sp.Expr] = {}
+    alias: Definitions = {}
     kept = set(keep)
     for s in definition_order(everything, [*results, *kept]):
         everything[s] = everything[s].xreplace(alias)
@@ -94,7 +95,7 @@ class Hoist:
     """Move every maximal part of an expression that depends on constants only into `once`."""
 
     constants: set[sp.Symbol]
-    once: dict[sp.Symbol, sp.Expr]
+    once: Definitions
     names: Callable[[str], sp.Symbol]
     _known: dict[sp.Expr, sp.Symbol] = field(default_factory=dict)
 
@@ -130,17 +131,17 @@ class Hoist:
 
 def gradients(
     program: OrderedProgram, expressions: list[sp.Expr], constant: tuple[sp.Symbol, ...]
-) -> tuple[dict[sp.Symbol, sp.Expr], list[sp.Expr]]:
+) -> tuple[Definitions, list[sp.Expr]]:
     """Derivatives of expressions with respect to the state, row by row, and the step that they read: that of the
     program with the derivatives in it, by the forward chain rule through inputs and step.
 
     `constant` are symbols in the expressions that do not depend on the state.
     """
-    known: dict[sp.Symbol, dict[sp.Symbol, sp.Expr]] = {y: {y: sp.S.One} for y in program.state}
+    known: dict[sp.Symbol, Definitions] = {y: {y: sp.S.One} for y in program.state}
     names = _names(program, constant)
-    definitions: dict[sp.Symbol, sp.Expr] = {}
+    definitions: Definitions = {}
 
-    def gradient(expression: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
+    def gradient(expression: sp.Expr) -> Definitions:
         result: dict[sp.Symbol, list[sp.Expr]] = {}
         for atom in sorted(expression.free_symbols & known.keys(), key=lambda s: s.name):
             slope = _plain(expression.diff(atom))
@@ -152,7 +153,7 @@ def gradients(
     for symbol, expression, is_input in [*fed, *((s, e, False) for s, e in program.step)]:
         if not is_input:
             definitions[symbol] = expression
-        slopes: dict[sp.Symbol, sp.Expr] = {}
+        slopes: Definitions = {}
         for y, d in gradient(expression).items():
             if d.is_Atom or (-d).is_Atom:
                 slopes[y] = d

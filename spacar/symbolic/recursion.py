@@ -16,7 +16,7 @@ from spacar.symbolic.description import Description
 from spacar.symbolic.reference_frames import ReferenceFrame, omega, rate
 from spacar.symbolic.system_parts import GeometricPoint, Load, RigidBody
 from spacar.symbolic.transform import DirectionCosines, merged_rotation, transform
-from spacar.symbolic.unit_vectors import Unit
+from spacar.symbolic.unit_vectors import ByExpression, Definitions, Unit
 from spacar.symbolic.vectors import Vector
 
 Column: TypeAlias = Any  # sympy Matrix of three measure numbers
@@ -78,9 +78,9 @@ class Recursion:
         self.cosines = DirectionCosines(self.table)
         self.at_rest = dict.fromkeys(system.accelerations.values(), sp.S.Zero)
         self.field_speed = system.field_speeds
-        self.values: dict[sp.Expr, sp.Expr] = {}
-        self.slopes: dict[sp.Expr, dict[sp.Expr, sp.Expr]] = {}
-        self.slope_rates: dict[sp.Symbol, sp.Expr] = {}
+        self.values: ByExpression = {}
+        self.slopes: dict[sp.Expr, ByExpression] = {}
+        self.slope_rates: Definitions = {}
         for p in system.pseudo:
             gradient = {self.field_speed[q]: self.read(g) for q, g in p.gradient.items()}
             speed = sp.Add(*(g * s for s, g in gradient.items()))
@@ -103,7 +103,7 @@ class Recursion:
     def reads(self, column: Column) -> Column:
         return column.applyfunc(self.read)
 
-    def partials(self, expression: sp.Expr) -> dict[sp.Expr, sp.Expr]:
+    def partials(self, expression: sp.Expr) -> ByExpression:
         """∂expression/∂(every speed), pseudo-speeds resolved into field speeds."""
         result = {s: self.read(expression.diff(s)) for s in self.system.speeds if expression.has(s)}
         for p, gradient in self.slopes.items():

@@ -20,6 +20,8 @@ from spacar.symbolic.closure import Manifold, integrate
 from spacar.symbolic.emit import emit
 from spacar.symbolic.ordered import OrderedProgram
 
+Feeds = Mapping[str, Callable[..., float]]  # functions of (t, y) for inputs without law
+
 INTEGRATORS = {"lsoda": "LSODA", "radau": "Radau", "dop853": "DOP853"}
 LOOSEST = 1e-2
 TIGHTEST_SCALED = 1e-10  # below this fraction of its scale a state at rest under load is rounding noise
@@ -60,7 +62,7 @@ class SimulatedMotion:
 
 
 def check_values(
-    program: OrderedProgram, values: Mapping[str, float], feeds: Mapping[str, Callable[..., float]] | None
+    program: OrderedProgram, values: Mapping[str, float], feeds: Feeds | None
 ) -> dict[str, float]:
     """The parameter values as floats. UsageError for one that is missing, not finite, or of the wrong sign, and for an
     input with neither a law nor a function."""
@@ -85,7 +87,7 @@ def check_values(
 
 def make_function(
     program: OrderedProgram, values: Mapping[str, float], jacobian: bool = False,
-    feeds: Mapping[str, Callable[..., float]] | None = None,
+    feeds: Feeds | None = None,
 ) -> Any:  # fmt: skip
     """The generated Python right-hand side f(t, y) for parameter values, with f.jac, f.inputs, f.outputs, f.accel.
 
@@ -122,7 +124,7 @@ def simulate(
     integrator: str = "lsoda",
     rtol: float = 1e-8,
     atol: float | Mapping[str, float] | None = None,
-    feeds: Mapping[str, Callable[..., float]] | None = None,
+    feeds: Feeds | None = None,
     function: Any = None,
     at: np.ndarray | None = None,
     progress: Callable[[float], None] | None = None,

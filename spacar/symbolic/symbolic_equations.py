@@ -33,7 +33,7 @@ from spacar.symbolic.recursive_beam import add_beam
 from spacar.symbolic.reference_frames import dvdt
 from spacar.symbolic.system_parts import Beam
 from spacar.symbolic.transform import transform
-from spacar.symbolic.unit_vectors import TIME, UnevaluatedDot
+from spacar.symbolic.unit_vectors import TIME, Scalars, UnevaluatedDot
 from spacar.symbolic.vectors import dot
 
 STRATEGIES = ("held", "recursive")
@@ -63,7 +63,7 @@ class StrongForm:
     """`equation` = 0 along the beam; `essential` = 0 at x = 0; `natural` pairs (left, right), equal at x = L."""
 
     equation: sp.Expr
-    essential: tuple[sp.Expr, ...]
+    essential: Scalars
     natural: tuple[tuple[sp.Expr, sp.Expr], ...]
 
 

@@ -9,6 +9,7 @@ import sympy as sp
 from spacar.symbolic.beam_shapes import X, integral
 from spacar.symbolic.fields import Field, Foreshortening
 from spacar.symbolic.reference_frames import ReferenceFrame
+from spacar.symbolic.unit_vectors import Rule, Scalars
 from spacar.symbolic.vectors import ZERO, Dyad, Vector
 
 
@@ -94,11 +95,11 @@ class Beam:
         """What is assumed along it: fields, and their foreshortening."""
         return (*self.fields, self.shortening) if self.shortening else self.fields
 
-    def assumed(self, accelerations: dict[sp.Expr, sp.Symbol]) -> dict[sp.Basic, sp.Expr]:
+    def assumed(self, accelerations: dict[sp.Expr, sp.Symbol]) -> Rule:
         """The assumed fields in the place of u(x, t) and its derivatives."""
         return {symbol: value for part in self.parts for symbol, value in part.substitution(accelerations).items()}
 
-    def shape(self, x: sp.Expr) -> dict[sp.Basic, sp.Expr]:
+    def shape(self, x: sp.Expr) -> Rule:
         """The values of the fields at x in the place of u(x, t)."""
         return {part.function: part.value(x) for part in self.parts}
 
@@ -108,11 +109,11 @@ class Beam:
         return [(f, *mode) for f in self.fields for mode in zip(f.coordinates, f.speeds, f.shapes, strict=True)]
 
     @property
-    def coordinates(self) -> tuple[sp.Expr, ...]:
+    def coordinates(self) -> Scalars:
         return tuple(q for f in self.fields for q in f.coordinates)
 
     @property
-    def speeds(self) -> tuple[sp.Expr, ...]:
+    def speeds(self) -> Scalars:
         return tuple(s for f in self.fields for s in f.speeds)
 
 

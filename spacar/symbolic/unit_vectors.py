@@ -28,6 +28,11 @@ from spacar.errors import UsageError
 TIME = dynamicsymbols._t
 """The symbol of time, the one of `sympy.physics.vector`, so that coordinates q(t) may be shared with SymPy."""
 
+Scalars = tuple[sp.Expr, ...]
+ByExpression = dict[sp.Expr, sp.Expr]  # such as rates by coordinates, derivatives by speeds
+Rule = dict[sp.Basic, sp.Expr]  # what replaces what
+Definitions = dict[sp.Symbol, sp.Expr]  # of Z variables and of steps of a program
+
 
 @dataclass(frozen=True)
 class Unit:
