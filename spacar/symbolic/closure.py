@@ -34,6 +34,7 @@ class Manifold:
         assert program.constraints is not None
         self.program, self.function, self.constraints = program, function, program.constraints
         self.nq, self.notes = len(program.coordinates), list[str]()
+        self.names = [s.name for s in program.state]
 
     def numbers(self, t: float, y: np.ndarray) -> tuple[np.ndarray, ...]:
         """D, J, J_g, e, g, W."""
@@ -73,8 +74,7 @@ class Manifold:
 
         Raises UsageError when the given values leave an open gap or velocity that nothing else can close.
         """
-        began = np.array(y, dtype=float)
-        names = [s.name for s in self.program.state]
+        began, names = np.array(y, dtype=float), self.names
         y = self._close_gaps(t, began.copy(), [n in given for n in names[: self.nq]])
         y = self._close_speeds(t, y, [n in given for n in names[self.nq :]])
         changed = [k for k in range(len(y)) if abs(y[k] - began[k]) > 1e-12 * (1 + abs(began[k]))]
@@ -111,8 +111,7 @@ class Manifold:
 
     def _refuse(self, y: np.ndarray, gaps: Any, rows: Any, hold: np.ndarray, words: str) -> NoReturn:
         worst = int(np.argmax(np.abs(gaps)))
-        names = [s.name for s in self.program.state]
-        kept = ", ".join(f"{names[k]} = {y[k]:g}" for k in hold) or "none"
+        kept = ", ".join(f"{self.names[k]} = {y[k]:g}" for k in hold) or "none"
         raise UsageError(
             f"start: {self.constraints.names[rows[worst]]} is {words} {gaps[worst]:.6g} and cannot be closed with the "
             f"values given ({kept}): leave one of them out, or give values that fit",

@@ -24,7 +24,7 @@ from spacar.symbolic.collect import definition_order
 from spacar.symbolic.derivation import DerivedEquations
 from spacar.symbolic.description import Description
 from spacar.symbolic.held import damping_force
-from spacar.symbolic.ordered import plain_symbols
+from spacar.symbolic.ordered import UNCONSTRAINED, plain_symbols
 from spacar.symbolic.reference_frames import omega
 from spacar.symbolic.system_parts import GeometricPoint
 from spacar.symbolic.unit_vectors import TIME
@@ -130,12 +130,12 @@ def check(eq: DerivedEquations, digits: int = 30, seed: int = 1) -> DerivationCh
         energies = {"E": kinetic + potential, "power": power(eq)}
     except UsageError as error:
         note = str(error)
-    n, c = len(eq.speeds), eq.constraints
-    m = len(c.names) if c else 0
+    n, c = len(eq.speeds), eq.constraints or UNCONSTRAINED
+    m = len(c.names)
     wanted = {
         "rates": list(eq.kinematics.values()), "mass": list(eq.mass_matrix), "rhs": list(eq.rhs),
-        "J": list(c.matrix) if c else [], "bias": list(c.bias) if c else [], "e": list(c.velocity) if c else [],
-        "g": list(c.position.values()) if c else [], **{k: [v] for k, v in energies.items()},
+        "J": list(c.matrix), "bias": list(c.bias), "e": list(c.velocity), "g": list(c.position.values()),
+        **{k: [v] for k, v in energies.items()},
     }  # fmt: skip
     evaluate = _Evaluator(eq, wanted)
     chance = random.Random(seed)
@@ -172,7 +172,7 @@ def check(eq: DerivedEquations, digits: int = 30, seed: int = 1) -> DerivationCh
         for k, de in enumerate(slope("e")):
             parts = [*(j * a for j, a in zip(rows[k], solution, strict=False)), here["bias"][k], *rows[k]]
             errors.append(float(abs(de) / max(map(abs, parts))))
-        for at, dg in zip(c.position if c else (), slope("g"), strict=True):
+        for at, dg in zip(c.position, slope("g"), strict=True):
             parts = [j * s for j, s in zip(rows[at], speeds, strict=True)] + [here["e"][at]]
             errors.append(float(abs(dg - here["e"][at]) / max(map(abs, parts))))
     return DerivationCheck(energy_error, positive, max(errors) if errors else None, note)

@@ -6,6 +6,7 @@ required, of which type. Meaning: `model_reader.py`.
 
 import hashlib
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -140,7 +141,7 @@ class ModelFile:
 
     def __init__(self, path: Path, data: bytes | None = None) -> None:
         self.data = data  # instead of what the file holds
-        self.path, self.place, self.sha256 = path, "", ""
+        self.path, self.place, self.sha256, self.number = path, "", "", 0
         self.claimed: list[tuple[str, str]] = []
 
     def fail(self, text: str, code: str = "input") -> NoReturn:
@@ -194,6 +195,12 @@ class ModelFile:
             self.place = label_of(name, row, number)
             self.checked(row, TABLES[name])
         return rows
+
+    def each(self, tables: TomlTable, name: str) -> Iterator[TomlTable]:
+        """The rows of a table, each at its place and with its `number`."""
+        for number, row in enumerate(self.rows(tables, name), 1):
+            self.number, self.place = number, label_of(name, row, number)
+            yield row
 
     def checked(self, row: TomlTable, keys: dict[str, Key]) -> TomlTable:
         for key in row:

@@ -13,7 +13,7 @@ import sympy as sp
 from spacar.errors import UsageError
 from spacar.symbolic.beam_shapes import FAMILIES, X
 from spacar.symbolic.constraints import check_constraints
-from spacar.symbolic.model_file import KINDS, REFERENCES, TABLES, ModelFile, TomlTable, label_of
+from spacar.symbolic.model_file import KINDS, REFERENCES, TABLES, ModelFile, TomlTable
 from spacar.symbolic.name_rules import is_name, is_output
 from spacar.symbolic.reference_frames import ReferenceFrame
 from spacar.symbolic.script import SymbolicModel, read_script
@@ -63,16 +63,15 @@ class _TomlReader(ModelFile):
         self.place = "[system] gravity"
         system.gravity = self._vector(system_table.get("gravity", [0, 0, 0]), system.N)
         self._speeds(self.rows(tables, "speed"))
-        self._quaternions(self.rows(tables, "attitude"))
+        self._quaternions(tables)
         self._kinematics(self.rows(tables, "kinematic"))
         self.frames["N"], self.points["O"] = system.N, system.O
         self._resolve(tables)
         for table, make in (("body", self._body), ("force", self._force), ("distributed", self._distributed),
                             ("torque", self._torque), ("spring", self._spring), ("constraint", self._constraint),
                             ("close", self._close)):  # fmt: skip
-            for number, row in enumerate(self.rows(tables, table), 1):
-                self.place = label_of(table, row, number)
-                self.guarded(make, row, number)
+            for row in self.each(tables, table):
+                self.guarded(make, row)
         settings = self.single(tables, "simulate") | ({"guess": self.guess} if self.guess else {})
         outputs = self._outputs(self.table(tables, "outputs"))
         declared = frozenset(tables.get("parameters", {}))
@@ -134,10 +133,9 @@ class _TomlReader(ModelFile):
             if "start" in row:
                 self.start[row["name"]] = float(row["start"])
 
-    def _quaternions(self, rows: list[TomlTable]) -> None:
+    def _quaternions(self, tables: TomlTable) -> None:
         """Coordinates and speeds of attitudes; their frames are made when their parents are known."""
-        for number, row in enumerate(rows, 1):
-            self.place = label_of("attitude", row, number)
+        for row in self.each(tables, "attitude"):
             made = self.turning[row["name"]] = []
             for key, indices, values, make in (
                 ("quaternion", (0, 1, 2, 3), "start", self.system.coordinate),
@@ -173,26 +171,25 @@ class _TomlReader(ModelFile):
     def _resolve(self, tables: TomlTable) -> None:
         """Make frames, points and beams as soon as what they refer to exists."""
         makers = {"frame": self._frame, "attitude": self._attitude, "point": self._point, "beam": self._beam}
-        waiting = [(table, n, row) for table in makers for n, row in enumerate(self.rows(tables, table), 1)]
-        for table, n, row in waiting:
-            self.place = label_of(table, row, n)
+        waiting = [(table, self.place, row) for table in makers for row in self.each(tables, table)]
+        for _, self.place, row in waiting:
             self.claim(row["name"])
         names = {f"{row['name']}.tip" if table == "beam" else row["name"] for table, _, row in waiting}
         while waiting:
             ready = [item for item in waiting if not self._missing(*item)]
-            for table, n, row in ready:
-                self.place = label_of(table, row, n)
+            for table, place, row in ready:
+                self.place = place
                 self.guarded(makers[table], row)
             waiting = [item for item in waiting if item not in ready]
             if not ready and waiting:
                 unknown = [(item, [r for r in self._missing(*item) if r not in names]) for item in waiting]
-                (table, n, row), missing = next((u for u in unknown if u[1]), (waiting[0], []))
-                self.place = label_of(table, row, n)
+                item, missing = next((u for u in unknown if u[1]), (waiting[0], []))
+                self.place = item[1]
                 if missing:
                     self.fail(f"refers to {missing}, which is not defined")
-                self.fail(f"refers to {self._missing(table, n, row)}, which depends on it in a cycle")
+                self.fail(f"refers to {self._missing(*item)}, which depends on it in a cycle")
 
-    def _missing(self, table: str, n: int, row: TomlTable) -> list[str]:
+    def _missing(self, table: str, place: str, row: TomlTable) -> list[str]:
         homes = [(row[key], self.points if key in ("base", "root") else self.frames)
                  for key in REFERENCES[table] if key in row]  # fmt: skip
         return [name for name, home in homes if name not in home]
@@ -266,7 +263,7 @@ class _TomlReader(ModelFile):
 
     # -- bodies, loads, constraints ----------------------------------------------------------------------------
 
-    def _body(self, row: TomlTable, number: int) -> None:
+    def _body(self, row: TomlTable) -> None:
         self.claim(row["name"])
         mass, point = self.expression(row["mass"]), self.point_of(row, "at")
         if "frame" not in row:
@@ -277,13 +274,13 @@ class _TomlReader(ModelFile):
             self.fail(f"key 'inertia' must be a list of 3 or 6 expressions, not {len(inertia)}")
         self.system.rigid_body(row["name"], self.frame_of(row, "frame"), point, mass, inertia)
 
-    def _load(self, row: TomlTable, number: int, kind: str) -> Vector:
+    def _load(self, row: TomlTable, kind: str) -> Vector:
         """Every measure number that is not constant zero becomes an input with that law."""
         frame, place = self.components_in(row), self.place
         self.place = f"{place} vector"
         laws = self._components(row["vector"])
         self.place = place
-        stem = row.get("name", f"{kind}{number}")
+        stem = row.get("name", f"{kind}{self.number}")
         acting = [i for i, law in enumerate(laws, 1) if law != 0]
         total = ZERO
         for i in acting:
@@ -292,26 +289,26 @@ class _TomlReader(ModelFile):
             total += self.system.input(name, laws[i - 1]) * frame[i]
         return total
 
-    def _force(self, row: TomlTable, number: int) -> None:
+    def _force(self, row: TomlTable) -> None:
         point = self.point_of(row, "at")
-        self.system.force(point, self._load(row, number, "force"))
+        self.system.force(point, self._load(row, "force"))
 
-    def _distributed(self, row: TomlTable, number: int) -> None:
+    def _distributed(self, row: TomlTable) -> None:
         beam = self._named({b.name: b for b in self.system.beams}, row, "beam")
         frame = self.components_in(row)
         self.place += " vector"
         self.system.distributed(beam, self._vector(row["vector"], frame, {"x": X}))
 
-    def _torque(self, row: TomlTable, number: int) -> None:
+    def _torque(self, row: TomlTable) -> None:
         frame = self.frame_of(row, "frame")
         reaction = self.frame_of(row, "reaction") if "reaction" in row else None
-        self.system.torque(frame, self._load(row, number, "torque"), reaction)
+        self.system.torque(frame, self._load(row, "torque"), reaction)
 
-    def _spring(self, row: TomlTable, number: int) -> None:
+    def _spring(self, row: TomlTable) -> None:
         numbers = [self.expression(row.get(key, 0)) for key in ("stiffness", "length", "damping")]
         self.system.spring(self.point_of(row, "from"), self.point_of(row, "to"), *numbers)
 
-    def _constraint(self, row: TomlTable, number: int) -> None:
+    def _constraint(self, row: TomlTable) -> None:
         if ("expression" in row) == ("point" in row) or ("point" in row) != ("direction" in row):
             self.fail("needs either key 'expression', or keys 'point' and 'direction'")
         if "point" in row:
@@ -322,7 +319,7 @@ class _TomlReader(ModelFile):
         self.system.constraint(expression, row.get("name"))
         check_constraints(self.system)
 
-    def _close(self, row: TomlTable, number: int) -> None:
+    def _close(self, row: TomlTable) -> None:
         axes, frame = row.get("directions", [1, 2, 3]), self.components_in(row)
         if not axes or not all(type(a) is int and a in (1, 2, 3) for a in axes) or len(set(axes)) != len(axes):
             self.fail(f"key 'directions' must be axes out of 1, 2 and 3, not {axes!r}")

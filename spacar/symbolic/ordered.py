@@ -16,6 +16,7 @@ from spacar.errors import UsageError
 from spacar.symbolic.collect import definition_order
 from spacar.symbolic.unit_vectors import TIME, Definitions, Scalars
 
+Symbols = tuple[sp.Symbol, ...]
 Assignments = tuple[tuple[sp.Symbol, sp.Expr], ...]
 
 
@@ -32,13 +33,16 @@ class ConstraintRows:
     bias: Scalars
     velocity: Scalars
     position: dict[int, sp.Expr]
-    forces: tuple[sp.Symbol, ...]
+    forces: Symbols
     turning: Scalars = ()
 
     @property
     def residual(self) -> list[sp.Expr]:
         """e and g."""
         return [*self.velocity, *self.position.values()]
+
+
+UNCONSTRAINED = ConstraintRows((), sp.Matrix(0, 0, []), (), (), {}, ())
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,9 +57,9 @@ class OrderedProgram:
     """
 
     title: str
-    parameters: tuple[sp.Symbol, ...]
-    coordinates: tuple[sp.Symbol, ...]
-    speeds: tuple[sp.Symbol, ...]
+    parameters: Symbols
+    coordinates: Symbols
+    speeds: Symbols
     inputs: dict[sp.Symbol, sp.Expr | None]
     once: Assignments
     step: Assignments
@@ -63,9 +67,9 @@ class OrderedProgram:
     rhs: Scalars
     rates: Scalars
     outputs: dict[str, sp.Expr]
-    accelerations: tuple[sp.Symbol, ...] = ()
+    accelerations: Symbols = ()
     constraints: ConstraintRows | None = None
-    fields: tuple[sp.Symbol, ...] = ()
+    fields: Symbols = ()
     positive: tuple[tuple[str, sp.Symbol, bool], ...] = ()
     quaternions: tuple[tuple[int, ...], ...] = ()
     seconds: float = 0.0
@@ -81,7 +85,7 @@ class OrderedProgram:
         return len(self.constraints.names) if self.constraints else 0
 
     @property
-    def unknowns(self) -> tuple[sp.Symbol, ...]:
+    def unknowns(self) -> Symbols:
         """ṡ and λ, what a step solves for."""
         return self.accelerations + (self.constraints.forces if self.constraints else ())
 
@@ -102,7 +106,7 @@ class OrderedProgram:
         return any(e.free_symbols & solved for e in [*results, *(e for _, e in self.order(results))])
 
     @property
-    def state(self) -> tuple[sp.Symbol, ...]:
+    def state(self) -> Symbols:
         return self.coordinates + self.speeds
 
     @property

@@ -6,7 +6,7 @@ are written with subscripts, u_x, u_xt.
 
 import re
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -15,7 +15,6 @@ from sympy.printing.str import StrPrinter
 
 from spacar.symbolic.unit_vectors import TIME, UnevaluatedCross, UnevaluatedDot, Unit, unit_latex
 
-_CROSS = {"text": " >< ", "unicode": " × ", "latex": r" \times "}
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
@@ -92,19 +91,30 @@ def unit_unicode(u: Unit) -> str:
     return symbol[0] + "\u0302" + (symbol[1:] + str(u.index)).translate(_SUBSCRIPTS)
 
 
-def _keys(key: Any, style: str) -> str:
+class _Style(NamedTuple):
+    """How a unit vector, the sign of a cross product and scalars are written."""
+
+    unit: Callable[[Unit], str]
+    cross: str
+    printer: Any
+
+
+TEXT = _Style(str, " >< ", _Text)
+UNICODE = _Style(unit_unicode, " × ", _Unicode)
+LATEX = _Style(unit_latex, r" \times ", _Latex)
+
+
+def _keys(key: Any, style: _Style) -> str:
     if isinstance(key, tuple):
         return " ".join(f"({_keys(k, style)})" if isinstance(k, UnevaluatedCross) else _keys(k, style) for k in key)
     if isinstance(key, UnevaluatedCross):
-        return f"{_keys(key.a, style)}{_CROSS[style]}{_keys(key.b, style)}"
-    units: dict[str, Callable[[Unit], str]] = {"text": str, "unicode": unit_unicode, "latex": unit_latex}
-    return units[style](key)
+        return f"{_keys(key.a, style)}{style.cross}{_keys(key.b, style)}"
+    return style.unit(key)
 
 
-def _shown(value: Any, style: str) -> str:
+def _shown(value: Any, style: _Style) -> str:
     if not hasattr(value, "terms"):
-        printers: dict[str, Any] = {"text": _Text, "unicode": _Unicode, "latex": _Latex}
-        return str(printers[style]().doprint(value))
+        return str(style.printer().doprint(value))
     pieces: list[str] = []
     for key, coefficient in value.terms.items():
         name, factor = _keys(key, style), coefficient
@@ -126,12 +136,12 @@ def text(value: Any) -> str:
     >>> print(text(dynamicsymbols("s1").diff() + sp.Symbol("x")))
     x + s1_dot
     """
-    return _shown(value, "text")
+    return _shown(value, TEXT)
 
 
 def unicode(value: Any) -> str:
     """Text with hats, dots and subscripts for terminals and notebooks."""
-    return _shown(value, "unicode")
+    return _shown(value, UNICODE)
 
 
 def latex(value: Any) -> str:
@@ -142,4 +152,4 @@ def latex(value: Any) -> str:
     >>> print(latex(N[1] ^ B[2]))
     \\hat{n}_{1} \\times \\hat{b}_{12}
     """
-    return _shown(value, "latex")
+    return _shown(value, LATEX)

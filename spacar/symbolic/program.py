@@ -13,7 +13,7 @@ from spacar.symbolic.collect import definition_order
 from spacar.symbolic.compiled_program import CompiledFunction
 from spacar.symbolic.derivation import DerivedEquations
 from spacar.symbolic.emit import emit
-from spacar.symbolic.ordered import ConstraintRows, OrderedProgram, plain_symbols
+from spacar.symbolic.ordered import UNCONSTRAINED, ConstraintRows, OrderedProgram, plain_symbols
 from spacar.symbolic.program_jacobian import Jacobian, NameSource, jacobian_of, share
 from spacar.symbolic.simulated_motion import Feeds, make_function, simulate
 from spacar.symbolic.transform import DirectionCosines
@@ -70,12 +70,12 @@ class EquationProgram(OrderedProgram):
 def make_program(eq: DerivedEquations, outputs: dict[str, Any]) -> EquationProgram:
     """Order, share and split the assignments of `eq`; see the module."""
     values = {name: eq.scalar(v) for name, v in outputs.items()}
-    n, c = len(eq.speeds), eq.constraints
+    n, c = len(eq.speeds), eq.constraints or UNCONSTRAINED
     results = {
         "mass": [eq.mass_matrix[i, j] for i in range(n) for j in range(i, n)], "rhs": list(eq.rhs),
-        "rates": list(eq.kinematics.values()), "matrix": list(c.matrix) if c else [], "bias": list(c.bias) if c else [],
-        "velocity": list(c.velocity) if c else [], "position": list(c.position.values()) if c else [],
-        "turning": [rate.diff(s) for rate in eq.kinematics.values() for s in eq.speeds] if c else [],
+        "rates": list(eq.kinematics.values()), "matrix": list(c.matrix), "bias": list(c.bias),
+        "velocity": list(c.velocity), "position": list(c.position.values()),
+        "turning": [rate.diff(s) for rate in eq.kinematics.values() for s in eq.speeds] if c.names else [],
         "outputs": list(values.values()),
     }  # fmt: skip
     flat = [e for group in results.values() for e in group]
@@ -83,8 +83,8 @@ def make_program(eq: DerivedEquations, outputs: dict[str, Any]) -> EquationProgr
     plain = DirectionCosines()
     feeds = {s: None if e is None else eq.scalar(e, plain) for s, e in eq.system.inputs.items()}
     accelerations = [eq.system.accelerations.get(s, sp.Symbol(f"{s.func}_dot", real=True)) for s in eq.speeds]
-    solved = [*accelerations, *(c.forces if c else ())]
-    later = {*eq.system.accelerations.values(), *(c.forces if c else ())}
+    solved = [*accelerations, *c.forces]
+    later = {*eq.system.accelerations.values(), *c.forces}
     for name, law in feeds.items():
         if law is not None and (found := sorted(map(str, law.free_symbols & later))):
             raise UsageError(f"the law of input {name} reads {found[0]}, which is only known after it", "input")
@@ -112,7 +112,7 @@ def make_program(eq: DerivedEquations, outputs: dict[str, Any]) -> EquationProgr
     once, step, flat = share(definitions, flat, set(parameters), names)
     rest = iter(flat)
     groups = {key: tuple(islice(rest, len(group))) for key, group in results.items()}
-    constraints = c and ConstraintRows(
+    constraints = eq.constraints and ConstraintRows(
         c.names, sp.ImmutableMatrix(len(c.names), n, groups["matrix"]), groups["bias"], groups["velocity"],
         dict(zip(c.position, groups["position"], strict=True)), tuple(unknowns[n:]), groups["turning"],
     )  # fmt: skip

@@ -15,7 +15,7 @@ from functools import lru_cache
 import sympy as sp
 
 from spacar.symbolic.collect import definition_order
-from spacar.symbolic.ordered import Assignments, OrderedProgram
+from spacar.symbolic.ordered import Assignments, OrderedProgram, Symbols
 from spacar.symbolic.unit_vectors import Definitions
 
 
@@ -130,7 +130,7 @@ class Hoist:
 
 
 def gradients(
-    program: OrderedProgram, expressions: list[sp.Expr], constant: tuple[sp.Symbol, ...]
+    program: OrderedProgram, expressions: list[sp.Expr], constant: Symbols
 ) -> tuple[Definitions, list[sp.Expr]]:
     """Derivatives of expressions with respect to the state, row by row, and the step that they read: that of the
     program with the derivatives in it, by the forward chain rule through inputs and step.
@@ -172,7 +172,7 @@ def _plain(slope: sp.Expr) -> sp.Expr:
     return slope.replace(sp.Heaviside, lambda x, *_: (1 + sp.sign(x)) / 2)
 
 
-def _names(program: OrderedProgram, constant: tuple[sp.Symbol, ...]) -> NameSource:
+def _names(program: OrderedProgram, constant: Symbols) -> NameSource:
     assigned = [s for s, _ in [*program.once, *program.step]]
     return NameSource([*program.parameters, *program.state, *program.inputs, *assigned, *constant])
 

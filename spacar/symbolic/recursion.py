@@ -20,6 +20,7 @@ from spacar.symbolic.unit_vectors import ByExpression, Definitions, Unit
 from spacar.symbolic.vectors import Vector
 
 Column: TypeAlias = Any  # sympy Matrix of three measure numbers
+Partials: TypeAlias = dict[sp.Expr, Column]  # by speeds
 NOTHING = sp.zeros(3, 1)
 
 
@@ -27,7 +28,7 @@ NOTHING = sp.zeros(3, 1)
 class FrameMotion:
     """A frame in its own components: partial angular velocities {speed: column}, angular velocity and its bias rate."""
 
-    partials: dict[sp.Expr, Column]
+    partials: Partials
     velocity: Column
     bias: Column
 
@@ -37,7 +38,7 @@ class PointMotion:
     """A point: partial velocities and bias acceleration (−g included) in the components of `frame`."""
 
     frame: ReferenceFrame
-    partials: dict[sp.Expr, Column]
+    partials: Partials
     bias: Column
 
 
@@ -54,8 +55,8 @@ class Sums:
         self.mass[i, j].append(value)
 
     def add_squares(
-        self, partials: dict[sp.Expr, Column], momentum: Callable[[Column], Column]
-    ) -> dict[sp.Expr, Column]:
+        self, partials: Partials, momentum: Callable[[Column], Column]
+    ) -> Partials:
         """Add momentum(V_r)·V_k of all pairs of speeds; the momenta."""
         momenta = {}
         for r, V in partials.items():
@@ -113,9 +114,9 @@ class Recursion:
                     result[s] = result.get(s, sp.S.Zero) + factor * g
         return result
 
-    def columns(self, vector: Column) -> dict[sp.Expr, Column]:
+    def columns(self, vector: Column) -> Partials:
         """∂vector/∂(every speed)."""
-        found: dict[sp.Expr, Column] = {}
+        found: Partials = {}
         for i, component in enumerate(vector):
             for s, value in self.partials(component).items():
                 found.setdefault(s, sp.zeros(3, 1))[i] = value
@@ -251,7 +252,7 @@ class Recursion:
 
     def load(self, load: Load, sums: Sums) -> None:
         """Generalized forces of a force at a point, or of a torque and its reaction."""
-        targets: list[tuple[ReferenceFrame, dict[sp.Expr, Column], int]] = []
+        targets: list[tuple[ReferenceFrame, Partials, int]] = []
         if load.point is not None:
             home = self._home(load.point)
             targets.append((home, self.point(load.point, home).partials, 1))

@@ -192,8 +192,10 @@ def simulate(
     y = solution.y.T
     for places in program.quaternions:  # the motion does not depend on the length, which an integration lets drift
         y[:, list(places)] /= np.linalg.norm(y[:, list(places)], axis=1, keepdims=True)
-    outputs = np.array([f.outputs(t, row) for t, row in zip(times, y.tolist(), strict=True)]).reshape(len(times), -1)
-    inputs = np.array([f.inputs(t, row) for t, row in zip(times, y.tolist(), strict=True)]).reshape(len(times), -1)
+    outputs, inputs = (
+        np.array([of(t, row) for t, row in zip(times, y.tolist(), strict=True)]).reshape(len(times), -1)
+        for of in (f.outputs, f.inputs)
+    )
     A = np.asarray(f.jac(float(times[-1]), y[-1].tolist()))
     if manifold is not None:
         free = manifold.tangent(float(times[-1]), y[-1])
