@@ -15,7 +15,7 @@ from spacar.arrays import Array, Index
 from spacar.dynamics.loaded_mechanism import moment_gradient
 from spacar.elements.family import Configuration
 from spacar.mechanism.layout import Batch
-from spacar.mechanism.mechanism import DriveState, Loads, Mechanism
+from spacar.mechanism.mechanism import Mechanism
 from spacar.stationary.loading import LoadLevel, SteadyDrive, loads_at, with_flow
 
 
@@ -41,6 +41,9 @@ class ElementMatrices:
         return np.einsum("abn,bnm->anm", self.values, right[self.columns])
 
 
+Matrices = list[ElementMatrices]
+
+
 class DirectedElements:
     """The elements, loads and prescribed values of a directed mechanism at a load level.
 
@@ -48,9 +51,9 @@ class DirectedElements:
     """
 
     def __init__(self, mechanism: Mechanism, level: LoadLevel) -> None:
-        self.loads: Loads = loads_at(mechanism, level)
+        self.loads = loads_at(mechanism, level)
         self.mechanism = with_flow(mechanism, self.loads)
-        self.drive: DriveState = SteadyDrive.at_level(mechanism, level).state
+        self.drive = SteadyDrive.at_level(mechanism, level).state
         n = mechanism.numbering
         self.nx, self.ne = n.nx, n.ne
         self.field = np.zeros(n.nx, complex)
@@ -138,23 +141,23 @@ class DirectedElements:
         )
 
     # -- matrices ------------------------------------------------------------------------------------------------
-    def gradient(self) -> list[ElementMatrices]:
+    def gradient(self) -> Matrices:
         return [ElementMatrices(b.e, b.x, V) for b, _, _, V in self.evaluated if len(b.e)]
 
-    def stiffness(self) -> list[ElementMatrices]:
+    def stiffness(self) -> Matrices:
         """S of the rows that are neither fixed nor prescribed."""
         return self._law(0)
 
-    def damping(self) -> list[ElementMatrices]:
+    def damping(self) -> Matrices:
         """S_d of the same rows."""
         return self._law(1)
 
-    def _law(self, which: int) -> list[ElementMatrices]:
+    def _law(self, which: int) -> Matrices:
         begin, batches = self.mechanism.numbering.e_class["input"].stop, [b for b, *_ in self.evaluated if len(b.e)]
         kept = [(b, (b.e >= begin)[:, None] & (b.e >= begin)[None]) for b in batches]
         return [ElementMatrices(b.e, b.e, b.family.stiffness()[which] * keep + 0j) for b, keep in kept]
 
-    def loading(self, flow: bool, v: Array, a: Array) -> list[ElementMatrices]:
+    def loading(self, flow: bool, v: Array, a: Array) -> Matrices:
         """-df/dx of gravity and global moments; with `flow` also d(M a + h)/dx, which at rest comes from the fluid in
         tubes only."""
         heavy, _ = self.inertia_gradient(v, a, gravity=True)
@@ -167,7 +170,7 @@ class DirectedElements:
 
     def inertia_gradient(
         self, v: Array, a: Array, gravity: bool
-    ) -> tuple[list[ElementMatrices], list[ElementMatrices]]:
+    ) -> tuple[Matrices, Matrices]:
         """d(M a + h)/dx, minus that of gravity if wanted, and dh/dv."""
         by_x, by_v = [], []
         acceleration = a - self.field if gravity else a
@@ -178,7 +181,7 @@ class DirectedElements:
                 by_v.append(ElementMatrices(b.x, b.x, rate))
         return by_x, by_v
 
-    def second(self, method: str, values: Array) -> list[ElementMatrices]:
+    def second(self, method: str, values: Array) -> Matrices:
         """What a method of families writes about second derivatives: `geometric_stiffness` Hs(sigma), `gradient_rate`
         H1(v), `rate_gradient` T(v)."""
         found = []
@@ -191,7 +194,7 @@ class DirectedElements:
                 found.append(ElementMatrices(own, b.x, block))
         return found
 
-    def mass(self) -> list[ElementMatrices]:
+    def mass(self) -> Matrices:
         """M of the coordinates."""
         found = []
         for b, c, _, _ in self.evaluated:
@@ -201,7 +204,7 @@ class DirectedElements:
                 found.append(ElementMatrices(b.x, b.x, block))
         return found
 
-    def deformation_mass(self) -> list[ElementMatrices]:
+    def deformation_mass(self) -> Matrices:
         rows, columns, values = self.mechanism.deformation_inertia
         return [ElementMatrices(rows[None], columns[None], values[None, None] + 0j)] if len(rows) else []
 

@@ -28,7 +28,7 @@ from spacar.arrays import Array, Index
 from spacar.deck.directed import STEP, nothing_lost
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.linearization.matrices import Linearization
-from spacar.sensitivities.directed_elements import ElementMatrices
+from spacar.sensitivities.directed_elements import Matrices
 from spacar.sensitivities.state_derivatives import StateDerivative
 from spacar.sensitivities.user_terms import UserTerms
 
@@ -121,18 +121,18 @@ class PencilDerivatives:
 
     # -- element matrices ----------------------------------------------------------------------------------------
     @cached_property
-    def _geometric(self) -> list[ElementMatrices]:
+    def _geometric(self) -> Matrices:
         return self.state.elements.second("geometric_stiffness", self.state.sigma)
 
     @cached_property
-    def _of_vibration(self) -> tuple[list[ElementMatrices], ...]:
+    def _of_vibration(self) -> tuple[Matrices, ...]:
         """Mass, S_d, dh/dv, M_e, and Hs with all loading."""
         s, e = self.state, self.state.elements
         flow = e.inertia_gradient(s.v, s.a, gravity=False)[1]
         return e.mass(), e.damping(), flow, e.deformation_mass(), [*self._geometric, *e.loading(True, s.v, s.a)]
 
     @cached_property
-    def _of_motion(self) -> tuple[list[ElementMatrices], list[ElementMatrices]]:
+    def _of_motion(self) -> tuple[Matrices, Matrices]:
         """H1(v), and H1(a) + T(v)."""
         s, e = self.state, self.state.elements
         of_v = e.second("gradient_rate", s.v)
@@ -150,7 +150,7 @@ def _between(brackets: Callable[[Array, Array], Sequence[Array]], phi: Array, ps
         return [both.T @ (b.imag / STEP) @ both for b in found]
 
 
-def product(blocks: list[ElementMatrices], right: Array, rows: int) -> Array:
+def product(blocks: Matrices, right: Array, rows: int) -> Array:
     """Sum of block right, (rows, m)."""
     out = np.zeros((rows, right.shape[1]), complex)
     for block in blocks:
@@ -158,7 +158,7 @@ def product(blocks: list[ElementMatrices], right: Array, rows: int) -> Array:
     return out
 
 
-def forms(blocks: list[ElementMatrices], left: Array, right: Array) -> Array:
+def forms(blocks: Matrices, left: Array, right: Array) -> Array:
     """Sum of left^T block right, (k, m)."""
     out = np.zeros((left.shape[1], right.shape[1]), complex)
     for block in blocks:

@@ -22,6 +22,8 @@ from spacar.arrays import EPS, Array, Index
 from spacar.errors import AnalysisError
 from spacar.simulation.blocks import Block
 
+Needs = dict[str, list[str]]  # blocks whose outputs a block needs, by name
+
 DIFFERENCE = EPS**0.5
 MOST_ITERATIONS = 25
 SLOW = 0.1  # contraction beyond which the Jacobian is computed again
@@ -116,7 +118,7 @@ def differences(function: Callable[[Array], Array], z: Array, start: Array, size
     return out
 
 
-def components(needs: dict[str, list[str]]) -> list[list[str]]:
+def components(needs: Needs) -> list[list[str]]:
     """Strongly connected components, each after those it needs: the blocks of one reach the same blocks, and more than
     those of the components that it needs."""
     reach: dict[str, frozenset[str]] = {}
@@ -133,7 +135,7 @@ def components(needs: dict[str, list[str]]) -> list[list[str]]:
     return list(found.values())
 
 
-def one_loop(needs: dict[str, list[str]], members: list[str]) -> list[str]:
+def one_loop(needs: Needs, members: list[str]) -> list[str]:
     """The names along one loop among these blocks, the first one again at the end."""
     trail, name = [], members[0]
     while name not in trail:
@@ -142,7 +144,7 @@ def one_loop(needs: dict[str, list[str]], members: list[str]) -> list[str]:
     return [*trail[trail.index(name) :], name]
 
 
-def torn_order(needs: dict[str, list[str]], members: list[str], sizes: dict[str, int]) -> tuple[list[str], list[str]]:
+def torn_order(needs: Needs, members: list[str], sizes: dict[str, int]) -> tuple[list[str], list[str]]:
     """The blocks of a loop in an order of evaluation, and those at its end whose outputs must be guessed."""
     torn: list[str] = []
     while True:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from spacar.arrays import Array
 from spacar.errors import BY_USERS, AnalysisError, UsageError, type_and_text
 
+Names = Sequence[str] | int  # of signals, or how many these are
 NONE: Array = np.zeros(0)
 
 
@@ -55,7 +56,7 @@ class Block:
     n_events: int = 0
     event_word: str = "limit"
 
-    def __init__(self, name: str, inputs: Sequence[str] | int, outputs: Sequence[str] | int) -> None:
+    def __init__(self, name: str, inputs: Names, outputs: Names) -> None:
         self.name = name
         self.inputs = _names("u", inputs)
         self.outputs_ = _names("y", outputs)
@@ -112,7 +113,7 @@ class Block:
         raise NotImplementedError
 
 
-def _names(letter: str, given: Sequence[str] | int) -> tuple[str, ...]:
+def _names(letter: str, given: Names) -> tuple[str, ...]:
     return tuple(f"{letter}{k + 1}" for k in range(given)) if isinstance(given, int) else tuple(given)
 
 
@@ -147,7 +148,7 @@ class Function(Block):
     """y = f(t, u): a controller without memory, or a source when there are no inputs (then f(t))."""
 
     def __init__(
-        self, name: str, f: Callable[..., Any], inputs: Sequence[str] | int, outputs: Sequence[str] | int,
+        self, name: str, f: Callable[..., Any], inputs: Names, outputs: Names,
         breaks: Sequence[float] = (),
     ) -> None:  # fmt: skip
         super().__init__(name, inputs, outputs)
@@ -162,8 +163,8 @@ class Continuous(Block):
     """dx/dt = f(t, x, u), y = g(t, x, u); `direct=False` promises that g does not use u."""
 
     def __init__(
-        self, name: str, f: Callable[..., Any], g: Callable[..., Any], x0: Sequence[float], inputs: Sequence[str] | int,
-        outputs: Sequence[str] | int, direct: bool = True, breaks: Sequence[float] = (),
+        self, name: str, f: Callable[..., Any], g: Callable[..., Any], x0: Sequence[float], inputs: Names,
+        outputs: Names, direct: bool = True, breaks: Sequence[float] = (),
     ) -> None:  # fmt: skip
         super().__init__(name, inputs, outputs)
         self.f, self.g, self.breaks = f, g, tuple(breaks)
@@ -187,8 +188,8 @@ class Sampled(Block):
     """
 
     def __init__(
-        self, name: str, f: Callable[..., Any], period: float, inputs: Sequence[str] | int,
-        outputs: Sequence[str] | int, *, x0: Any = None, y0: Sequence[float] | None = None,
+        self, name: str, f: Callable[..., Any], period: float, inputs: Names,
+        outputs: Names, *, x0: Any = None, y0: Sequence[float] | None = None,
         offset: float = 0.0, delay: bool = False,
     ) -> None:  # fmt: skip
         super().__init__(name, inputs, outputs)

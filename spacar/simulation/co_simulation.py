@@ -5,7 +5,6 @@ step the states follow a one-step code with error control; the inputs are held, 
 the held inputs, and the coupling itself of first order in h.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,7 +53,7 @@ class CoSimulation:
         if not 0.0 < h < np.inf:
             raise UsageError(f"a communication step must be positive, not {h}", "simulation.times")
         end, t, x = self.t + h, self.t, self.x
-        stops: Sequence[float] = sorted({b for b in self.plant.breaks if t < b < end} | {end})
+        stops = sorted({b for b in self.plant.breaks if t < b < end} | {end})
         problem = _Held(self.plant, np.array(self.u, float))
         for stop in stops:
             for taken in steps(problem, t, x, stop, (t, stop), self.code, self.tolerance, self._size, np.inf):

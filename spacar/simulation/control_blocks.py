@@ -17,7 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import Array
+from spacar.arrays import Array, Index
 from spacar.errors import UsageError
 from spacar.simulation.blocks import Affine, Linear
 from spacar.simulation.switching_blocks import Limited, Numbers, Piecewise, limits, spread
@@ -78,7 +78,7 @@ class Integrator(Piecewise):
         free = np.minimum(np.maximum(self.upper - x, -rate), np.maximum(x - self.lower, rate))
         return np.where(self.mode == 0, free, self.mode * rate)
 
-    def piece(self, t: float, x: Array, u: Array) -> NDArray[np.int64]:
+    def piece(self, t: float, x: Array, u: Array) -> Index:
         rate = self.gain * u
         at_upper, at_lower = (x >= self.upper) & (rate > 0.0), (x <= self.lower) & (rate < 0.0)
         return at_upper.astype(np.int64) - at_lower

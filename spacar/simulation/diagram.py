@@ -14,7 +14,7 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.errors import UsageError
-from spacar.simulation.algebraic_loops import Group, components, one_loop, torn_order
+from spacar.simulation.algebraic_loops import Group, Needs, components, one_loop, torn_order
 from spacar.simulation.blocks import Block
 
 
@@ -132,7 +132,7 @@ def schedule(diagram: Diagram) -> Schedule:
 
 
 def _group(
-    diagram: Diagram, needs: dict[str, list[str]], part: list[str], inputs: dict[str, slice], outputs: dict[str, slice]
+    diagram: Diagram, needs: Needs, part: list[str], inputs: dict[str, slice], outputs: dict[str, slice]
 ) -> Group:
     """A block, or a loop in the order of its evaluation. Raises UsageError for a loop with a sampled block."""
     if len(part) == 1 and part[0] not in needs[part[0]]:

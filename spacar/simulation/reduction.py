@@ -19,9 +19,8 @@ dq_h' the part (X r)' is kept. Its r' is no input, so the state is w = eta' + P 
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from spacar.arrays import Array
+from spacar.arrays import Array, Index
 from spacar.errors import AnalysisError, UsageError
 from spacar.simulation.propagation import disturbance
 from spacar.simulation.time_varying import TimeVarying
@@ -161,7 +160,7 @@ def _static_flexibility(t: Array, modes: Array, K: Array) -> Array:
 
 
 def _report(
-    t: Array, rates: Array, overlap: Array, low: NDArray[np.int64], static: NDArray[np.int64], high: NDArray[np.int64]
+    t: Array, rates: Array, overlap: Array, low: Index, static: Index, high: Index
 ) -> tuple[str, ...]:
     """Which modes were kept, made quasi-static and dropped, with their frequencies."""
     lines = []

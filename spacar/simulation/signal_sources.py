@@ -15,7 +15,7 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.errors import AnalysisError, UsageError
-from spacar.simulation.blocks import Block
+from spacar.simulation.blocks import Block, Names
 from spacar.simulation.switching_blocks import Numbers, spread
 
 KINDS = ("step", "linear", "spline")
@@ -82,7 +82,7 @@ class Source(Block):
     """Base: outputs that need no inputs. With `given` numbers there are as many as the longest of these has; `values`:
     these for each output."""
 
-    def __init__(self, name: str, outputs: Sequence[str] | int, *given: Numbers) -> None:
+    def __init__(self, name: str, outputs: Names, *given: Numbers) -> None:
         super().__init__(name, 0, max(map(np.size, given)) if given else outputs)
         self.values = spread(name, "values", "simulation.size", self.n_out, *given)
 

@@ -14,9 +14,8 @@ The cubic interpolation is the one that keeps the monotony of the values (Fritsc
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from spacar.arrays import Array
+from spacar.arrays import Array, Index
 from spacar.errors import AnalysisError, UsageError
 from spacar.simulation.blocks import Affine, Block, without_states
 
@@ -39,7 +38,7 @@ class Piecewise(Block):
         self.mode = self.mode0.copy()
         return self.x0.copy()
 
-    def piece(self, t: float, x: Array, u: Array) -> NDArray[np.int64]:
+    def piece(self, t: float, x: Array, u: Array) -> Index:
         raise NotImplementedError
 
     def switch(self, t: float, x: Array, u: Array) -> bool:
@@ -66,7 +65,7 @@ class Limited(Piecewise):
     def limited(self, x: Array, u: Array) -> Array:
         return u
 
-    def piece(self, t: float, x: Array, u: Array) -> NDArray[np.int64]:
+    def piece(self, t: float, x: Array, u: Array) -> Index:
         v = self.limited(x, u)
         return (v > self.upper).astype(np.int64) - (v < self.lower)
 
@@ -115,7 +114,7 @@ class Relay(Piecewise):
         self.mode0 = np.full(size, int(initially_on))
         self.start()
 
-    def piece(self, t: float, x: Array, u: Array) -> NDArray[np.int64]:
+    def piece(self, t: float, x: Array, u: Array) -> Index:
         return np.where(u > self.upper, 1, np.where(u < self.lower, 0, self.mode))
 
     def outputs(self, t: float, x: Array, u: Array) -> Array:
@@ -136,7 +135,7 @@ class Quantizer(Piecewise):
         if not np.all((self.interval > 0.0) & np.isfinite(self.interval)):
             raise UsageError(f"{name}: the interval of a quantizer must be positive, not {interval}", "simulation.size")
 
-    def piece(self, t: float, x: Array, u: Array) -> NDArray[np.int64]:
+    def piece(self, t: float, x: Array, u: Array) -> Index:
         levels = np.floor(u / self.interval + 0.5)
         if not np.all(np.abs(levels) < 2.0**53):
             k = int(np.argmax(np.abs(levels)))
@@ -200,7 +199,7 @@ class LookupTable(Piecewise):
         self.low = np.concatenate(([-np.inf], x))
         self.high = np.concatenate((x, [np.inf]))
 
-    def piece(self, t: float, x: Array, u: Array) -> NDArray[np.int64]:
+    def piece(self, t: float, x: Array, u: Array) -> Index:
         found = np.searchsorted(self.points, u, side="right")
         last = u == self.points[-1]  # the end of the table belongs to its last piece
         found = np.where(last & ~np.full(len(u), self.stepwise), len(self.points) - 1, found)
