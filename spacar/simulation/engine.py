@@ -13,6 +13,7 @@ nearer than four of these are one.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
@@ -23,7 +24,7 @@ from spacar.arrays import EPS, Array
 from spacar.errors import AnalysisError, UsageError
 from spacar.integrators import AUTOMATIC, Step, Tolerance, named
 from spacar.simulation.blocks import Block, Function, Sampled
-from spacar.simulation.diagram import Diagram, Schedule, schedule
+from spacar.simulation.diagram import Diagram, schedule
 from spacar.simulation.diagram_evaluator import CALM, MOST_RESTARTS, DiagramEvaluator
 from spacar.simulation.plant import Spasim
 from spacar.simulation.response import Event, Response, Signals
@@ -61,30 +62,36 @@ def simulate(
     numbers = all(isinstance(value, Real) for value in (atol, rtol, max_step))
     if not (numbers and atol > 0.0 and rtol >= 0.0 and max_step > 0.0):
         raise UsageError("atol and max_step must be positive, rtol must not be negative", "simulation.tolerance")
-    return _Simulation(diagram, output_times, code, atol, rtol, max_step, tuple(events), x0 or {}, progress).run()
+    tolerance = Tolerance(atol, rtol)
+    return _Simulation(diagram, output_times, code, tolerance, max_step, tuple(events), x0 or {}, progress).run()
 
 
+@dataclass
 class _Simulation:
-    def __init__(
-        self, diagram: Diagram, times: Array, code: int, atol: float, rtol: float, max_step: float,
-        events: tuple[Event, ...], x0: Mapping[str, Sequence[float]], progress: Callable[[float], None] | None = None,
-    ) -> None:  # fmt: skip
-        self.diagram, self.times, self.user_events = diagram, times, events
-        self.s: Schedule = schedule(diagram)
-        self.tolerance, self.progress = Tolerance(atol, rtol), progress
+    diagram: Diagram
+    times: Array
+    code: int
+    tolerance: Tolerance
+    max_step: float
+    user_events: tuple[Event, ...]
+    x0: Mapping[str, Sequence[float]]
+    progress: Callable[[float], None] | None
+
+    def __post_init__(self) -> None:
+        self.s = schedule(self.diagram)
         self.x = np.concatenate([np.zeros(0), *(b.start() for b in self.s.blocks)])
-        for name, values in x0.items():
+        for name, values in self.x0.items():
             place = self.s.states.get(name)
             if place is None or len(values) != place.stop - place.start:
                 raise UsageError(f"x0: {name} is no block with {len(values)} states", "simulation.start")
             self.x[place] = values
         self.doubts = tuple(f"{b.name}: {b.doubt}" for b in self.s.blocks if b.doubt)
-        self.evaluator = DiagramEvaluator(self.s, bool(events))
+        self.evaluator = DiagramEvaluator(self.s, bool(self.user_events))
         self.delayed = [b for b in self.s.blocks if isinstance(b, TransportDelay)]
-        longest = min([max_step, *(b.lag for b in self.delayed)])
-        self.window = float(times[0]), float(times[-1])
-        self.stepping = Stepping(self.evaluator, code, self.tolerance, longest, self.window)
-        self.axis = TimeAxis(float(times[0]), float(times[-1]), self.s.blocks)
+        longest = min([self.max_step, *(b.lag for b in self.delayed)])
+        self.window = float(self.times[0]), float(self.times[-1])
+        self.stepping = Stepping(self.evaluator, self.code, self.tolerance, longest, self.window)
+        self.axis = TimeAxis(*self.window, self.s.blocks)
         self.shift = self.axis.shift
         self.restarts = self.samples = self.streak = 0
 

@@ -12,7 +12,7 @@ elements (ne,) and of coordinates (nx,).
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -43,14 +43,19 @@ class Driven(NamedTuple):
     by: Array
 
 
+@dataclass
 class ArrayPlant:
     """By NumPy. Order of the calls: `start`, then `place` for each state and `accelerate` for each of its inputs."""
 
-    def __init__(self, mechanism: Mechanism, stresses: Driven, forces: Driven) -> None:
-        self.n = n = mechanism.numbering
+    mechanism: Mechanism
+    stresses: Driven
+    forces: Driven
+    x_parts = 3  # of nx numbers each, before those of elements
+
+    def __post_init__(self) -> None:
+        self.n = n = self.mechanism.numbering
         self.sigma, self.force = np.zeros(n.ne), np.zeros(n.nx)
         self._zero = np.zeros(n.ne), np.zeros(n.nx)
-        self.mechanism, self.stresses, self.forces = mechanism, stresses, forces
         self._values = np.zeros(3 * (n.nx + n.ne))
 
     @cached_property
@@ -90,7 +95,7 @@ class ArrayPlant:
 
     def first(self, quantity: int, of_elements: bool) -> int:
         """Row of the first position, rate or acceleration."""
-        return 3 * self.n.nx + quantity * self.n.ne if of_elements else quantity * self.n.nx
+        return self.x_parts * self.n.nx + quantity * self.n.ne if of_elements else quantity * self.n.nx
 
     def read(self, rows: Index) -> Array:
         """Values (rows,): positions and rates after `place`, accelerations after `accelerate`."""
@@ -101,6 +106,7 @@ class ArrayPlant:
         return self.dynamics.frame(t, y)
 
 
+@dataclass
 class CompiledPlant(ArrayPlant):
     """In C, for mechanisms in which `why_general` finds no obstacle. A state that C cannot do is left to NumPy, which
     explains failures.
@@ -110,11 +116,14 @@ class CompiledPlant(ArrayPlant):
     of other deformations than the degrees of freedom are read, which takes twice as long.
     """
 
-    def __init__(self, mechanism: Mechanism, stresses: Driven, forces: Driven, whole: bool) -> None:
+    whole: bool
+    x_parts = 6
+
+    def __post_init__(self) -> None:
         from spacar.compiled import CompiledDynamics
 
-        super().__init__(mechanism, stresses, forces)
-        self.evaluator, self.whole = CompiledDynamics(mechanism), whole
+        super().__post_init__()
+        self.evaluator = CompiledDynamics(self.mechanism)
         self._values = self.evaluator.state.together
         self._known = False
         self._pushed: bytes | None = None  # the inputs that C has
@@ -159,9 +168,6 @@ class CompiledPlant(ArrayPlant):
 
     def forget(self) -> None:
         self._known, self._pushed = False, None
-
-    def first(self, quantity: int, of_elements: bool) -> int:
-        return 6 * self.n.nx + quantity * self.n.ne if of_elements else quantity * self.n.nx
 
     def frame(self, t: float, y: Array) -> Frame:
         self._known = False

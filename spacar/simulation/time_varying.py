@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from spacar.arrays import Array
+from spacar.arrays import Array, Index
 from spacar.errors import UsageError
 from spacar.linearization.descriptor import dense_steps, of_frame
 
@@ -47,7 +46,7 @@ class TimeVarying:
     y0: Array | None = None
     sigma0: Array | None = None
     second: Array | None = None
-    second_rows: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    second_rows: Index = field(default_factory=lambda: np.zeros(0, np.int64))
     x0: Array | None = None
     inputs: tuple[str, ...] = ()
     outputs: tuple[str, ...] = ()
@@ -65,7 +64,7 @@ class TimeVarying:
         def get(name: str) -> Array | None:
             return result[name] if name in first and first[name].size else None
 
-        full = {name: get(name) for name in "ABCD"}
+        full = {name: get(name) for name in (*"ABCD", "m0", "c0b", "k0b", "u0", "y0")}
         if "asp" in first:  # of a large model
             full |= dense_steps((of_frame(f.state_space, header) for f in result.frames), count)
             full["D"] = full["D"] if header["DFT"] else None  # without feedthrough D is rounding
@@ -75,9 +74,8 @@ class TimeVarying:
             second = second.reshape(count, -1, n, n).swapaxes(-1, -2)
         return cls(
             name=result.mechanism.deck.source, t=result.t, n_nominal=int(header.get("NNOM", 0)),
-            n_rigid=int(header.get("NRBM", 0)), **full,
-            m0=get("m0"), c0b=get("c0b"), k0b=get("k0b"), u0=get("u0"), y0=get("y0"), sigma0=get("sig0"),
-            second=second, second_rows=np.ravel(header.get("NYSI", np.zeros(0, np.int64))).astype(np.int64) - 1,
+            n_rigid=int(header.get("NRBM", 0)), **full, sigma0=get("sig0"), second=second,
+            second_rows=np.ravel(header.get("NYSI", np.zeros(0, np.int64))).astype(np.int64) - 1,
             x0=header.get("X0"), inputs=tuple(header.get("inputs", ())), outputs=tuple(header.get("outputs", ())),
         )  # fmt: skip
 

@@ -45,8 +45,8 @@ class ErrorMotions:
 
 
 def error_motions(
-    places: Array, turns: Array, moves: Array, spins: Array, zero: int, length: float, pivot: Array | None = None,
-    turned: bool = False,
+    places: Array, turns: Array, moves: Array, spins: Array, zero: int, length: float, pivot: Array | None,
+    turned: bool,
 ) -> ErrorMotions:  # fmt: skip
     """The errors of a node over k states.
 
