@@ -35,6 +35,7 @@ from spacar.deck.table_types import Parameter
 from spacar.errors import UsageError
 
 TARGET = re.compile(r"([A-Za-z]\w*)((?:[.\s]+(?:\d+|\*|[A-Za-z][\w-]*))*)\s*(?:\[\s*([^\[\]]+?)\s*\])?")
+Values = tuple[float, ...]
 MOST_VALUES = 1_000_000
 BY_NUMBER = {block.number: block for block in BlockKind if block.number < 3}
 
@@ -80,7 +81,7 @@ class Axis(NamedTuple):
     """A setting with its values."""
 
     setting: Setting
-    values: tuple[float, ...]
+    values: Values
 
 
 def change(deck: Deck, settings: Sequence[Setting], numbers: Sequence[float]) -> Deck:
@@ -166,7 +167,7 @@ def axis(text: str) -> Axis:
     return Axis(setting(left), values(right.strip()))
 
 
-def values(text: str) -> tuple[float, ...]:
+def values(text: str) -> Values:
     """Numbers of a list, a range or a column of a csv file. Raises UsageError."""
     if text.startswith("@"):
         name, colon, column = text[1:].rpartition(":")
@@ -181,8 +182,7 @@ def values(text: str) -> tuple[float, ...]:
     words = text.split(":")
     if len(words) not in (3, 4) or (len(words) == 4 and words[3].strip() != "log"):
         raise UsageError(f"'{text}' is no range; write start:stop:count or start:stop:count:log", "study.set")
-    start, stop = _number(words[0], text), _number(words[1], text)
-    count = _number(words[2], text)
+    start, stop, count = (_number(word, text) for word in words[:3])
     if count != int(count) or not 1 <= count <= MOST_VALUES:
         raise UsageError(f"'{text}': the count is a whole number from 1 to {MOST_VALUES}, not {words[2]}", "study.set")
     if len(words) == 3:
@@ -192,7 +192,7 @@ def values(text: str) -> tuple[float, ...]:
     return tuple(np.geomspace(start, stop, int(count)).tolist())
 
 
-def table(path: Path) -> tuple[list[str], list[tuple[float, ...]]]:
+def table(path: Path) -> tuple[list[str], list[Values]]:
     """Header and rows of a csv file of numbers. Raises UsageError, OSError."""
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
@@ -210,13 +210,13 @@ def table(path: Path) -> tuple[list[str], list[tuple[float, ...]]]:
     return header, found
 
 
-class Combinations(Sequence[tuple[float, ...]]):
+class Combinations(Sequence[Values]):
     """Every row of a first table joined with every row of a second, and so on; the last table runs fastest.
 
     Only the tables are stored, never their product. Raises UsageError for more cases than a computer can count.
     """
 
-    def __init__(self, *tables: Sequence[tuple[float, ...]]) -> None:
+    def __init__(self, *tables: Sequence[Values]) -> None:
         self.tables = tables
         self.cases = math.prod(map(len, tables))
         if self.cases > sys.maxsize:
@@ -226,10 +226,10 @@ class Combinations(Sequence[tuple[float, ...]]):
         return self.cases
 
     @overload
-    def __getitem__(self, k: int) -> tuple[float, ...]: ...
+    def __getitem__(self, k: int) -> Values: ...
     @overload
-    def __getitem__(self, k: slice) -> list[tuple[float, ...]]: ...
-    def __getitem__(self, k: int | slice) -> tuple[float, ...] | list[tuple[float, ...]]:
+    def __getitem__(self, k: slice) -> list[Values]: ...
+    def __getitem__(self, k: int | slice) -> Values | list[Values]:
         if isinstance(k, slice):
             return [self[i] for i in range(*k.indices(len(self)))]
         rest, rows = range(len(self))[k], []
@@ -242,7 +242,7 @@ class Combinations(Sequence[tuple[float, ...]]):
         return isinstance(other, Sequence) and len(self) == len(other) and all(map(eq, self, other))
 
 
-def combine(axes: Sequence[Axis], together: bool = False) -> tuple[tuple[Setting, ...], Sequence[tuple[float, ...]]]:
+def combine(axes: Sequence[Axis], together: bool = False) -> tuple[tuple[Setting, ...], Sequence[Values]]:
     """The settings and the values of every case: all combinations (the last axis fastest), or element by element."""
     settings = tuple(a.setting for a in axes)
     names = [s.name for s in settings]

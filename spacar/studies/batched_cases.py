@@ -17,9 +17,9 @@ from spacar.errors import SpacarError
 from spacar.mechanism import Mechanism, build
 from spacar.modes import find_mode
 from spacar.studies.affine_cases import affine_cases
-from spacar.studies.assignments import change
+from spacar.studies.assignments import Values, change
 from spacar.studies.ensemble import GroupMotions, motions, why_not, why_not_of
-from spacar.studies.policies.sweep import LOST, Case, Study, Values, done_row, failed_row, run_case
+from spacar.studies.policies.sweep import LOST, Case, Study, done_row, failed_row, run_case
 from spacar.studies.runs.rows import Row
 from spacar.studies.runs.workers import Engine, Lost, cores
 from spacar.studies.side_by_side import Cases, alike, side_by_side

@@ -15,7 +15,7 @@ from spacar.deck import Deck
 from spacar.deck.rewrite.refine import flexible_beams
 from spacar.errors import UsageError
 from spacar.modes import MODES, Mode, find_mode, registered
-from spacar.studies.assignments import Axis, Setting, combine, setting
+from spacar.studies.assignments import Axis, Setting, Values, combine, setting
 from spacar.studies.assignments import values as listed_values
 from spacar.studies.batched_cases import in_batches, is_motion, reason
 from spacar.studies.policies.simplification import cheapest, command_line, run_options, simpler_deck
@@ -215,7 +215,6 @@ def trade(
     asked = trade_of(source, mode, texts("variables", variables), repeats, options)
     number, deck = asked.mode, asked.deck
     found, _ = cheapest(asked, target, budget)
-    assert found.reference is not None  # search has said why otherwise
     best, simpler = found.best, simpler_deck(asked, found.best)
     given = {} if best is None or best.setup is None else run_options(asked, best.setup)
     command = command_line(number, given, deck.source) if given and simpler is None else ""
@@ -270,7 +269,7 @@ def study_of(
 
 
 def batches_of(
-    study: Study, cases: Sequence[tuple[float, ...]], engine: Engine, jobs: int | None, wanted: bool | None, option: str
+    study: Study, cases: Sequence[Values], engine: Engine, jobs: int | None, wanted: bool | None, option: str
 ) -> tuple[Batch | None, str]:
     """What runs the cases in batches; None when they run one by one, and why if nobody has asked for that.
 
@@ -287,7 +286,7 @@ def batches_of(
     return partial(in_batches, engine=engine, jobs=jobs, built=built), ""
 
 
-def _numbers(target: str, given: Iterable[float] | str) -> tuple[float, ...]:
+def _numbers(target: str, given: Iterable[float] | str) -> Values:
     """Values of a target, from numbers or a text such as 1:100:7:log. Raises UsageError."""
     if isinstance(given, str):
         return listed_values(given)

@@ -95,7 +95,6 @@ def _within_budget(environment: Environment, trade: Any, target: float, budget: 
         found, prices = cheapest(trade, target, budget, tick)
     finally:
         environment.progress("")
-    assert found.reference is not None  # search has said why otherwise
     best, name, command = found.best, source.name, ""
     simpler = simpler_deck(trade, best)
     if simpler is not None:

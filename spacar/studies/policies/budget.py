@@ -56,9 +56,9 @@ class TradeSearch:
 
     trade: Trade
     target: float
+    reference: Reference
     rows: list[Row] = field(default_factory=list)
     tried: list[Setup] = field(default_factory=list)
-    reference: Reference | None = None
     goal: float = np.inf
     skipped: int = 0
     undivided: dict[int, str] = field(default_factory=dict)
@@ -80,19 +80,16 @@ class TradeSearch:
 
     def error(self, row: Row) -> float:
         """The error of a finished row, plus that of the reference; inf when it lacks what counts."""
-        assert self.reference is not None
         return row_error(row, self.reference, self.trade)[0] + self.reference.error
 
     @property
     def entries(self) -> list[Entry]:
         """All settings that were tried."""
-        assert self.reference is not None
         return assess(self.trade, self.rows, self.tried, self.reference, extrapolated=False)
 
     @property
     def best(self) -> Entry | None:
         """The cheapest setting that reaches the goal; the most accurate one where none does."""
-        assert self.reference is not None
         found = recommend(self.entries, self.goal, self.reference)
         finished = [e for e in self.entries if np.isfinite(e.error)]
         return found or min(finished, key=lambda e: e.error, default=None)
@@ -135,18 +132,20 @@ class TradeSearch:
 def search(trade: Trade, target: float, budget: float, tick: Tick = lambda _what, _left: None) -> TradeSearch:
     """Reference, then the settings from cheap to dear, within `budget` seconds. Raises UsageError, and AnalysisError
     when the reference cannot be computed in its part of the budget, or to an error of UNKNOWN."""
-    found = TradeSearch(trade, target, budget=budget, tick=tick)
+    begun = time.process_time()
     run = frames(trade.mode, trade.deck, **trade.options)
-    beams, found.undivided = divisible(run)
+    beams, undivided = divisible(run)
     if beams and not trade.stationary and (why := massless(trade)):
-        beams, found.undivided = (), found.undivided | dict.fromkeys(beams, why)
-    tick("the reference", found.left(FOR_REFERENCE))
-    found.reference, meshes = reference(trade, run, beams, target, found.left(FOR_REFERENCE))
-    error = found.reference.error
+        beams, undivided = (), undivided | dict.fromkeys(beams, why)
+    left = max(FOR_REFERENCE * budget - (time.process_time() - begun), 0.1)
+    tick("the reference", left)
+    ref, meshes = reference(trade, run, beams, target, left)
+    error = ref.error
     if error > UNKNOWN:
-        text = f"the reference reaches an error of {error:.2g} of the motion in its time only ({found.reference.text});"
+        text = f"the reference reaches an error of {error:.2g} of the motion in its time only ({ref.text});"
         raise AnalysisError(f"{text} more --budget, a shorter --time, or the --variable that counts", "study.reference")
-    found.goal = target if error <= ROOM * target else 2.0 * error
+    goal = target if error <= ROOM * target else 2.0 * error
+    found = TradeSearch(trade, target, ref, goal=goal, undivided=undivided, begun=begun, budget=budget, tick=tick)
     flexible = _models(found, meshes) if meshes else [Setup(measure=measured(run) if beams else "")]
     found.climb(found.ladders([*_rigid(trade), *flexible]))
     return found
@@ -166,7 +165,6 @@ def _models(found: TradeSearch, meshes: Sequence[Computed]) -> list[Setup]:
     """The coarsest mesh of each measure that is good enough, else the finest; in the stationary modes all meshes up to
     there."""
     trade, ref = found.trade, found.reference
-    assert ref is not None
     errors = {}
     for mesh in meshes:
         at = [mesh.found.names.index(name) for name in ref.names]

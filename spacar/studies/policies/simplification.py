@@ -67,7 +67,7 @@ def simplify(found: TradeSearch) -> list[Price]:
     """The prices of what the cheapest setting has, as far as the budget goes; `found` is searched on without what is
     not needed."""
     best, ref = found.best, found.reference
-    if best is None or best.setup is None or ref is None:
+    if best is None or best.setup is None:
         return []
     prices: list[Price] = []
     simpler: list[tuple[float, Setup]] = []

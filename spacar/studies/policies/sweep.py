@@ -18,13 +18,12 @@ from spacar.deck import Deck
 from spacar.errors import SpacarError, type_and_text
 from spacar.mechanism.user_files import model_digest
 from spacar.result import Result
-from spacar.studies.assignments import Setting, change
+from spacar.studies.assignments import Setting, Values, change
 from spacar.studies.runs.quantities import Quantity
 from spacar.studies.runs.rows import Row, Rows, key
 from spacar.studies.runs.workers import Engine, Lost, run
 
 DONE, FAILED, LOST = "done", "failed", "lost"
-Values = tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -99,7 +98,7 @@ def sweep(
             yield from group
 
 
-def singly(cases: Iterable[Case], engine: Engine = run) -> Iterator[list[Row]]:
+def singly(cases: Iterable[Case], engine: Engine) -> Iterator[list[Row]]:
     """Rows of cases that run one by one on an engine."""
     for case, outcome in engine(run_case, cases):
         yield [failed_row(case, 0.0, outcome.reason, LOST) if isinstance(outcome, Lost) else outcome]

@@ -10,7 +10,7 @@ state space is that of the divided model.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,18 +24,21 @@ from spacar.mechanism import Mechanism
 from spacar.mechanism.numbering import Numbering
 
 
+@dataclass
 class UserNodes:
     """From frames of `fine`, in which `parts[beam]` elements stand for a beam, to frames of `given`, whose run gave the
     frames `own`."""
 
-    def __init__(
-        self, given: Mechanism, fine: Mechanism, parts: Mapping[int, Sequence[int]], own: Sequence[Frame]
-    ) -> None:
-        self.given, self.fine, self.own = given, fine, own
-        n, m = given.numbering, fine.numbering
-        self.sweep = ElementSweep(given)
+    given: Mechanism
+    fine: Mechanism
+    parts: Mapping[int, Sequence[int]]
+    own: Sequence[Frame]
+
+    def __post_init__(self) -> None:
+        n, m = self.given.numbering, self.fine.numbering
+        self.sweep = ElementSweep(self.given)
         self.at = np.array([m.x_index(*n.x_owner(i)) for i in range(n.nx)], np.int64)
-        self.rows, self.columns, self.factors = _stresses(n, m, parts)
+        self.rows, self.columns, self.factors = _stresses(n, m, self.parts)
 
     def frame(self, frame: Frame, i: int) -> Frame:
         """The frame of the divided model at step i on the nodes of the user."""
