@@ -115,7 +115,7 @@ def cantilever(number: int) -> Shapes:
     return family
 
 
-def shape_functions(field: Any, x: sp.Symbol, L: sp.Expr, clamped: int) -> Scalars:
+def shape_functions(field: Any, L: sp.Expr, clamped: int) -> Scalars:
     """The shapes that `field` stands for: a family, a number of default shapes, or expressions in x.
 
     Raises UsageError for a shape that violates the essential conditions ψ(0) = 0 (and ψ'(0) = 0 for bending).
@@ -123,11 +123,11 @@ def shape_functions(field: Any, x: sp.Symbol, L: sp.Expr, clamped: int) -> Scala
     if isinstance(field, int):
         field = orthogonal(field, clamped)
     clamped = min(clamped, getattr(field, "fixed", clamped))
-    shapes: Sequence[Any] = field(x, L) if callable(field) else field
-    result = tuple(sp.sympify(psi).xreplace({sp.Symbol("x"): x}) for psi in shapes)
+    shapes: Sequence[Any] = field(X, L) if callable(field) else field
+    result = tuple(sp.sympify(psi).xreplace({sp.Symbol("x"): X}) for psi in shapes)
     conditions = "u(0) = u'(0) = 0" if clamped == 2 else "u(0) = 0"
     for psi in result:
-        values = [sp.nsimplify(psi.diff(x, n).subs(x, 0)) if n else psi.subs(x, 0) for n in range(clamped)]
+        values = [sp.nsimplify(psi.diff(X, n).subs(X, 0)) if n else psi.subs(X, 0) for n in range(clamped)]
         if any(abs(v.xreplace({s: sp.S.One for s in v.free_symbols}).evalf()) > 1e-12 for v in values):
             raise UsageError(f"field {psi} does not satisfy {conditions}", "field")
     return result
@@ -138,15 +138,15 @@ Powers = tuple[tuple[int, Fraction], ...]
 
 
 @lru_cache(maxsize=4096)
-def _dimensionless(f: sp.Expr, x: sp.Symbol, L: sp.Expr) -> tuple[sp.Expr, Powers] | None:
+def _dimensionless(f: sp.Expr, L: sp.Expr) -> tuple[sp.Expr, Powers] | None:
     """(c, p) with f(x) = c p(x/L), p(ξ) = … + ξ^n with rational coefficients; None when f is no such polynomial."""
     rows: dict[int, list[sp.Expr]] = {}
     for term in sp.Add.make_args(sp.expand(f)):
-        coefficient, power = term.as_independent(x, as_Add=False)
+        coefficient, power = term.as_independent(X, as_Add=False)
         base, n = power.as_base_exp()
         if power == 1:
             n = sp.S.Zero
-        elif base != x or not (n.is_Integer and n > 0):
+        elif base != X or not (n.is_Integer and n > 0):
             return None
         rows.setdefault(int(n), []).append(coefficient * L**n)
     sums = {n: sp.Add(*terms) for n, terms in rows.items()}
@@ -158,21 +158,21 @@ def _dimensionless(f: sp.Expr, x: sp.Symbol, L: sp.Expr) -> tuple[sp.Expr, Power
     return scale, tuple((n, Fraction(int(r.p), int(r.q))) for n, r in sorted(ratios.items()))
 
 
-def product_integral(f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr, end: sp.Expr | None = None) -> sp.Expr:
+def product_integral(f: sp.Expr, g: sp.Expr, L: sp.Expr, end: sp.Expr | None = None) -> sp.Expr:
     """∫ f g dx from 0 to `end` (L): where both are polynomials their scales times the dimensionless primitive."""
     end = L if end is None else end
-    a, b = _dimensionless(sp.sympify(f), x, L), _dimensionless(sp.sympify(g), x, L)
+    a, b = _dimensionless(sp.sympify(f), L), _dimensionless(sp.sympify(g), L)
     if a is None or b is None:
-        return integral(f * g, x, end)
+        return integral(f * g, X, end)
     terms = ((n + m + 1, c * d) for n, c in a[1] for m, d in b[1])
     return a[0] * b[0] * L * sp.Add(*(sp.Rational(c / n) * (end / L) ** n for n, c in terms))
 
 
-def weighted_integral(weight: sp.Expr, f: sp.Expr, g: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:
+def weighted_integral(weight: sp.Expr, f: sp.Expr, g: sp.Expr, L: sp.Expr) -> sp.Expr:
     """∫ weight f g dx from 0 to L; the weight may depend on x (a tapered beam)."""
-    if weight.has(x):
-        return product_integral(sp.expand(weight * f), g, x, L)
-    return weight * product_integral(f, g, x, L)
+    if weight.has(X):
+        return product_integral(sp.expand(weight * f), g, L)
+    return weight * product_integral(f, g, L)
 
 
 def integral(integrand: sp.Expr, x: sp.Symbol, L: sp.Expr) -> sp.Expr:

@@ -62,7 +62,7 @@ def make_beam(
     made: list[Field] = []
 
     def add(kind: str, letter: str, direction: int, shapes_of: Any, stiffness: Any, clamped: int) -> None:
-        shapes = shape_functions(shapes_of, X, length, clamped)
+        shapes = shape_functions(shapes_of, length, clamped)
         if not shapes:
             return
         done = sum(len(f.shapes) for f in made)

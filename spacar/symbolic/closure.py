@@ -69,14 +69,14 @@ class Manifold:
 
     # -- start ---------------------------------------------------------------------------------------------------
 
-    def assemble(self, y: np.ndarray, given: set[str], t: float = 0.0) -> np.ndarray:
-        """Start values near y that satisfy the constraints and keep the `given` states.
+    def assemble(self, y: np.ndarray, given: set[str]) -> np.ndarray:
+        """Start values at t = 0 near y that satisfy the constraints and keep the `given` states.
 
         Raises UsageError when the given values leave an open gap or velocity that nothing else can close.
         """
         began, names = np.array(y, dtype=float), self.names
-        y = self._close_gaps(t, began.copy(), [n in given for n in names[: self.nq]])
-        y = self._close_speeds(t, y, [n in given for n in names[self.nq :]])
+        y = self._close_gaps(began.copy(), [n in given for n in names[: self.nq]])
+        y = self._close_speeds(y, [n in given for n in names[self.nq :]])
         changed = [k for k in range(len(y)) if abs(y[k] - began[k]) > 1e-12 * (1 + abs(began[k]))]
         if changed:
             rows = ", ".join(f"{names[k]} = {y[k]:.12g}" for k in changed)
@@ -96,18 +96,18 @@ class Manifold:
         rigid = np.array([s.name not in soft for s in self.program.speeds])
         return [rigid, np.ones(len(rigid), dtype=bool)]
 
-    def _close_gaps(self, t: float, y: np.ndarray, fixed: list[bool]) -> np.ndarray:
-        if self._gap(t, y) == 0.0:
+    def _close_gaps(self, y: np.ndarray, fixed: list[bool]) -> np.ndarray:
+        if self._gap(y) == 0.0:
             return y
         hold = np.flatnonzero(fixed)
         for allowed in self._groups():
-            found = self._newton(t, y, hold, allowed)
+            found = self._newton(y, hold, allowed)
             if found is not None:
                 return found
-        found = self._newton(t, y, np.array([], dtype=int), np.ones(self.program.n, dtype=bool))
+        found = self._newton(y, np.array([], dtype=int), np.ones(self.program.n, dtype=bool))
         if found is not None and np.max(np.abs(found - y)) <= NEARLY * max(np.max(np.abs(y[: self.nq])), 1e-300):
             return found
-        self._refuse(y, self.numbers(t, y)[4], list(self.constraints.position), hold, "open by")
+        self._refuse(y, self.numbers(0.0, y)[4], list(self.constraints.position), hold, "open by")
 
     def _refuse(self, y: np.ndarray, gaps: Any, rows: Any, hold: np.ndarray, words: str) -> NoReturn:
         worst = int(np.argmax(np.abs(gaps)))
@@ -118,15 +118,15 @@ class Manifold:
             "constraint",
         )
 
-    def _gap(self, t: float, y: np.ndarray) -> float:
-        return float(np.max(np.abs(self.numbers(t, y)[4]), initial=0.0))
+    def _gap(self, y: np.ndarray) -> float:
+        return float(np.max(np.abs(self.numbers(0.0, y)[4]), initial=0.0))
 
-    def _newton(self, t: float, y: np.ndarray, hold: np.ndarray, allowed: np.ndarray) -> np.ndarray | None:
+    def _newton(self, y: np.ndarray, hold: np.ndarray, allowed: np.ndarray) -> np.ndarray | None:
         """Damped Newton iterations on the coordinates that are free; None when the gap stays open."""
         y, n = y.copy(), self.nq
-        start = gap = self._gap(t, y)
+        start = gap = self._gap(y)
         for _ in range(ITERATIONS):
-            D, _, Jg, _, g, W = self.numbers(t, y)
+            D, _, Jg, _, g, W = self.numbers(0.0, y)
             D = np.where(allowed, D, 0.0)
             basis = _null_space((W * D)[hold]) * D[:, None]
             delta = basis @ np.linalg.lstsq(Jg @ basis, -g, rcond=1e-10)[0]
@@ -134,21 +134,21 @@ class Manifold:
             for halving in range(12):
                 trial = y.copy()
                 trial[:n] += step / 2**halving
-                if self._gap(t, trial) < gap:
+                if self._gap(trial) < gap:
                     break
             else:
                 break
-            y, gap = trial, self._gap(t, trial)
+            y, gap = trial, self._gap(trial)
             if gap <= 1e-14 * start:
                 break
-        D, _, Jg, _, g, W = self.numbers(t, y)
+        D, _, Jg, _, g, W = self.numbers(0.0, y)
         # the rounding of coordinates of their size, or of angles near zero, whose own size says nothing
         scale = 1e-11 * np.abs(Jg) @ np.abs(np.linalg.pinv(W) @ y[:n]) + np.max(np.abs(Jg), axis=1) * ROUNDING
         return y if np.all(np.abs(g) <= scale) else None
 
-    def _close_speeds(self, t: float, y: np.ndarray, fixed: list[bool]) -> np.ndarray:
+    def _close_speeds(self, y: np.ndarray, fixed: list[bool]) -> np.ndarray:
         n, held = self.nq, np.array(fixed, dtype=bool)
-        D, J, _, e, _, _ = self.numbers(t, y)
+        D, J, _, e, _, _ = self.numbers(0.0, y)
 
         def closed(delta: np.ndarray) -> bool:
             scale = np.abs(J) @ (np.abs(y[n:]) + np.abs(delta)) + np.abs(e)

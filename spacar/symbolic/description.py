@@ -28,7 +28,7 @@ from spacar.symbolic.system_parts import (
     frame_at,
 )
 from spacar.symbolic.transform import transform
-from spacar.symbolic.unit_vectors import TIME, ByExpression, Key, Rule, Scalars
+from spacar.symbolic.unit_vectors import TIME, AccelerationSymbols, ByExpression, Key, Rule, Scalars
 from spacar.symbolic.vectors import ZERO, Dyad, Vector
 
 _INERTIA = ((1, 1), (2, 2), (3, 3), (1, 2), (2, 3), (3, 1))
@@ -46,7 +46,7 @@ class Description:
         self.coordinates: list[sp.Expr] = []
         self.speeds: list[sp.Expr] = []
         self.rates: Rule = {}
-        self.accelerations: dict[sp.Expr, sp.Symbol] = {}
+        self.accelerations: AccelerationSymbols = {}
         self.pseudo: list[Pseudo] = []
         self.quaternions: list[Scalars] = []
         self.inputs: dict[sp.Symbol, sp.Expr | None] = {}

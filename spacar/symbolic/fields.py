@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from spacar.symbolic.beam_shapes import X, product_integral, weighted_integral
-from spacar.symbolic.unit_vectors import TIME, ByExpression, Rule, Scalars
+from spacar.symbolic.unit_vectors import TIME, AccelerationSymbols, ByExpression, Rule, Scalars
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,10 +46,10 @@ class Field:
         """∫ energy density dx of the assumed field [J]."""
         n = self.order
         pairs = [(q, psi.diff(X, n)) for q, psi in zip(self.coordinates, self.shapes, strict=True)]
-        total = [p * q * weighted_integral(self.stiffness, f, g, X, length) for p, f in pairs for q, g in pairs]
+        total = [p * q * weighted_integral(self.stiffness, f, g, length) for p, f in pairs for q, g in pairs]
         return sp.Add(*total) / 2
 
-    def substitution(self, accelerations: dict[sp.Expr, sp.Symbol]) -> Rule:
+    def substitution(self, accelerations: AccelerationSymbols) -> Rule:
         """u, u_t, u_tt and their derivatives to x in terms of φ, dφ and the acceleration symbols."""
         rule: Rule = {}
         levels = (self.coordinates, self.speeds, tuple(accelerations[s] for s in self.speeds))
@@ -76,7 +76,7 @@ class Pseudo:
         """s' = Σ g_k dφ_k for {φ_k: dφ_k}."""
         return sp.Add(*(g * speeds[q] for q, g in self.gradient.items()))
 
-    def acceleration(self, speeds: ByExpression, accelerations: dict[sp.Expr, sp.Symbol]) -> sp.Expr:
+    def acceleration(self, speeds: ByExpression, accelerations: AccelerationSymbols) -> sp.Expr:
         """ṡ' = Σ g_k dφ̇_k + bias."""
         return sp.Add(*(g * accelerations[speeds[q]] for q, g in self.gradient.items()), self.bias(speeds))
 
@@ -100,7 +100,7 @@ class Foreshortening:
             slopes = [psi.diff(X) for psi in f.shapes]
             for i, p in enumerate(f.coordinates):
                 for j, q in enumerate(f.coordinates[: i + 1]):
-                    value = product_integral(slopes[i], slopes[j], X, self.length, x)
+                    value = product_integral(slopes[i], slopes[j], self.length, x)
                     table[p, q] = table[q, p] = value
         return table
 
@@ -114,7 +114,7 @@ class Foreshortening:
             parts[p].append(q * S)
         return {p: sp.Add(*terms) for p, terms in parts.items()}
 
-    def substitution(self, accelerations: dict[sp.Expr, sp.Symbol]) -> Rule:
+    def substitution(self, accelerations: AccelerationSymbols) -> Rule:
         """w, w_t and w_tt as polynomials in x."""
         w, w_t = self.function, self.function.diff(TIME)
         here = Pseudo(w, w_t, self.value(X), self.gradient(X))

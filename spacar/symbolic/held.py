@@ -22,7 +22,7 @@ from spacar.symbolic.moments import Form, Integrals, collected
 from spacar.symbolic.reference_frames import omega, partial_velocity
 from spacar.symbolic.system_parts import Beam, DistributedLoad, RigidBody
 from spacar.symbolic.transform import DirectionCosines, transform
-from spacar.symbolic.unit_vectors import TIME, ByExpression, Key
+from spacar.symbolic.unit_vectors import TIME, AccelerationSymbols, ByExpression, Key
 from spacar.symbolic.vectors import ZERO, Vector, cross, dot
 
 
@@ -45,7 +45,7 @@ class VectorPart:
     form: Form
 
 
-def beam_functions(beam: Beam, accelerations: dict[sp.Expr, sp.Symbol]) -> dict[sp.Basic, list[tuple[sp.Expr, Form]]]:
+def beam_functions(beam: Beam, accelerations: AccelerationSymbols) -> dict[sp.Basic, list[tuple[sp.Expr, Form]]]:
     """x, u, u_t, u_tt and the shortening w, w_t, w_tt as [(1 or an acceleration, {monomial: function of x})]."""
     one = sp.S.One
     found: dict[sp.Basic, list[tuple[sp.Expr, Form]]] = {X: [(one, {one: X})]}

@@ -47,7 +47,7 @@ class Integrals:
 
     def _pair(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         if (f, g) not in self._pairs:
-            value = weighted_integral(self.weight, f, g, X, self.beam.length)
+            value = weighted_integral(self.weight, f, g, self.beam.length)
             self._pairs[f, g] = self._pairs[g, f] = value
         return self._pairs[f, g]
 

@@ -122,6 +122,10 @@ class Recursion:
                 found.setdefault(s, sp.zeros(3, 1))[i] = value
         return found
 
+    def added(self, partials: Partials, more: Partials) -> Partials:
+        """The sum of partial velocities."""
+        return partials | {s: self.reads(partials.get(s, NOTHING) + column) for s, column in more.items()}
+
     def bias(self, expression: sp.Expr) -> sp.Expr:
         """Time derivative of a velocity expression with all accelerations of independent speeds zero."""
         derivative = rate(expression).xreplace(self.system.rates).xreplace(self.slope_rates).xreplace(self.at_rest)
@@ -155,8 +159,7 @@ class Recursion:
         parent = self.frame(base)
         partials = {r: self.reads(R * W) for r, W in parent.partials.items()}
         w0 = self.reads(R * parent.velocity)
-        for r, column in self.columns(relative).items():
-            partials[r] = self.reads(partials.get(r, NOTHING) + column)
+        partials = self.added(partials, self.columns(relative))
         spin = self.reads(relative)
         al0 = self.reads(R * parent.bias + w0.cross(spin) + relative.applyfunc(self.bias))
         return FrameMotion(partials, self.reads(w0 + spin), al0)
@@ -199,11 +202,8 @@ class Recursion:
         turning = self.frame(here.frame)
         velocity = offset.applyfunc(lambda c: rate(c).xreplace(self.system.rates))
         r, rdot = self.reads(offset), self.reads(velocity)
-        partials = dict(here.partials)
-        for s, W in turning.partials.items():
-            partials[s] = self.reads(partials.get(s, NOTHING) + W.cross(r))
-        for s, column in self.columns(velocity).items():
-            partials[s] = self.reads(partials.get(s, NOTHING) + column)
+        partials = self.added(here.partials, {s: W.cross(r) for s, W in turning.partials.items()})
+        partials = self.added(partials, self.columns(velocity))
         w, al0 = turning.velocity, turning.bias
         wr = self.reads(w.cross(r))
         own = velocity.applyfunc(self.bias)

@@ -19,7 +19,7 @@ import sympy as sp
 from spacar.symbolic.beam_shapes import X, product_integral, weighted_integral
 from spacar.symbolic.fields import Field
 from spacar.symbolic.moments import BeamMoments, Integrals, swing, vee
-from spacar.symbolic.recursion import Recursion, Sums
+from spacar.symbolic.recursion import NOTHING, Recursion, Sums
 from spacar.symbolic.system_parts import Beam
 
 _E1 = sp.Matrix([1, 0, 0])
@@ -30,25 +30,24 @@ def add_beam(recursion: Recursion, beam: Beam, sums: Sums) -> None:
     b = BeamMoments(recursion.table.read, beam)
     root, turning = recursion.point(beam.root, beam.frame), recursion.frame(beam.frame)
     V, W, a0, w, al0 = root.partials, turning.partials, root.bias, turning.velocity, turning.bias
-    nothing = sp.zeros(3, 1)
     rigid = [s for s in sums.speeds if s in V or s in W]
     J = b.reads(swing(b.A))
     for i, r in enumerate(rigid):
-        Vr, Wr = V.get(r, nothing), W.get(r, nothing)
+        Vr, Wr = V.get(r, NOTHING), W.get(r, NOTHING)
         push, twist = b.reads(b.m * Vr + Wr.cross(b.S0)), b.reads(b.S0.cross(Vr) + J * Wr)
         for s in rigid[i:]:
-            sums.add_mass(r, s, push.dot(V.get(s, nothing)) + twist.dot(W.get(s, nothing)))
+            sums.add_mass(r, s, push.dot(V.get(s, NOTHING)) + twist.dot(W.get(s, NOTHING)))
         for q, s in b.speed.items():
             sums.add_mass(r, s, Vr.dot(b.S[q]) + Wr.dot(b.reads(-vee(b.H[q]))))
     wS = b.reads(w.cross(b.S0))
-    St = b.reads(sum((b.speed[q] * S for q, S in b.S.items()), nothing))
+    St = b.reads(sum((b.speed[q] * S for q, S in b.S.items()), NOTHING))
     force = b.m * a0 + al0.cross(b.S0) + w.cross(wS) + 2 * w.cross(St)
     torque = b.S0.cross(a0) + J * al0 + w.cross(b.reads(J * w)) + 2 * swing(b.B) * w
     if b.curved:
         force, torque = force + b.F, torque - vee(b.G)
     force, torque = b.reads(force), b.reads(torque)
     for r in rigid:
-        sums.add_force(r, -V.get(r, nothing).dot(force) - W.get(r, nothing).dot(torque))
+        sums.add_force(r, -V.get(r, NOTHING).dot(force) - W.get(r, NOTHING).dot(torque))
     _field_equations(b, sums, a0, w, al0)
     _section_inertia(recursion, b, sums)
     _distributed(recursion, b, sums)
@@ -77,11 +76,11 @@ def _elastic(b: BeamMoments, f: Field, psi: sp.Expr) -> sp.Expr:
     """Σ_j φ_j ∫EI ψ''ψ_j'' + dφ_j ∫2γ ψ'ψ_j' of one shape, the integrals from Z (see `held.damping_force`)."""
     beam, n, terms = b.beam, f.order, []
     for q, s, other in zip(f.coordinates, f.speeds, f.shapes, strict=True):
-        stiffness = weighted_integral(f.stiffness, psi.diff(X, n), other.diff(X, n), X, beam.length)
+        stiffness = weighted_integral(f.stiffness, psi.diff(X, n), other.diff(X, n), beam.length)
         terms.append(b.read(stiffness) * q)
         if f.kind == "bending" and beam.damping != 0:
             pair = (psi.diff(X), other.diff(X)) if beam.damping_boundary else (-psi, other.diff(X, 2))
-            terms.append(b.read(2 * beam.damping * product_integral(*pair, X, beam.length)) * s)
+            terms.append(b.read(2 * beam.damping * product_integral(*pair, beam.length)) * s)
     return sp.Add(*terms)
 
 

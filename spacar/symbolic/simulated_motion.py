@@ -185,7 +185,7 @@ def simulate(
             "integrator",
         )
     statistics = {
-        "integrator": integrator, "method": INTEGRATORS[integrator], "rtol": rtol, "evaluations": int(solution.nfev),
+        "integrator": integrator, "method": method, "rtol": rtol, "evaluations": int(solution.nfev),
         "jacobians": int(solution.njev), "seconds": time.perf_counter() - began,
         **({"projections": solution.projections} if manifold else {}),
     }  # fmt: skip

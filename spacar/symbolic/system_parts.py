@@ -9,7 +9,7 @@ import sympy as sp
 from spacar.symbolic.beam_shapes import X, integral
 from spacar.symbolic.fields import Field, Foreshortening
 from spacar.symbolic.reference_frames import ReferenceFrame
-from spacar.symbolic.unit_vectors import Rule, Scalars
+from spacar.symbolic.unit_vectors import AccelerationSymbols, Rule, Scalars
 from spacar.symbolic.vectors import ZERO, Dyad, Vector
 
 
@@ -95,7 +95,7 @@ class Beam:
         """What is assumed along it: fields, and their foreshortening."""
         return (*self.fields, self.shortening) if self.shortening else self.fields
 
-    def assumed(self, accelerations: dict[sp.Expr, sp.Symbol]) -> Rule:
+    def assumed(self, accelerations: AccelerationSymbols) -> Rule:
         """The assumed fields in the place of u(x, t) and its derivatives."""
         return {symbol: value for part in self.parts for symbol, value in part.substitution(accelerations).items()}
 

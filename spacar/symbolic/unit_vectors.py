@@ -15,7 +15,6 @@ about a common axis share that unit vector, which is an identity and not a trans
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -31,6 +30,7 @@ TIME = dynamicsymbols._t
 Scalars = tuple[sp.Expr, ...]
 ByExpression = dict[sp.Expr, sp.Expr]  # such as rates by coordinates, derivatives by speeds
 Rule = dict[sp.Basic, sp.Expr]  # what replaces what
+AccelerationSymbols = dict[sp.Expr, sp.Symbol]  # by speeds
 Definitions = dict[sp.Symbol, sp.Expr]  # of Z variables and of steps of a program
 
 
@@ -103,11 +103,8 @@ class UnevaluatedDot(sp.Expr):
         atom.units = units
         return atom
 
-    @property
-    def func(self) -> Callable[..., UnevaluatedDot]:
-        return self._rebuilt
-
-    def _rebuilt(self, *args: sp.Basic) -> UnevaluatedDot:
+    def func(self, *args: sp.Basic) -> UnevaluatedDot:
+        """With these arguments, as SymPy asks for it."""
         if args == self.args:
             return self
         changed = ", ".join(str(old) for old, new in zip(self.args, args, strict=False) if old != new)
