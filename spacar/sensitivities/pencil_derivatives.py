@@ -18,9 +18,9 @@ step in V and B
 with real factors (sensitivity.md section 3). Only their products with the vectors are computed.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, wraps
 
 import numpy as np
 
@@ -33,6 +33,25 @@ from spacar.sensitivities.state_derivatives import StateDerivative
 from spacar.sensitivities.user_terms import UserTerms
 
 REPEATED = 1e-6  # relative distance below which eigenvalues count as one: closer ones have no vectors of their own
+
+Brackets = Callable[["PencilDerivatives", Array, Array], list[Array]]
+
+
+def _between(brackets: Brackets) -> Brackets:
+    """Derivatives of brackets between complex vectors, from those with complex steps between their real and imaginary
+    parts."""
+
+    @wraps(brackets)
+    def derivatives(self: "PencilDerivatives", phi: Array, psi: Array) -> list[Array]:
+        with nothing_lost():
+            if not (np.iscomplexobj(phi) or np.iscomplexobj(psi)):
+                return [b.imag / STEP for b in brackets(self, phi, psi)]
+            found = brackets(self, np.hstack((phi.real, phi.imag)), np.hstack((psi.real, psi.imag)))
+            one = np.eye(phi.shape[1])
+            both = np.vstack((one, 1j * one))
+            return [both.T @ (b.imag / STEP) @ both for b in found]
+
+    return derivatives
 
 
 @dataclass(frozen=True)
@@ -50,21 +69,14 @@ class PencilDerivatives:
         known = self.L.c.user
         return None if known is None else UserTerms(self.dynamics, known, self.state)
 
-    def vibration(self, phi: Array, psi: Array) -> list[Array]:
-        """psi^T dM phi, psi^T dC phi, psi^T dK phi, (m, m) each, with phi, psi (n, m)."""
-        return _between(self._vibration, phi, psi)
-
-    def buckling(self, phi: Array, psi: Array) -> list[Array]:
-        """psi^T dK0 phi, psi^T dG0 phi, (m, m) each; behind the n rows those of the unknowns inside elements
-        (`spacar.linear.internal_unknowns`)."""
-        return _between(self._buckling, phi, psi)
-
     def moved(self, phi: Array) -> Array:
         """dW phi (nx, m)."""
         with nothing_lost():
             return self._solved(self.L.W, phi).imag / STEP
 
-    def _vibration(self, phi: Array, psi: Array) -> list[Array]:
+    @_between
+    def vibration(self, phi: Array, psi: Array) -> list[Array]:
+        """psi^T dM phi, psi^T dC phi, psi^T dK phi, (m, m) each, with phi, psi (n, m)."""
         L, (mass, damping, flow, Me, tangent) = self.L, self._of_vibration
         u, w = self._solved(L.W, phi), self._solved(L.W, psi)
         ue, we = self._strained(u), self._strained(w)
@@ -87,7 +99,10 @@ class PencilDerivatives:
             K = K + self.user.form((we, w), (ue, u, ze, z))
         return [M, C, K]
 
-    def _buckling(self, phi: Array, psi: Array) -> list[Array]:
+    @_between
+    def buckling(self, phi: Array, psi: Array) -> list[Array]:
+        """psi^T dK0 phi, psi^T dG0 phi, (m, m) each; behind the n rows those of the unknowns inside elements
+        (`spacar.linear.internal_unknowns`)."""
         state, n = self.state, len(self.dynamics.numbering.dynamic)
         (phi, inner), (psi, inner_left) = np.split(phi, [n]), np.split(psi, [n])
         u, w = self._solved(self.L.W, phi), self._solved(self.L.W, psi)
@@ -137,17 +152,6 @@ class PencilDerivatives:
         s, e = self.state, self.state.elements
         of_v = e.second("gradient_rate", s.v)
         return of_v, [*e.second("gradient_rate", s.a), *e.second("rate_gradient", s.v)]
-
-
-def _between(brackets: Callable[[Array, Array], Sequence[Array]], phi: Array, psi: Array) -> list[Array]:
-    """Derivatives of brackets between complex vectors, from those between their real and imaginary parts."""
-    with nothing_lost():
-        if not (np.iscomplexobj(phi) or np.iscomplexobj(psi)):
-            return [b.imag / STEP for b in brackets(phi, psi)]
-        found = brackets(np.hstack((phi.real, phi.imag)), np.hstack((psi.real, psi.imag)))
-        one = np.eye(phi.shape[1])
-        both = np.vstack((one, 1j * one))
-        return [both.T @ (b.imag / STEP) @ both for b in found]
 
 
 def product(blocks: Matrices, right: Array, rows: int) -> Array:

@@ -70,7 +70,7 @@ class DiagramEvaluator:
         s, own = self.s, x[self.s.states[b.name]]
         u = s.wiring[s.inputs[b.name]] @ self.y
         if hit and b.n_events:
-            self._switch(b, t, own, u)
+            self._switch(b, t, x, u)
         self.y[s.outputs[b.name]] = b.step(t, u) if b in hit else b.outputs(t, own, u)
 
     def _loop(self, t: float, x: Array, group: Group, settling: bool) -> None:
@@ -83,12 +83,12 @@ class DiagramEvaluator:
         self.loops += group.solve(t, self.y, self.s.wiring, sweep)
         for b in group.blocks if settling else ():
             u = self.s.wiring[self.s.inputs[b.name]] @ self.y
-            if b.n_events and self._switch(b, t, x[self.s.states[b.name]], u):
+            if b.n_events and self._switch(b, t, x, u):
                 group.jacobian = None  # solved anew in the next turn of `settle`
 
     def _switch(self, b: Block, t: float, x: Array, u: Array) -> bool:
-        """Let a block choose its mode. True when it was another one before."""
-        switched = b.switch(t, x, u)
+        """Let a block choose its mode, for all states and its own inputs. True when it was another one before."""
+        switched = b.switch(t, x[self.s.states[b.name]], u)
         self.stale |= switched and b.affine() is not None
         return switched
 
@@ -103,7 +103,7 @@ class DiagramEvaluator:
                 self.plan, self.stale = Plan(self.s), False
             u = self.watch(t, x)
             for b, group in self.settling:
-                if self._switch(b, t, x[self.s.states[b.name]], u[self.s.inputs[b.name]]):
+                if self._switch(b, t, x, u[self.s.inputs[b.name]]):
                     if group is not None:
                         group.jacobian = None
                     break
