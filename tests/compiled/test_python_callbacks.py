@@ -228,7 +228,7 @@ def test_questions_leave_nothing_behind(tmp_path: Path) -> None:
     ):
         made = evaluator(model(tmp_path, body))
         solver, slots = made.solver, made.solver.slots
-        told = slots.asking.law.told
+        arguments = slots.asking.law.arguments
         made._y[:] = 0.0
 
         def many(n: int, made: CompiledDynamics = made) -> None:
@@ -239,10 +239,10 @@ def test_questions_leave_nothing_behind(tmp_path: Path) -> None:
 
         many(500)
         gc.collect()
-        counts, blocks = [sys.getrefcount(o) for o in (*told, float, list, tuple)], sys.getallocatedblocks()
+        counts, blocks = [sys.getrefcount(o) for o in (*arguments, float, list, tuple)], sys.getallocatedblocks()
         many(20_000)
         gc.collect()
-        after = [sys.getrefcount(o) for o in (*told, float, list, tuple)]
+        after = [sys.getrefcount(o) for o in (*arguments, float, list, tuple)]
         assert max(abs(a - b) for a, b in zip(after, counts, strict=True)) < 50, body
         assert abs(sys.getallocatedblocks() - blocks) < 500, body
         assert slots is solver.slots

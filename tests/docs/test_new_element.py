@@ -252,6 +252,7 @@ def lines_of_elements(deck: spacar.Deck) -> int:
         count += event == "line"
         return trace
 
+    before = sys.gettrace()  # of coverage
     sys.settrace(trace)
     try:
         sweep.strain(m.x0)
@@ -259,7 +260,7 @@ def lines_of_elements(deck: spacar.Deck) -> int:
         sweep.convective(v)
         sweep.inertia_force(v, v)
     finally:
-        sys.settrace(None)
+        sys.settrace(before)
     return count
 
 
