@@ -24,7 +24,7 @@ from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.simulation.blocks import Sampled, fitting
 from spacar.simulation.control_blocks import PID, canonical
-from spacar.simulation.switching_blocks import Numbers, limits
+from spacar.simulation.switching_blocks import Numbers, limits, spread
 
 
 def zero_order_hold(name: str, period: float, size: int = 1, offset: float = 0.0) -> Sampled:
@@ -33,8 +33,8 @@ def zero_order_hold(name: str, period: float, size: int = 1, offset: float = 0.0
 
 
 def unit_delay(name: str, period: float, size: int = 1, initial: Numbers = 0.0, offset: float = 0.0) -> Sampled:
-    """y_k = u_(k-1), at first `initial`."""
-    start = np.broadcast_to(np.asarray(initial, float), (size,))
+    """y_k = u_(k-1), at first `initial`. Raises UsageError for another number of these."""
+    (start,) = spread(name, "initial values", "simulation.size", size, initial)
     return Sampled(name, lambda t, x, u: (x, u), period, size, size, y0=start, offset=offset, delay=True)  # type: ignore[arg-type]
 
 
@@ -74,7 +74,7 @@ def sampled_rate_limiter(
     down, up = limits(name, -np.asarray(rising if falling is None else falling, float), rising, size)
     if not (np.all(down < 0.0) and np.all(up > 0.0)):
         raise UsageError(f"{name}: the rates must be positive", "simulation.limits")
-    start = np.broadcast_to(np.asarray(initial, float), (size,)).copy()
+    (start,) = spread(name, "initial values", "simulation.size", size, initial)
 
     def follow(t: float, y: Array, u: Array) -> tuple[Array, Array]:
         new = y + np.clip(u - y, down * period, up * period)

@@ -15,7 +15,7 @@ from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.integrators import Tolerance
 from spacar.simulation.blocks import NONE, Block
-from spacar.simulation.switching_blocks import Numbers
+from spacar.simulation.switching_blocks import Numbers, spread
 
 NODES = np.sin(0.25 * np.pi * np.arange(-2.0, 3.0))  # in [-1, 1]
 WEIGHTS = np.array([0.5, -1.0, 1.0, -1.0, 0.5])  # barycentric weights of these nodes
@@ -24,14 +24,14 @@ MOST_HALVES = 30  # halvings of a step
 
 
 class TransportDelay(Block):
-    """y(t) = u(t - lag). Raises UsageError for a lag (s) that is not positive."""
+    """y(t) = u(t - lag). Raises UsageError for a lag (s) that is not positive, or another number of `initial`."""
 
     def __init__(self, name: str, lag: float, initial: Numbers = 0.0, size: int = 1) -> None:
         super().__init__(name, size, size)
         if not 0.0 < lag < np.inf:
             raise UsageError(f"{name}: the delay must be positive, not {lag}", "simulation.delay")
         self.lag = float(lag)
-        self.initial = np.broadcast_to(np.asarray(initial, float), (size,)).copy()
+        (self.initial,) = spread(name, "initial values", "simulation.size", size, initial)
         self.direct = np.zeros(size, bool)
         self.start()
 

@@ -1,5 +1,7 @@
 """Blocks of a controller against closed forms, scipy.signal and difference equations written out."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from scipy import signal
@@ -118,6 +120,12 @@ def test_modes_without_a_consistent_choice():
     d = chain(sim.Constant("c", 0.5), sim.Relay("y", 0.0, 0.0), sim.Integrator("x")).connect("y", "y", -1.0)
     with pytest.raises(AnalysisError, match="the modes of y do not settle at t = 0"):
         sim.simulate(d, TIMES)
+
+
+@pytest.mark.parametrize("block", [sim.unit_delay, partial(sim.sampled_rate_limiter, rising=1.0), sim.TransportDelay])
+def test_initial_values_are_one_for_each_signal(block):
+    with pytest.raises(UsageError, match="b: initial values are one number or 2, one for each signal"):
+        block("b", 0.1, initial=[1.0, 2.0, 3.0], size=2)
 
 
 # -- continuous controllers ---------------------------------------------------------------------------------------
