@@ -48,9 +48,8 @@ class BodyInertia:
         n = self.numbering = mechanism.numbering
         self.origin = origin
         self.d, self.turns = (2, 1) if n.planar else (3, 3)
-        self.sweep = ElementSweep(mechanism)
+        self.sweep = ElementSweep.at(mechanism)
         self.sweep.constant_mass()
-        self.sweep.strain(mechanism.x0)
         self.sweep.mass()
         nodes = np.flatnonzero(n.roles)
         bodies = body_of[nodes]

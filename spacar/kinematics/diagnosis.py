@@ -99,11 +99,11 @@ class Diagnosis:
         return lines
 
 
-def diagnose(mechanism: Mechanism, sweep: ElementSweep, x: Array | None = None) -> Diagnosis:
-    """Analyse the constraints at the configuration x (None: that of reference), where the sweep is."""
+def diagnose(mechanism: Mechanism, x: Array | None = None) -> Diagnosis:
+    """Analyse the constraints at the configuration x (None: that of reference)."""
     numbering = mechanism.numbering
     rows, columns = numbering.velocity_equations, numbering.velocity_unknowns
-    null_rows, null_columns, s, condition = _decomposed(mechanism, sweep, rows, columns)
+    null_rows, null_columns, s, condition = _decomposed(mechanism, ElementSweep.at(mechanism, x), rows, columns)
     over, under = null_rows.shape[1], null_columns.shape[1]
     regular = not over and not under
     allowed = ~np.isin(columns, numbering.euler[0])  # lambda0 is no degree of freedom: the normalization determines it

@@ -58,6 +58,13 @@ class ElementSweep:
         self.e_of, self.branch_of, self.h_of = (_views(u, layout.e) for u in (self._e, self._branch, self._h))
         self.f_of = _views(self._f, layout.f)
 
+    @classmethod
+    def at(cls, mechanism: Mechanism, x: Array | None = None) -> ElementSweep:
+        """A sweep at the configuration x (nx,), that of reference by default."""
+        made = cls(mechanism)
+        made.strain(mechanism.x0 if x is None else x)
+        return made
+
     # -- kinematics ---------------------------------------------------------------------------------------------
     def strain(self, x: Array) -> None:
         """D(x) into `e`, V into `entries`; keeps the configurations for the calls below."""

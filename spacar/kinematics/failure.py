@@ -26,9 +26,7 @@ LARGEST_DIAGNOSED = 1000  # unknowns; a singular value decomposition of more wou
 
 
 def count_failure(kinematics: ConstraintMatrices) -> AnalysisError:
-    mechanism = kinematics.mechanism
-    kinematics.sweep.strain(mechanism.x0)
-    diagnosis = diagnose(mechanism, kinematics.sweep)
+    diagnosis = diagnose(kinematics.mechanism)
     rows, columns = diagnosis.n_rows, diagnosis.n_columns
     if rows == columns:
         rows, columns = len(kinematics.h), len(kinematics.c)
@@ -50,7 +48,7 @@ def explained(kinematics: ConstraintMatrices, x: Array, *about: Any) -> Analysis
 
 
 def singular_failure(kinematics: ConstraintMatrices, x: Array, error: SingularMatrixError) -> AnalysisError:
-    diagnosis = diagnose(kinematics.mechanism, kinematics.sweep, x)
+    diagnosis = diagnose(kinematics.mechanism, x)
     text = (
         f"the position cannot be determined: {error}; {_candidates(diagnosis)};"
         " choose other degrees of freedom, or the mechanism is in a singular position"
@@ -92,7 +90,7 @@ def position_failure(
         )
         return AnalysisError(text, "position.singular", iterations=iteration, history=history)
     if smallest < NEARLY * largest:
-        found = _singular_choice(kinematics, x)
+        found = _singular_choice(kinematics.mechanism)
         if found:
             return AnalysisError(found, "position.singular", iterations=iteration, history=history)
     text = (
@@ -104,14 +102,11 @@ def position_failure(
     return AnalysisError(text, "position.no-convergence", iterations=iteration, history=history)
 
 
-def _singular_choice(kinematics: ConstraintMatrices, x: Array) -> str:
+def _singular_choice(mechanism: Mechanism) -> str:
     """The cause in words, when the choice of degrees of freedom is singular at the reference configuration already;
     otherwise "".
     """
-    mechanism, sweep = kinematics.mechanism, kinematics.sweep
-    sweep.strain(mechanism.x0)
-    diagnosis = diagnose(mechanism, sweep, mechanism.x0)
-    sweep.strain(x)
+    diagnosis = diagnose(mechanism)
     if not (diagnosis.over or diagnosis.under):
         return ""
     return (
@@ -177,10 +172,10 @@ def other_release(mechanism: Mechanism, x: Array) -> str:
     rows, columns, first = n.velocity_equations, n.velocity_unknowns, n.x_class["fixed"].stop
     if len(rows) > LARGEST_DIAGNOSED:
         return ""
-    sweep, gradients = ElementSweep(mechanism), []
-    for at in (mechanism.x0, x):
-        sweep.strain(at)
-        gradients.append(sweep.gradient() * mechanism.scale / mechanism.deformation_scale[:, None])
+    gradients = [
+        ElementSweep.at(mechanism, at).gradient() * mechanism.scale / mechanism.deformation_scale[:, None]
+        for at in (mechanism.x0, x)
+    ]
     fixed = np.arange(n.e_class["fixed"].start, n.normalized.start)
     best = POOR, -1, -1
     for r in range(n.e_class["dynamic"].stop, n.ne):

@@ -22,9 +22,8 @@ def check(run: Run) -> Iterator[Sequence[Frame]]:
     """One frame with `bigd`; the diagnosis goes to the report and, as a record, to header['diagnosis']."""
     mechanism = run.mechanism
     n = mechanism.numbering
-    sweep = ElementSweep(mechanism)
-    sweep.strain(mechanism.x0)
-    diagnosis = _large_and_regular(mechanism) or diagnose(mechanism, sweep)
+    sweep = ElementSweep.at(mechanism)
+    diagnosis = _large_and_regular(mechanism) or diagnose(mechanism)
     run.n_frames = 1
     run.header["condition"] = diagnosis.condition
     run.header["diagnosis"] = diagnosis

@@ -11,7 +11,6 @@ from spacar.deck import Deck
 from spacar.deck.rewrite.released_text import released
 from spacar.kinematics.advice import KEEPS, OverconstraintPart
 from spacar.kinematics.diagnosis import Diagnosis, diagnose
-from spacar.kinematics.element_sweep import ElementSweep
 from spacar.mechanism import build
 
 ROUNDS = 3
@@ -39,19 +38,12 @@ def release(deck: Deck) -> Release:
     """
     deck = deck.origin or deck
     parts: list[OverconstraintPart] = []
-    found = _diagnose(deck)
+    found = diagnose(build(deck, 0))
     for _ in range(ROUNDS):
         chosen = [p for p in found.advice if p.effect in KEEPS]
         if not chosen:
             break
         parts += chosen
         deck = released(deck, [(p.element, p.mode) for p in chosen])
-        found = _diagnose(deck)
+        found = diagnose(build(deck, 0))
     return Release(deck, tuple(parts), found)
-
-
-def _diagnose(deck: Deck) -> Diagnosis:
-    mechanism = build(deck, 0)
-    sweep = ElementSweep(mechanism)
-    sweep.strain(mechanism.x0)
-    return diagnose(mechanism, sweep)

@@ -14,13 +14,12 @@ probability one).
 
 from __future__ import annotations
 
-from math import sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spacar.arrays import EPS, Array, Index
-from spacar.kinematics.constraint_matrices import entries_of, scaled_difference_matrix
+from spacar.arrays import Array, Index
+from spacar.kinematics.constraint_matrices import ZERO, entries_of, scaled_difference_matrix
 from spacar.kinematics.element_sweep import ElementSweep, geometric_blocks
 from spacar.kinematics.null_space import LARGEST_DECOMPOSED, norm_estimate, null_space, on_null_space
 from spacar.mechanism.mechanism import Mechanism
@@ -29,7 +28,6 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 MORE_MOTIONS = 8  # random motions beyond the number of stresses
-ZERO = sqrt(EPS)
 
 
 def redundancies(mechanism: Mechanism, rows: Index, x: Array | None = None) -> Array:
@@ -39,8 +37,7 @@ def redundancies(mechanism: Mechanism, rows: Index, x: Array | None = None) -> A
     test is left out, because slips have no second derivative of their own.
     """
     n = mechanism.numbering
-    sweep = ElementSweep(mechanism)
-    sweep.strain(mechanism.x0 if x is None else x)
+    sweep = ElementSweep.at(mechanism, x)
     moving = np.arange(n.x_class["fixed"].stop, n.nx)
     large = max(len(rows), len(moving)) > LARGEST_DECOMPOSED
     if large:
