@@ -43,9 +43,7 @@ def deformation_transfer(k: Kinematics, W: Array, V: Matrix) -> Array:
     n = k.numbering
     We = np.zeros((n.ne, n.ndof))
     We[n.q_e, len(n.q_x) + np.arange(len(n.q_e))] = 1.0
-    given = np.zeros(n.ne, bool)
-    given[k.E] = True
-    others = np.flatnonzero(~given)
+    others = np.delete(np.arange(n.ne), k.E)
     if len(others):
         We[others] = V[others] @ W
     return We
@@ -82,15 +80,21 @@ def configuration_transfer(k: Kinematics, W: Array | None = None) -> Array:
 
 def second_order_transfer(k: Kinematics, G: Array) -> tuple[Array, Array]:
     """d2x (nx, nkdof, nkdof) and d2e (ne, nkdof, nkdof) at the present configuration; nan where G is (a dead point)."""
-    size = G.shape[1]
+    return _completed(k, G, np.einsum("eij,ia,jb->eab", gradient_tensor(k), G, G, optimize=True))
+
+
+def _completed(k: Kinematics, G: Array, curved: Array) -> tuple[Array, Array]:
+    """Derivatives (nx, n, ...) and (ne, n, ...) from what e has of lower ones, `curved`; nan where G is (a dead
+    point)."""
+    n, m, size = len(curved), k.numbering.nx, curved.shape[1:]
+    flat = curved.reshape(n, G.shape[1] ** len(size))
+    dx = np.zeros((m, flat.shape[1]))
     if np.isnan(G).any():
-        return np.full((k.numbering.nx, size, size), np.nan), np.full((k.numbering.ne, size, size), np.nan)
-    H = gradient_tensor(k)
-    curvature = np.einsum("eij,ia,jb->eab", H, G, G, optimize=True).reshape(len(H), size * size)
-    d2x = np.zeros((k.numbering.nx, size * size))
-    d2x[k.c] = k.position_system.solve(-curvature[k.h])
-    d2e = curvature + k.sweep_rates(d2x)
-    return d2x.reshape(len(d2x), size, size), d2e.reshape(len(d2e), size, size)
+        flat, dx = flat + np.nan, dx + np.nan
+    else:
+        dx[k.c] = k.position_system.solve(-flat[k.h])
+        flat = flat + k.sweep_rates(dx)
+    return dx.reshape(m, *size), flat.reshape(n, *size)
 
 
 def gradient_tensor(k: Kinematics) -> Array:
@@ -110,10 +114,7 @@ def gradient_tensor(k: Kinematics) -> Array:
 def third_order_transfer(k: Kinematics, G: Array, d2x: Array) -> tuple[Array, Array]:
     """d3x (nx, n, n, n) and d3e (ne, n, n, n) from G (nx, n) and d2x (nx, n, n) at the present configuration, as
     above."""
-    n, ne, nx = G.shape[1], k.numbering.ne, k.numbering.nx
-    if np.isnan(G).any():
-        return np.full((nx, n, n, n), np.nan), np.full((ne, n, n, n), np.nan)
-    H = gradient_tensor(k)
+    n, H = G.shape[1], gradient_tensor(k)
     HG = np.einsum("eij,jc->eic", H, G)  # H is symmetric in i, j for holonomic rows
     mixed = np.einsum("eic,iab->eabc", HG, d2x, optimize=True)
     bracket = mixed + mixed.transpose(0, 3, 1, 2) + mixed.transpose(0, 2, 3, 1)
@@ -123,11 +124,7 @@ def third_order_transfer(k: Kinematics, G: Array, d2x: Array) -> tuple[Array, Ar
             bracket[:, a, b] += third
             if b != a:
                 bracket[:, b, a] += third
-    flat = bracket.reshape(ne, n**3)
-    d3x = np.zeros((nx, flat.shape[1]))
-    d3x[k.c] = k.position_system.solve(-flat[k.h])
-    d3e = flat + k.sweep_rates(d3x)
-    return d3x.reshape(nx, n, n, n), d3e.reshape(ne, n, n, n)
+    return _completed(k, G, bracket)
 
 
 def _rate_gradient(k: Kinematics, v: Array) -> Array:
