@@ -200,12 +200,8 @@ class LeftOut:
         """The frames of the whole mechanism."""
         if not isinstance(block, FramesInRows):
             return tuple(map(self._frame, block))
-        m = self.reduced.numbering
-        steps, split = len(block), 6 * m.nx
-        x = block.rows[:, :split].reshape(steps, 6, m.nx)
-        e = block.rows[:, split : split + 4 * m.ne].reshape(steps, 4, m.ne)
-        lost = [self._lost(found) for found in block.lost]
-        made = FramesInRows(block.t, self._rows(x, e), (self.n.nx, self.n.ne), lost)
+        rows = self._rows(*_fields(block.rows, self.reduced.numbering))
+        made = FramesInRows(block.t, rows, (self.n.nx, self.n.ne), list(map(self._lost, block.lost)))
         made.statistics = block.statistics
         return made
 
@@ -213,8 +209,7 @@ class LeftOut:
         """X_FIELDS and E_FIELDS of the whole, (steps, 6 nx + 4 ne); x (steps, 6, nx), e (steps, 4, ne) reduced."""
         n, steps = self.n, len(x)
         rows = np.zeros((steps, 6 * n.nx + 4 * n.ne))
-        X = rows[:, : 6 * n.nx].reshape(steps, 6, n.nx)
-        S = rows[:, 6 * n.nx :].reshape(steps, 4, n.ne)
+        X, S = _fields(rows, n)
         X[:, :, self.x_kept[0]] = x[:, :, self.x_kept[1]]
         S[:, :, self.e_kept[0]] = e[:, :, self.e_kept[1]]
         S[:, 0, self.deformed[0]] = self.deformed[1]
@@ -240,12 +235,10 @@ class LeftOut:
         return {self.row_of.get(row, row): text for row, text in found.items()}
 
     def _frame(self, f: Frame) -> Frame:
-        n = self.n
-        x, e = np.array([(f.x, f.xd, f.xdd, f.fx, f.fxgrav, f.fxtot)]), np.array([(f.e, f.ed, f.edd, f.sig)])
-        row = self._rows(x, e)[0]
-        of_x, of_e = row[: 6 * n.nx].reshape(6, n.nx), row[6 * n.nx :].reshape(4, n.ne)
-        made = replace(f, lost=self._lost(f.lost), log=dict(f.log), **dict(zip(X_FIELDS, of_x, strict=True)))
-        made = replace(made, **dict(zip(E_FIELDS, of_e, strict=True)))
+        x, e = (np.array([[getattr(f, name) for name in names]]) for names in (X_FIELDS, E_FIELDS))
+        X, S = _fields(self._rows(x, e), self.n)
+        whole = dict(zip((*X_FIELDS, *E_FIELDS), (*X[0], *S[0]), strict=True))
+        made = replace(f, lost=self._lost(f.lost), log=dict(f.log), **whole)
         motion = self.masters.motion(x)
         for name in ("dx", "dxc", "de", "dec"):
             given = getattr(f, name)
@@ -280,6 +273,12 @@ class LeftOut:
         if of_x:
             motion.put_transfer(out, given)
         return out
+
+
+def _fields(rows: Array, n: Numbering) -> tuple[Array, Array]:
+    """X_FIELDS (steps, 6, nx) and E_FIELDS (steps, 4, ne) where they stand in rows of them."""
+    steps, split = len(rows), 6 * n.nx
+    return rows[:, :split].reshape(steps, 6, n.nx), rows[:, split : split + 4 * n.ne].reshape(steps, 4, n.ne)
 
 
 def _common(whole: Index, part: Index) -> tuple[Index, Index]:
