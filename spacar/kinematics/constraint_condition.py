@@ -15,7 +15,6 @@ from spacar.arrays import Array
 from spacar.kinematics.constraint_matrices import Entries, entries_of, scaled_difference_matrix
 from spacar.kinematics.kinematics import Kinematics
 from spacar.mechanism.mechanism import Mechanism
-from spacar.mechanism.numbering import places_in
 
 ESTIMATED_FROM = 150
 STEPS = 40  # of the bidiagonalization, at most
@@ -44,11 +43,9 @@ def of_scaled(D: Array) -> float:
 
 
 def _estimate(k: Kinematics) -> float:
-    sweep, n = k.sweep, len(k.E)
-    part = k.of_velocity.take
-    i, j = places_in(sweep.ne, k.E)[sweep.v_rows[part]], places_in(sweep.nx, k.U)[sweep.v_columns[part]]
-    r, c = k.mechanism.deformation_scale[k.E], k.mechanism.scale[k.U]
-    D, system = sweep.v_entries[part] * c[j] / r[i], k.velocity_system
+    _, _, take, i, j, _ = k.of_velocity
+    n, system, r, c = len(k.E), k.velocity_system, k.mechanism.deformation_scale[k.E], k.mechanism.scale[k.U]
+    D = k.sweep.v_entries[take] * c[j] / r[i]
     size = _largest(lambda x: np.bincount(i, D * x[j], n), lambda y: np.bincount(j, D * y[i], n), n)
     inverse = _largest(lambda y: system.solve(y * r) / c, lambda x: system.solve_transposed(x / c) * r, n)
     return size * inverse

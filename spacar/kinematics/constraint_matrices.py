@@ -40,11 +40,13 @@ ROUNDING = 64.0 * EPS  # of the scaled residual, per unit of the numbers that en
 
 
 class MatrixPart(NamedTuple):
-    """Rows and columns of V, where its entries are in the sweep, and their linear system."""
+    """Rows and columns of V, where its entries are in the sweep, their places (i, j), and their linear system."""
 
     rows: Index
     columns: Index
     take: Index
+    i: Index
+    j: Index
     system: LinearSystem
 
 
@@ -89,7 +91,8 @@ class ConstraintMatrices:
         n, sweep = self.numbering, self.sweep
         r, c = places_in(n.ne, rows)[sweep.v_rows], places_in(n.nx, columns)[sweep.v_columns]
         take = np.flatnonzero((r >= 0) & (c >= 0))
-        return MatrixPart(rows, columns, take, assemble(len(rows), r[take], c[take], self.kind))
+        i, j = r[take], c[take]
+        return MatrixPart(rows, columns, take, i, j, assemble(len(rows), i, j, self.kind))
 
     @property
     def is_factored(self) -> bool:
