@@ -83,8 +83,7 @@ def is_doubtful(mechanism: Mechanism, M: Array, condition: float, largest: float
 
 def largest_mass(mechanism: Mechanism, sweep: ElementSweep) -> float:
     """Largest diagonal entry of M in the sizes of the coordinates, kg m^2, at the configuration of the sweep."""
-    on = np.flatnonzero(sweep.m_rows == sweep.m_columns)
-    return _largest(mechanism, np.bincount(sweep.m_rows[on], sweep.m_entries[on], sweep.nx))
+    return _largest(mechanism, sweep.mass_diagonal())
 
 
 def _largest(mechanism: Mechanism, diagonal: Array) -> float:

@@ -54,32 +54,27 @@ class SaddlePoint:
             columns.append(b[self.coupled])
         i, j = np.concatenate(rows), np.concatenate(columns)
         self.system = assemble(nf + self.n_rows, i, j, kind, nf)
-        self.scale = self._scale(mechanism)
+        self.scale = self._scale(mechanism, v)
         self.weights = self.scale[i] * self.scale[j]
         self.rhs = np.zeros(nf + self.n_rows)
 
-    def _scale(self, mechanism: Mechanism) -> Array:
-        """Factors of rows and columns, (n,): unit diagonal of M, constraint rows of norm 1 at the first configuration.
+    def _scale(self, mechanism: Mechanism, v: Index) -> Array:
+        """Factors of rows and columns, (n,): unit diagonal of M, constraint rows (entries `v`) of norm 1 at the first
+        configuration.
 
         The four Euler parameters of a node share one factor, because their mass moves from one to the other as the node
         turns. A coordinate without mass gets the factor of an average mass, so that positions and rotations compare.
         """
-        sweep, nf = self.sweep, len(self.F)
-        diagonal = np.zeros(sweep.nx)
-        on = sweep.m_rows == sweep.m_columns
-        np.add.at(diagonal, sweep.m_rows[on], sweep.m_entries[on])
+        sweep = self.sweep
+        diagonal = sweep.mass_diagonal()
         lambdas = mechanism.numbering.lnp[mechanism.numbering.normalization[:, 0] - 1] - 1
         diagonal[lambdas] = diagonal[lambdas].mean(axis=1, keepdims=True)
         size = mechanism.scale
         heavy = diagonal > 0.0
         average = np.exp(np.mean(np.log(diagonal[heavy] * size[heavy] ** 2))) if heavy.any() else 1.0
         x = np.where(heavy, 1.0 / np.sqrt(np.where(heavy, diagonal, 1.0)), size / np.sqrt(average))
-        free = np.zeros(sweep.nx, bool)
-        free[self.F] = True
-        rows = (sweep.v_rows < self.n_rows) & free[sweep.v_columns]
-        entries = sweep.v_entries[rows] * x[sweep.v_columns[rows]]
-        norm = np.sqrt(np.bincount(sweep.v_rows[rows], entries**2, max(self.n_rows, 1)))[: self.n_rows]
-        return np.concatenate((x[self.F], 1.0 / np.where(norm > 0.0, norm, 1.0)))[: nf + self.n_rows]
+        norm = np.sqrt(np.bincount(sweep.v_rows[v], (sweep.v_entries[v] * x[sweep.v_columns[v]]) ** 2, self.n_rows))
+        return np.concatenate((x[self.F], 1.0 / np.where(norm > 0.0, norm, 1.0)))
 
     def factor(self) -> None:
         """Assemble and factor at the sweep's configuration. Raises SingularMatrixError."""

@@ -128,6 +128,11 @@ class ElementSweep:
             self.configuration[b.index] = b.family.strain(x, empty, empty, empty[:, None])
         return self.configuration[b.index]
 
+    def mass_diagonal(self) -> Array:
+        """Diagonal of M, (nx,)."""
+        on = np.flatnonzero(self.m_rows == self.m_columns)
+        return np.bincount(self.m_rows[on], self.m_entries[on], self.nx)
+
     def mass_times(self, a: Array) -> Array:
         """M a, (nx,)."""
         return np.bincount(self.m_rows, self.m_entries * a[self.m_columns], self.nx)
