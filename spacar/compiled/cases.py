@@ -14,12 +14,12 @@ import numpy as np
 
 from spacar.arrays import Array
 from spacar.compiled.compiled_model import DOUBTFUL_MASS, FAR_AWAY, CompiledModel, State
-from spacar.compiled.compiled_stepper import CompiledStepper
+from spacar.compiled.compiled_stepper import CompiledStepper, StepMonitor
 from spacar.compiled.library import lanes_of_processor
 from spacar.compiled.numbers import Numbers
 from spacar.compiled.output_block import BatchOutputBlock, not_followed
 from spacar.dynamics.limits import Wheels
-from spacar.dynamics.loaded_mechanism import NEVER, Accepted, LoadedMechanism, Moving, unexplained
+from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, unexplained
 from spacar.dynamics.mass_check import is_checked, is_doubtful
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import HALF_TURN, HalfTurns
@@ -36,7 +36,7 @@ class PlacedStart:
     largest: float
 
 
-class InLanes:
+class InLanes(StepMonitor):
     """One block of cases; a `RightHandSide`, and the `StepMonitor` of its own steps: C looks at them.
 
     numbers, start (cases, components)   of every lane
@@ -44,7 +44,6 @@ class InLanes:
     """
 
     blocks = None  # but for the steps, which `stepper` makes
-    look, back, half, inside, wide, far, capacity, n = NEVER, True, 0.0, 0.0, 0.0, 0.0, 2, 0
 
     def __init__(
         self, model: LoadedMechanism, scale: Array, numbers: Numbers, start: Array, drives: Sequence[Drive] = (),
@@ -132,18 +131,6 @@ class InLanes:
     def stepper(self) -> CompiledStepper:
         """Steps through all outputs, each of which is evaluated; of one block after the other."""
         return CompiledStepper(self, self, self.output_block)
-
-    def closer(
-        self, t: float, y: Array, peak: float, before: list[Accepted] | None
-    ) -> tuple[float, bool, Accepted | None]:
-        """Nothing to do here: C looks at the steps itself."""
-        return peak, False, None
-
-    def started(self, t: float, y: Array) -> None:
-        """Nothing to do here: C looks at the steps itself."""
-
-    def passed(self, last: Callable[[int], list[Accepted]]) -> None:
-        """Nothing is kept: outputs are placed from the output before."""
 
     # -- steps in Python: other codes -----------------------------------------------------------------------------
     def accepted(self, t: float, y: Array) -> None:

@@ -29,7 +29,7 @@ from spacar.compiled.methods_in_c import (
     vector,
 )
 from spacar.compiled.output_block import SUSPECT, BatchOutputBlock, OutputBlock, not_followed
-from spacar.dynamics.loaded_mechanism import ALWAYS, NOISE, SHARE, STILL, Accepted, Moving
+from spacar.dynamics.loaded_mechanism import ALWAYS, NEVER, NOISE, SHARE, STILL, Accepted, Moving
 from spacar.errors import AnalysisError
 from spacar.integrators.adams import Adams
 from spacar.integrators.failures import LAST_STRETCH, MAX_REDUCTIONS, REDUCTION, not_evaluated, step_too_small
@@ -44,16 +44,17 @@ ASK = ctypes.CFUNCTYPE(INTEGER, NUMBER, POINTER, POINTER)
 
 
 class StepMonitor(Protocol):
-    """Who looks at accepted steps (`spacar.forward.driver`). Of determinants there are logarithms."""
+    """Who looks at accepted steps (`spacar.forward.driver`); as it is here nobody does. Of determinants there are
+    logarithms."""
 
-    look: int  # which of them: NEVER, AT_DETERMINANTS, AT_VELOCITIES, ALWAYS
-    back: bool  # whether the state goes back to the last accepted step after a rejected one
-    half: float  # a minimum of the determinant below its last maximum that is looked at
-    inside: float  # the same of a state inside a step below both of its ends
-    wide: float  # the same of a state below the larger end of a step in which a coordinate goes beyond `far`
-    far: float  # rad, or lengths of the model
-    capacity: int  # how many steps are remembered
-    n: int  # steps since the last output, which is counted on here
+    look: int = NEVER  # which of them: NEVER, AT_DETERMINANTS, AT_VELOCITIES, ALWAYS
+    back: bool = True  # whether the state goes back to the last accepted step after a rejected one
+    half: float = 0.0  # a minimum of the determinant below its last maximum that is looked at
+    inside: float = 0.0  # the same of a state inside a step below both of its ends
+    wide: float = 0.0  # the same of a state below the larger end of a step in which a coordinate goes beyond `far`
+    far: float = 0.0  # rad, or lengths of the model
+    capacity: int = 2  # how many steps are remembered
+    n: int = 0  # steps since the last output, which is counted on here
 
     def closer(
         self, t: float, y: Array, peak: float, before: list[Accepted] | None
@@ -62,12 +63,15 @@ class StepMonitor(Protocol):
         all have been shown here). Returns peak, whether to look at the next one too, and the step (None: not known).
         Raises AnalysisError.
         """
+        return peak, False, None
 
     def started(self, t: float, y: Array) -> Accepted | None:
         """The start of the motion, unless it has begun before: then the last step of it; None: not known."""
+        return None
 
     def passed(self, last: Callable[[int], list[Accepted]]) -> None:
         """Steps have been made; `last(k)` gives the last k of them, fewer if fewer are known."""
+        return None
 
 
 class CompiledStepper:
@@ -139,11 +143,11 @@ class CompiledStepper:
                 c.most = max(1, int(min(self.most, ahead)))
                 if output_block is None:
                     c.until = float(evaluation.times[evaluation.next_output(c.t)])
-                    status = by.take_steps()
+                    status = by.take_steps(None)
                 else:
                     output_block.begin(output, ahead)
                     output_block.c.since, output_block.c.suspect = self.monitor.n, evaluation.suspect
-                    status = by.take_steps_through(output_block)
+                    status = by.take_steps(output_block)
                     output += output_block.c.done
                 by.taken(status)
                 known, failed = counted.counts(), status in (TOO_SMALL, NOT_EVALUATED, INTERRUPTED)

@@ -47,11 +47,10 @@ class AdamsInC:
         """0; 1 when F at the start could not be evaluated, 2 when all has to end."""
         return int(self.engine.adams_begin(self.to, self.at))
 
-    def take_steps(self) -> int:
-        """Steps up to the next output."""
-        return int(self.engine.adams(self.to, self.at))
-
-    def take_steps_through(self, output_block: OutputBlock | BatchOutputBlock) -> int:
+    def take_steps(self, output_block: OutputBlock | BatchOutputBlock | None) -> int:
+        """Steps up to the next output, or through those of the block."""
+        if output_block is None:
+            return int(self.engine.adams(self.to, self.at))
         return int(self.engine.pass_adams(self.to, self.at, output_block.address))
 
     def taken(self, status: int) -> None:
@@ -92,11 +91,10 @@ class RungeKuttaInC:
         """Nothing is left to do: the object has been started."""
         return 0
 
-    def take_steps(self) -> int:
-        """Steps up to the next output."""
-        return int(self.engine.runge_kutta(self.to, self.at))
-
-    def take_steps_through(self, output_block: OutputBlock | BatchOutputBlock) -> int:
+    def take_steps(self, output_block: OutputBlock | BatchOutputBlock | None) -> int:
+        """Steps up to the next output, or through those of the block."""
+        if output_block is None:
+            return int(self.engine.runge_kutta(self.to, self.at))
         call = VALUE(partial(self.answered, self._interpolated))
         output_block.c.value = address_of_call(call)
         status = int(self.engine.pass_runge_kutta(self.to, self.at, output_block.address))
