@@ -30,7 +30,7 @@ from spacar.dynamics.mass_check import is_checked
 from spacar.frame import Frame
 from spacar.integrators.radau import Radau
 from spacar.kinematics.constraint_condition import of_entries
-from spacar.kinematics.kinematics import CONVERGED
+from spacar.kinematics.kinematics import CONVERGED, LARGEST_JUMP
 from spacar.kinematics.regularity import PositionMatrix
 from spacar.linear_systems import is_dense
 from spacar.mechanism.mechanism import Drive, Loads, Mechanism
@@ -222,11 +222,11 @@ class CompiledDynamics:
     def reach(self, t: float, y: Array, whole: bool) -> bool:
         """Whether C could evaluate the state; then x, e and their derivatives are in `state`, and everything else when
         `whole`: of e only the derivatives of degrees of freedom are there without it."""
-        self._y[:] = y
         if whole:
+            self._y[:] = y
             return self.solver.evaluate(self.state, t, self._addresses[0], CONVERGED) >= 0
         s, part = self.state, self.numbering.e_class["dynamic"]
-        if self.solver.rhs(s, t, *self._addresses, CONVERGED) < 0:
+        if self._derivative(t, y, CONVERGED) < 0:
             return False
         if n := part.stop - part.start:
             s.ed[part, 0], s.edd[part, 0] = self._y[-n:], self._out[-n:]
@@ -275,8 +275,14 @@ class CompiledDynamics:
         kept = self._step_of  # an integrator keeps its arrays
         if kept is None or kept[0] is not c or kept[1] is not y or kept[2] is not K:
             kept = self._step_of = c, y, K, (c.ctypes.data, a.ctypes.data, y.ctypes.data, K.ctypes.data)
-        at_c, at_a, at_y, at_K = kept[3]
-        return self.solver.stages(self.state, done, len(c), at_c, at_a, t, h, window, at_y, at_K, len(y), within)
+        (at_c, at_a, at_y, at_K), m = kept[3], self.solver
+        reached = int(m.engine.stages(
+            m.handle, self.state.address, done, len(c), at_c, at_a, t, h, *window, at_y, at_K, len(y), within,
+            LARGEST_JUMP,
+        ))  # fmt: skip
+        if reached < len(c):
+            m.slots.interrupted()
+        return reached
 
     def newton(self, method: Radau, h: float, within: float) -> tuple[bool, float, float] | None:
         """Newton iteration of a step of codes 553 and 595, see `spacar.integrators.problem.BlockEvaluator`."""

@@ -194,20 +194,6 @@ class CompiledModel:
             self.slots.raise_error()
         return status
 
-    def stages(
-        self, state: State, done: int, n: int, c: int, a: int, t: float, h: float, window: tuple[float, float], y: int,
-        K: int, stride: int, converged: float,
-    ) -> int:  # fmt: skip
-        """Stages of an explicit Runge-Kutta step from `done` to n, rows of K `stride` lanes apart; the first not done.
-
-        c, a, y and K are addresses.
-        """
-        at = self.handle, state.address
-        reached = int(self.engine.stages(*at, done, n, c, a, t, h, *window, y, K, stride, converged, LARGEST_JUMP))
-        if reached < n:
-            self.slots.interrupted()
-        return reached
-
     def gradient(self) -> Entries:
         """The n entries of V at the last evaluated state: rows (n,), columns (n,), values (n, cases)."""
         most = sum([b.e.size * b.x.shape[1] for b in self.numbers.elements])

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
@@ -59,6 +59,8 @@ class ForeignBatch:
         self.family.mass(self.configuration, self.M)
         self.h[:] = self.family.inertia_force(self.configuration, self.v, None)
 
+OF_BATCHES = {STRAIN: ForeignBatch.strain, CONVECTIVE: ForeignBatch.convective, INERTIA: ForeignBatch.inertia}
+
 
 class UserCallbacks:
     """The answers for one model. `motions` are the arrays (n, 3, lanes) of prescribed coordinates and deformations.
@@ -92,7 +94,7 @@ class UserCallbacks:
                 self.foreign_c[b] = ctypes.addressof(batch.c)
         self.user_c: Any | None = None
         if users:
-            parts = [0, nx, 2 * nx, 3 * nx, 3 * nx + ne, 3 * nx + 2 * ne, 3 * nx + 3 * ne]  # x, xd, force; e, ed, sigma
+            parts = list(accumulate((nx, nx, nx, ne, ne, ne), initial=0))  # x, xd, force; e, ed, sigma
             shared = np.zeros((parts[-1], lanes))
             first, row = address_of(shared), WIDTH * lanes
             self.user_c = structure("User")(*[first + row * begin for begin in parts[:-1]])
@@ -121,12 +123,8 @@ class UserCallbacks:
                     self._fill(len(self.laws), self.sigma, self.force)
             if self.user_c is not None and any(self.lost):
                 self.user_c.lost = 1
-        elif what == STRAIN:
-            self.foreign[batch].strain()
-        elif what == CONVECTIVE:
-            self.foreign[batch].convective()
-        elif what == INERTIA:
-            self.foreign[batch].inertia()
+        elif what in OF_BATCHES:
+            OF_BATCHES[what](self.foreign[batch])
         elif what == OUTPUT and self.lanes > 1:
             for first, lost in zip(self.first_lost, self.lost, strict=True):
                 first |= lost | first
@@ -155,14 +153,12 @@ class UserCallbacks:
         for array in arrays:
             array[..., cases:] = array[..., cases - 1 : cases]
 
-    def raise_error(self) -> None:
-        """Raise what happened in the last call, if anything did."""
+    def raise_error(self, failures: bool = True) -> None:
+        """Raise what happened in the last call, if anything did; without `failures` only what is none of the state."""
         error = None if self.asking is None else self.asking.raised()
-        if error is not None:
+        if error is not None and (failures or not isinstance(error, Exception)):
             raise error
 
     def interrupted(self) -> None:
         """Raise what is no failure of the state, such as Ctrl-C. A failure is forgotten, because it will come again."""
-        error = None if self.asking is None else self.asking.raised()
-        if error is not None and not isinstance(error, Exception):
-            raise error
+        self.raise_error(failures=False)
