@@ -145,7 +145,7 @@ class CompiledModel:
             self.slots.polynomial, len(position), len(numbers.moments[0]), len(numbers.coupling[0]), MAX_ITERATIONS,
         ]  # fmt: skip
         lists = [position, n.translations]
-        for rows, columns, _ in (numbers.mass, numbers.stiffness, numbers.damping, numbers.moments, numbers.coupling):
+        for rows, columns, _ in numbers.entries:
             if len(rows):
                 lists += rows, columns
         for b in numbers.elements:

@@ -12,13 +12,11 @@ import numpy as np
 
 from spacar.arrays import Array, Index
 from spacar.compiled.library import engine
-from spacar.dynamics.loaded_mechanism import LoadedMechanism, StressLaw, gravity_field, moment_entries
+from spacar.dynamics.loaded_mechanism import Entries, LoadedMechanism, StressLaw, gravity_field, moment_entries
 from spacar.elements.family import Family
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.lumped_inertia import LumpedMass
 from spacar.mechanism.mechanism import NO_ENTRIES, Drive, Mechanism, Polynomial
-
-Entries = tuple[Index, Index, Array]  # rows, columns, values (n, cases)
 
 
 class Elements(NamedTuple):
@@ -53,10 +51,14 @@ class Numbers(NamedTuple):
 
     def arrays(self) -> list[Array]:
         """All that are not empty, in the order in which C reads them (`read_spec` of model.c)."""
-        first = self.x_motion, self.e_motion, self.force, self.preload, self.x0, self.field
-        of_entries = self.mass[2], self.stiffness[2], self.damping[2], self.moments[2], self.coupling[2]
+        first = [getattr(self, name) for name in ARRAYS]
         of_elements = [batch.parameters.swapaxes(0, 1) for batch in self.elements]
-        return [a for a in (*first, *of_entries, *of_elements) if a.size]
+        return [a for a in (*first, *(values for _, _, values in self.entries), *of_elements) if a.size]
+
+    @property
+    def entries(self) -> list[Entries]:
+        """Those of all matrices, in the order of ENTRIES."""
+        return [getattr(self, name) for name in ENTRIES]
 
     def each(self, make: Callable[..., Array], *others: Numbers) -> Numbers:
         """Every array is what `make` makes of it and of those of the others; rows and columns of entries stay."""
@@ -75,7 +77,7 @@ class Numbers(NamedTuple):
 
 
 ENTRIES = "mass", "stiffness", "damping", "moments", "coupling"
-ARRAYS = "force", "field", "x0", "preload", "x_motion", "e_motion"
+ARRAYS = "x_motion", "e_motion", "force", "preload", "x0", "field"  # in the order in which C reads them
 
 
 def of_one(model: LoadedMechanism) -> Numbers:
@@ -160,7 +162,7 @@ def motion(drive: Drive, what: str) -> Array:
     return np.zeros((len(getattr(drive.at(0.0), what)), 3))
 
 
-def constant_mass(mechanism: Mechanism) -> tuple[Index, Index, Array]:
+def constant_mass(mechanism: Mechanism) -> Entries:
     """Rows, columns and values of the mass matrices that do not depend on the position."""
     parts = [NO_ENTRIES]
     for b in mechanism.batches:
@@ -175,7 +177,7 @@ def constant_mass(mechanism: Mechanism) -> tuple[Index, Index, Array]:
     return rows, columns, values
 
 
-def _sorted(entries: tuple[Index, Index, Array], places: Index) -> Entries:
+def _sorted(entries: Entries, places: Index) -> Entries:
     """Entries of all copies by the rows and columns of one; what a case does not have is zero."""
     rows, columns, values = entries
     cases, n = places.shape

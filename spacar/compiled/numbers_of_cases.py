@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacar.arrays import EPS, Array, Index
-from spacar.compiled.numbers import ENTRIES, FOREIGN, Elements, Entries, Numbers, elements_of, of_one, summed
-from spacar.dynamics.loaded_mechanism import LoadedMechanism, active_entries
+from spacar.compiled.numbers import ENTRIES, FOREIGN, Elements, Numbers, elements_of, of_one, summed
+from spacar.dynamics.loaded_mechanism import Entries, LoadedMechanism, active_entries
 from spacar.elements import Family, GeometryError
 from spacar.mechanism.element_batches import PlacedGroup, element_groups
 from spacar.mechanism.layout import Batch
@@ -40,14 +40,14 @@ def combined(corners: Sequence[Numbers], weights: Array) -> Numbers | None:
 def _alike(a: Numbers, b: Numbers) -> bool:
     """Whether the arrays have the same sizes, and entries the same places."""
     one, other = ([array.shape for array in of.arrays()] for of in (a, b))
-    places = (zip(getattr(a, name)[:2], getattr(b, name)[:2], strict=True) for name in ENTRIES)
-    return one == other and all(np.array_equal(x, y) for pairs in places for x, y in pairs)
+    pairs = zip(a.entries, b.entries, strict=True)
+    return one == other and all(np.array_equal(x[k], y[k]) for x, y in pairs for k in (0, 1))
 
 
 def same(a: Numbers, b: Numbers) -> bool:
     """Whether the numbers of one case are those of another one to rounding; zeros need not be entries."""
     kinds = [[(e.kind, e.moving) for e in of.elements] for of in (a, b)]
-    if kinds[0] != kinds[1] or not all(_same_entries(getattr(a, name), getattr(b, name)) for name in ENTRIES):
+    if kinds[0] != kinds[1] or not all(map(_same_entries, a.entries, b.entries)):
         return False
     a, b = (of._replace(**{name: NONE for name in ENTRIES}) for of in (a, b))  # type: ignore[arg-type]
     return _alike(a, b) and all(map(_close, a.arrays(), b.arrays()))

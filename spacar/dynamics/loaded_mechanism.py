@@ -20,6 +20,8 @@ from spacar.kinematics.element_sweep import ElementSweep
 from spacar.mechanism.layout import Batch
 from spacar.mechanism.mechanism import NO_ENTRIES, Drive, Loads, Mechanism, UserForces
 
+Entries = tuple[Index, Index, Array]  # rows, columns, values (n,), or (n, cases)
+
 
 @dataclass(frozen=True)
 class StressLaw:
@@ -27,8 +29,8 @@ class StressLaw:
 
     first: int
     ne: int
-    stiffness: tuple[Index, Index, Array]
-    damping: tuple[Index, Index, Array]
+    stiffness: Entries
+    damping: Entries
     preload: Array
 
     @classmethod
@@ -53,7 +55,7 @@ class StressLaw:
         return sigma
 
 
-def active_entries(entries: tuple[Index, Index, Array], first: int) -> tuple[Index, Index, Array]:
+def active_entries(entries: Entries, first: int) -> Entries:
     """Those whose row and column are not before the first active deformation; values (n,) or (n, cases)."""
     rows, columns, values = entries
     keep = (rows >= first) & (columns >= first)
@@ -102,7 +104,7 @@ def moment_gradient(moments: Array) -> Array:
     return 2.0 * global_dual(moments.T)
 
 
-def moment_entries(rows: Index, moments: Array) -> tuple[Index, Index, Array]:
+def moment_entries(rows: Index, moments: Array) -> Entries:
     """Rows, columns and values (16 n,) of df/dx of constant global moments (n, 3) at the Euler parameters `rows` (4, n)
     of x: these forces are linear in x."""
     if not rows.size:
