@@ -181,8 +181,7 @@ class CompiledStepper:
         c, evaluation = self.c, method.evaluation
         error, self.error = self.error, None
         if status == TOO_SMALL:
-            worst = int(np.argmax(np.abs(method.scaled)))
-            raise step_too_small(evaluation, c.t, c.h, c.error, worst)
+            raise step_too_small(evaluation, c.t, c.h, c.error, method.scaled)
         if error is None:  # of several cases
             self.evaluator.solver.slots.interrupted()
             error = not_followed(c.t)

@@ -118,9 +118,9 @@ class Adams:
         result += self.y
         return result
 
-    def _norm(self, a: np.ndarray, b: np.ndarray | None = None) -> float:
-        """Weighted norm of a, or of a + b."""
-        np.multiply(a if b is None else a + b, self.weight, self.scaled)
+    def _norm(self, a: np.ndarray) -> float:
+        """Weighted norm."""
+        np.multiply(a, self.weight, self.scaled)
         return sqrt(self.scaled.dot(self.scaled))
 
     def _set_weights(self) -> None:
@@ -163,8 +163,8 @@ class Adams:
                 size = self._norm(d)
                 error = h * abs(g[k - 1] - g[k]) * size
                 e_k = h * GAMMA_STAR[k] * sigma[k] * size
-                e_k1 = h * GAMMA_STAR[k - 1] * sigma[k - 1] * self._norm(expected[k], d) if k > 1 else 0.0
-                e_k2 = h * GAMMA_STAR[k - 2] * sigma[k - 2] * self._norm(expected[k - 1], d) if k > 2 else 0.0
+                e_k1 = h * GAMMA_STAR[k - 1] * sigma[k - 1] * self._norm(expected[k] + d) if k > 1 else 0.0
+                e_k2 = h * GAMMA_STAR[k - 2] * sigma[k - 2] * self._norm(expected[k - 1] + d) if k > 2 else 0.0
                 lower = lowered(k, e_k, e_k1, e_k2)
                 if error <= 1.0:
                     np.multiply(d, h * g[k], self.y_new)
@@ -187,7 +187,7 @@ class Adams:
                 starting = False
                 if 0.5 * h < h_min:
                     self._norm(d)
-                    raise step_too_small(self.evaluation, t, h, error, int(np.argmax(np.abs(self.scaled))))
+                    raise step_too_small(self.evaluation, t, h, error, self.scaled)
                 factor = 0.5
                 if rejections > 3 and e_k > 2.0:
                     factor = sqrt(0.5 / e_k)
@@ -196,7 +196,7 @@ class Adams:
                 continue
 
             # --- accept: new history, new order, new step
-            e_raised = h * GAMMA_STAR[k + 1] * self._norm(change, -phi[k]) if k + 1 <= equal else None
+            e_raised = h * GAMMA_STAR[k + 1] * self._norm(change - phi[k]) if k + 1 <= equal else None
             np.add(expected[1:], change, phi[:k])
             phi[k] = change
             self.y, self.y_new = self.y_new, self.y

@@ -1,5 +1,7 @@
 """The ways in which an integration can fail, as errors that say when, how far, which component and what to try."""
 
+import numpy as np
+
 from spacar.errors import AnalysisError
 
 from .problem import Evaluation
@@ -15,8 +17,10 @@ STIFF_ADVICE = (
 )
 
 
-def step_too_small(evaluation: Evaluation, t: float, h: float, error: float, component: int) -> AnalysisError:
-    """The step fell below the resolution of the time; `error` is the estimate as a multiple of the tolerance."""
+def step_too_small(evaluation: Evaluation, t: float, h: float, error: float, scaled: np.ndarray) -> AnalysisError:
+    """The step fell below the resolution of the time; `error` is the estimate as a multiple of the tolerance, `scaled`
+    its components."""
+    component = int(np.argmax(np.abs(scaled)))
     return AnalysisError(
         f"the integration stopped at t = {t:.9g} s: with step size {h:.3g} s the error estimate is "
         f"still {error:.3g} times the tolerance, largest in {evaluation.name(component)}. {STIFF_ADVICE}",

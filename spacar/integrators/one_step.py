@@ -56,8 +56,7 @@ def one_step(
             growth = 1.0
             reduced = h * max(smallest, 0.9 * error ** (-1.0 / exponent))
             if reduced < h_min:
-                worst = int(np.argmax(np.abs(integrator.scaled)))
-                raise step_too_small(evaluation, t, h, error, worst)
+                raise step_too_small(evaluation, t, h, error, integrator.scaled)
             h = reduced
         t = t_end if final else t + h
         evaluation.step_accepted(t, integrator.y_new)
