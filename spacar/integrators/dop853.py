@@ -116,4 +116,4 @@ def _dense(rows: tuple[dict[int, float], ...], width: int) -> np.ndarray:
 _B, ERROR_3, ERROR_5 = _dense(_B_AND_ERRORS, 12)
 A_EXTRA = _dense(_A_EXTRA, N_EXTENDED)
 DENSE = _dense(_DENSE, N_EXTENDED)
-TABLEAU = Tableau(order=8, c=np.array(_C), a=_dense(_A, 12), b=_B, controller=(8.0, 0.2, 10.0))
+TABLEAU = Tableau(c=np.array(_C), a=_dense(_A, 12), b=_B, controller=(8.0, 0.2, 10.0))

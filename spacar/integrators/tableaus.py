@@ -19,7 +19,6 @@ class Tableau:
     largest factor of the step). `dense`, shape (s + 1,), is the quartic term of the continuous extension of 155.
     """
 
-    order: int
     c: np.ndarray
     a: np.ndarray
     b: np.ndarray
@@ -45,18 +44,17 @@ def _lower(*rows: list[float]) -> np.ndarray:
 
 _B3 = np.array([2 / 9, 1 / 3, 4 / 9])
 BOGACKI_SHAMPINE = Tableau(
-    order=3, c=np.array([0.0, 1 / 2, 3 / 4]), a=_lower([1 / 2], [0.0, 3 / 4]), b=_B3,
+    c=np.array([0.0, 1 / 2, 3 / 4]), a=_lower([1 / 2], [0.0, 3 / 4]), b=_B3,
     error=np.append(_B3, 0.0) - np.array([7 / 24, 1 / 4, 1 / 3, 1 / 8]),
 )
 
 KUTTA = Tableau(
-    order=4, c=np.array([0.0, 1 / 2, 1 / 2, 1.0]), a=_lower([1 / 2], [0.0, 1 / 2], [0.0, 0.0, 1.0]),
+    c=np.array([0.0, 1 / 2, 1 / 2, 1.0]), a=_lower([1 / 2], [0.0, 1 / 2], [0.0, 0.0, 1.0]),
     b=np.array([1 / 6, 1 / 3, 1 / 3, 1 / 6]),
 )
 
 _B5 = np.array([35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84])
 DORMAND_PRINCE = Tableau(
-    order=5,
     c=np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0]),
     a=_lower(
         [1 / 5], [3 / 40, 9 / 40], [44 / 45, -56 / 15, 32 / 9],
