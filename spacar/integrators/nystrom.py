@@ -24,7 +24,7 @@ import numpy as np
 from spacar.errors import AnalysisError
 
 from .problem import Evaluation, Tolerance
-from .runge_kutta import OneStepMethod, weights
+from .runge_kutta import OneStepMethod
 
 
 class RungeKuttaNystrom(OneStepMethod):
@@ -72,7 +72,7 @@ class RungeKuttaNystrom(OneStepMethod):
         missed, bend = self.f_new[n:] - self.a1, self._bend(h)
         self.scaled[n:] = (0.5 * h) * missed - (h**3 / 6.0) * bend
         self.scaled[:n] = (h * h / 6.0) * missed - (h**4 / 12.0) * bend
-        weight = weights(self.tolerance, self.y, self.y_new)
+        weight = self.weights(self.y_new)
         self.scaled /= weight * np.sqrt(weight / np.maximum(self.size, weight))
         return sqrt(self.scaled.dot(self.scaled) / len(self.scaled))
 

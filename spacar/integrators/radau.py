@@ -39,7 +39,7 @@ from spacar.errors import AnalysisError
 from .failures import slow_newton
 from .problem import Evaluation, Tolerance
 from .resolvent import DenseResolvent, Resolvent, eliminated, resolvent
-from .runge_kutta import OneStepMethod, weights
+from .runge_kutta import OneStepMethod
 
 MAX_NEWTON = 10
 # The iteration ends when its estimated error is below this part of the tolerance of the step.
@@ -210,7 +210,7 @@ class Radau(OneStepMethod):
         # What is known of the contraction is older by a step (IV.8.11); nothing is known of new factors.
         self.contraction = min(max(self.contraction, EPS) ** 0.8, 0.99)
         self._guess(h)
-        self.weight[:] = self._weights(h, self.y + self.Z[-1])
+        self.weight[:] = self.weights(self.y + self.Z[-1])
         blocks = self.evaluation.blocks if isinstance(self.factors[0], DenseResolvent) else None
         found = None if blocks is None else blocks.newton(self, h, self.evaluation.problem.within)
         if found is None:
@@ -266,14 +266,14 @@ class Radau(OneStepMethod):
     def _error(self, h: float, f: np.ndarray) -> float:
         """Norm of (lambda_0/h - J)^-1 (f + error @ Z / h), by the factors of the real system."""
         self.estimate = self.factors[0](f + (self.method.error / h) @ self.Z)
-        np.divide(self.estimate, self._weights(h, self.y_new), self.scaled)
+        np.divide(self.estimate, self.weights(self.y_new), self.scaled)
         return sqrt(self.scaled.dot(self.scaled) / self.n)
 
-    def _weights(self, h: float, y_new: np.ndarray) -> np.ndarray:
+    def weights(self, y_new: np.ndarray) -> np.ndarray:
         """Tolerance of each component in a step, (n,): of velocities that of their displacements over h."""
-        weight = weights(self.tolerance, self.y, y_new)
+        weight = super().weights(y_new)
         if self.nq:
-            weight[self.n - self.nq :] /= h
+            weight[self.n - self.nq :] /= self.h
         return weight
 
     def _between(self, h: float) -> float:
@@ -286,7 +286,7 @@ class Radau(OneStepMethod):
             last = (h * m.largest[1] / (len(m.c) + 1)) * (m.basis[-1] @ self.Z[:, self.n - nq :])
         else:
             last = m.largest[0] * (m.basis[-1] @ self.Z)
-        last /= self._weights(h, self.y_new)[: len(last)]
+        last /= self.weights(self.y_new)[: len(last)]
         return sqrt(last.dot(last) / len(last))
 
     # -- between steps --------------------------------------------------------------------------------------------

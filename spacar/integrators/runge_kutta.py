@@ -13,19 +13,6 @@ from .problem import Evaluation, Tolerance
 from .tableaus import Tableau
 
 
-def hermite(t: float, h: float, y: np.ndarray, f: np.ndarray, y_new: np.ndarray, f_new: np.ndarray) -> np.ndarray:
-    """Cubic through y, y_new with slopes f, f_new, at t from the step start; for y = (q, v) it uses accelerations."""
-    s = t / h
-    r = 1.0 - s
-    value = (r * r * (1.0 + 2.0 * s)) * y + (s * s * (3.0 - 2.0 * s)) * y_new
-    return value + (h * s * r) * (r * f - s * f_new)
-
-
-def weights(tolerance: Tolerance, y: np.ndarray, y_new: np.ndarray) -> np.ndarray:
-    """Tolerance of each component, from the larger of the values at the two step ends, shape (n,)."""
-    return tolerance.absolute + tolerance.relative * np.maximum(np.abs(y), np.abs(y_new))
-
-
 def _largest(value: float | np.ndarray) -> float:
     """Of all cases; `np.max` of a number takes as long as a small evaluation of F."""
     return value if isinstance(value, float) else float(value.max())
@@ -76,14 +63,22 @@ class OneStepMethod:
     def finish(self) -> None:
         """Nothing left to evaluate: the last stage is F at the step end."""
 
+    def weights(self, y_new: np.ndarray) -> np.ndarray:
+        """Tolerance of each component, from the larger of the values at the two step ends, shape (n,)."""
+        return self.tolerance.absolute + self.tolerance.relative * np.maximum(np.abs(self.y), np.abs(y_new))
+
     def factor(self, error: float) -> float:
         """Next step over the last one, from the error of the last one."""
         exponent, smallest, largest = self.controller
         return min(largest, max(smallest, 0.9 * error ** (-1.0 / exponent))) if error > 0.0 else largest
 
     def interpolate(self, t: float) -> np.ndarray:
-        """y(t) in the last step, shape (n,): cubic Hermite."""
-        return hermite(t - self.t, self.h, self.y, self.stages[0], self.y_new, self.stages[-1])
+        """y(t) in the last step, shape (n,): cubic Hermite, which for y = (q, v) uses accelerations."""
+        h = self.h
+        s = (t - self.t) / h
+        r = 1.0 - s
+        value = (r * r * (1.0 + 2.0 * s)) * self.y + (s * s * (3.0 - 2.0 * s)) * self.y_new
+        return value + (h * s * r) * (r * self.stages[0] - s * self.stages[-1])
 
 
 class ExplicitRungeKutta(OneStepMethod):
@@ -95,27 +90,21 @@ class ExplicitRungeKutta(OneStepMethod):
 
     def _step(self, t: float, h: float, end: bool = False) -> bool:
         """All stages and y_new; whether F at the `end`, which is wanted next, is there too."""
-        stages, rhs, c = self.stages, self.evaluation.rhs, self.tableau.c
-        i = 1
+        stages, evaluation, tableau = self.stages, self.evaluation, self.tableau
+        blocks, c, i = evaluation.blocks, tableau.c, 1
         while i < len(c):
-            if self.evaluation.blocks is not None:
-                i = self._together(i, t, h, end)
+            if blocks is not None:  # does what it can in one call
+                asked = tableau.evaluated if end else (c, tableau.a)
+                window = evaluation.first, evaluation.last
+                reached = blocks.stages(i, *asked, t, h, window, self.y, stages, evaluation.problem.within)
+                evaluation.statistics.n_rhs += reached - i
+                i = reached
                 if i >= len(c):
                     break
-            stages[i] = rhs(t + c[i] * h, self.y + h * (self.tableau.a[i, :i] @ stages[:i]))
+            stages[i] = evaluation.rhs(t + c[i] * h, self.y + h * (tableau.a[i, :i] @ stages[:i]))
             i += 1
-        self.y_new[:] = self.y + h * (self.tableau.b @ stages[:-1])
+        self.y_new[:] = self.y + h * (tableau.b @ stages[:-1])
         return i > len(c)
-
-    def _together(self, done: int, t: float, h: float, end: bool) -> int:
-        """Stages from `done` on by one call of the problem; the first that it could not do."""
-        evaluation, tableau = self.evaluation, self.tableau
-        assert evaluation.blocks is not None
-        window, within = (evaluation.first, evaluation.last), evaluation.problem.within
-        c, a = tableau.evaluated if end else (tableau.c, tableau.a)
-        reached = evaluation.blocks.stages(done, c, a, t, h, window, self.y, self.stages, within)
-        evaluation.statistics.n_rhs += reached - done
-        return reached
 
     def coefficients(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
         """c and A of the stages of a trial step, rows of its error estimates, by how much that is enlarged."""
@@ -131,7 +120,7 @@ class ExplicitRungeKutta(OneStepMethod):
         if not self._step(self.t, h, end=True):
             self.stages[-1] = self.evaluation.rhs(self.t + h, self.y_new)
         np.matmul(self.tableau.error, self.stages, self.scaled)  # type: ignore[arg-type]
-        np.divide(self.scaled, weights(self.tolerance, self.y, self.y_new), self.scaled)
+        np.divide(self.scaled, self.weights(self.y_new), self.scaled)
         return h * sqrt(_largest(self._mean_square(self.scaled)))
 
     def _mean_square(self, v: np.ndarray) -> float | np.ndarray:
@@ -180,7 +169,7 @@ class DormandPrince853(ExplicitRungeKutta):
         """The two estimates e5, e3 combine to h e5^2 / sqrt(e5^2 + 0.01 e3^2)."""
         self.h = h
         self._step(self.t, h)
-        weight = weights(self.tolerance, self.y, self.y_new)
+        weight = self.weights(self.y_new)
         low = (dop853.ERROR_3 @ self.stages[:-1]) / weight
         np.divide(dop853.ERROR_5 @ self.stages[:-1], weight, self.scaled)
         e5, e3 = self._mean_square(self.scaled), self._mean_square(low)
