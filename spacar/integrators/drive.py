@@ -19,9 +19,9 @@ on, so that smooth motions are located a few times at most. Steps of Adams in C 
 """
 
 from collections.abc import Iterator, Sequence
-from functools import partial
+from functools import cached_property, partial
 from itertools import pairwise
-from math import ceil, isfinite, sqrt
+from math import ceil, sqrt
 from operator import sub
 from typing import Any
 
@@ -39,7 +39,7 @@ DEFAULT_MAX_STEPS = 1_000_000
 # A fixed step not given: this part of the output step.
 STEPS_PER_OUTPUT = 10
 # codes of one step and one order with an error estimate of the state
-SINGLE_STEP = tuple(m.code for m in METHODS.values() if m.variable_step and m.order and m.code not in (225, AUTOMATIC))
+SINGLE_STEP = tuple(m.code for m in METHODS.values() if m.variable_step and m.order and m.code != 225)
 SUSPECT = 100.0  # a hundredth of ERROR is the tolerance of a step of mechanisms: an error of ERROR
 CHANGED = 0.5
 MORE = 10.0
@@ -71,7 +71,7 @@ def integrate(
     row = method(code)
     state = np.array(y0, dtype=float)
     output_times = times if isinstance(times, EvenTimes) else np.asarray(times, dtype=float)
-    absolute = float(atol) if isinstance(atol, float) or not np.ndim(atol) else np.array(atol, float)
+    absolute = float(atol) if not np.ndim(atol) else np.array(atol, float)
     _check(state, output_times, absolute, rtol, step)
     first, last = float(output_times[0]), float(output_times[-1])
     if row.needs_jacobian and problem.jacobian is None:
@@ -83,8 +83,7 @@ def integrate(
     integrator = row.build(evaluation, len(state), Tolerance(absolute, float(rtol)))
     segments = _segments(first, last, breaks) if breaks else [(first, last, first, last)]
     loop = _variable if row.variable_step else _fixed
-    steps = loop(integrator, evaluation, state, output_times, segments, step)
-    return _outputs(steps, state, output_times, evaluation, max_steps)
+    return _outputs(loop(integrator, evaluation, state, segments, step), state, evaluation, max_steps)
 
 
 def steps(
@@ -112,7 +111,7 @@ def _check(
     y0: np.ndarray, times: np.ndarray | EvenTimes, atol: float | np.ndarray, rtol: float, step: float | None
 ) -> None:
     """Raises UsageError that says what is wrong with the arguments of `integrate`."""
-    if y0.ndim != 1 or not len(y0) or not (isfinite(y0.dot(y0)) or np.isfinite(y0).all()):
+    if y0.ndim != 1 or not len(y0) or not np.isfinite(y0).all():
         raise UsageError("the initial state must be a non-empty vector of finite numbers", "integrator.state")
     if not isinstance(times, EvenTimes):  # which has checked its times when it was made
         if times.ndim != 1 or len(times) < 2 or not np.isfinite(times).all():
@@ -146,10 +145,10 @@ def _segments(first: float, last: float, breaks: Sequence[float]) -> list[Segmen
 
 
 def _outputs(
-    steps: Iterator[Step], y0: np.ndarray, times: np.ndarray | EvenTimes, evaluation: Evaluation, max_steps: int
+    steps: Iterator[Step], y0: np.ndarray, evaluation: Evaluation, max_steps: int
 ) -> Iterator[Output]:
-    """Dense output at `times` from a stream of steps; y0 (n,): state at the first one."""
-    statistics = evaluation.statistics
+    """Dense output from a stream of steps; y0 (n,): state at the first time."""
+    statistics, times = evaluation.statistics, evaluation.times
     yield Output(float(times[0]), y0.copy(), Counts())
     i, n = 1, len(times)
     before = statistics.counts()
@@ -180,15 +179,14 @@ def _outputs(
 
 
 def _variable(
-    integrator: Any, evaluation: Evaluation, y0: np.ndarray, times: np.ndarray | EvenTimes, segments: list[Segment],
-    step: float | None,
-) -> Iterator[Step]:  # fmt: skip
+    integrator: Any, evaluation: Evaluation, y0: np.ndarray, segments: list[Segment], step: float | None
+) -> Iterator[Step]:
     """Steps of a variable-step code through all segments."""
     run = integrator.steps if hasattr(integrator, "steps") else partial(one_step, integrator, estimate=step is None)
     y = y0.copy()
     # Nothing is known beyond the first output: a longer first step could jump over a short pulse of an input.
-    h = step if step is not None else float(times[1]) - evaluation.first
-    jumps = Jumps(evaluation, times, integrator.tolerance) if evaluation.problem.may_jump else None
+    h = step if step is not None else float(evaluation.times[1]) - evaluation.first
+    jumps = Jumps(evaluation, integrator.tolerance) if evaluation.problem.may_jump else None
     for begin, end, evaluation.first, evaluation.last in segments:
         start = begin
         while True:
@@ -209,11 +207,10 @@ def _variable(
 
 
 def _fixed(
-    integrator: Any, evaluation: Evaluation, y0: np.ndarray, times: np.ndarray | EvenTimes, segments: list[Segment],
-    step: float | None,
-) -> Iterator[Step]:  # fmt: skip
+    integrator: Any, evaluation: Evaluation, y0: np.ndarray, segments: list[Segment], step: float | None
+) -> Iterator[Step]:
     """Equal steps from output to output and from break to break."""
-    y = y0.copy()
+    y, times = y0.copy(), evaluation.times
     i = 1
     for start, end, evaluation.first, evaluation.last in segments:
         integrator.start(start, y)
@@ -245,13 +242,16 @@ def _never(t: float) -> np.ndarray:
 
 
 class Jumps:
-    """Looks at the steps of one integration with outputs at `times`."""
+    """Looks at the steps of one integration with outputs."""
 
-    def __init__(self, evaluation: Evaluation, times: Sequence[float] | np.ndarray, tolerance: Tolerance) -> None:
-        self.evaluation, self.times, self.tolerance = evaluation, times, tolerance
+    def __init__(self, evaluation: Evaluation, tolerance: Tolerance) -> None:
+        self.evaluation, self.times, self.tolerance = evaluation, evaluation.times, tolerance
         evaluation.suspect = SUSPECT
         self.next = 1  # output
-        self.rhs_for_differences: Rate | None = None
+
+    @cached_property
+    def rhs_for_differences(self) -> Rate:
+        return self.evaluation.problem.rhs_for_differences()
 
     def within(self, before: float, step: Step) -> tuple[float, float] | None:
         """The times before and behind the first jump that an output in the step from `before` shows, None: none."""
@@ -290,8 +290,6 @@ class Jumps:
         h = step.t - before
         low, high = max(before, t - DIFFERENCE * h), min(step.t, t + DIFFERENCE * h)
         slope = (np.array(step.interpolate(high)) - step.interpolate(low)) / (high - low)
-        if self.rhs_for_differences is None:
-            self.rhs_for_differences = self.evaluation.problem.rhs_for_differences()
         first, window = self.evaluation.problem.n_positions, (self.evaluation.first, self.evaluation.last)
         try:
             rate = self.rhs_for_differences(min(max(t, window[0]), window[1]), step.interpolate(t))
@@ -301,10 +299,11 @@ class Jumps:
 
     def _located(self, good: float, bad: float, before: float, step: Step) -> tuple[float, float] | None:
         """The jump between a time that agrees and one that does not, None when F is smooth there."""
-        first = self._difference(bad, before, step)
-        resolution = 4.0 * EPS * max(abs(good), abs(bad))
-        low, high, left, right = good, bad, self._difference(good, before, step), first
-        while left is not None and right is not None and high - low > resolution:
+        right, left = (self._difference(t, before, step) for t in (bad, good))
+        if left is None or right is None:
+            return None
+        low, high, first = good, bad, np.linalg.norm(right)
+        while high - low > 4.0 * EPS * max(abs(good), abs(bad)):
             middle = 0.5 * (low + high)
             now = self._difference(middle, before, step)
             if now is None:
@@ -313,6 +312,4 @@ class Jumps:
                 low, left = middle, now
             else:
                 high, right = middle, now
-        if first is None or left is None or right is None:
-            return None
-        return (low, high) if np.linalg.norm(right - left) > CHANGED * np.linalg.norm(first) else None
+        return (low, high) if np.linalg.norm(right - left) > CHANGED * first else None
