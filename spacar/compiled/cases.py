@@ -52,7 +52,7 @@ class InLanes(StepMonitor):
         mechanism = model.mechanism
         self.model, self.numbering = model, mechanism.numbering
         lanes, size = start.shape
-        self.n_positions, self.by_case = self.numbering.nddof + self.numbering.nk, (1, size, lanes)
+        self.n_positions, self.by_case = self.numbering.nkddof, (1, size, lanes)
         scales = scale, mechanism.deformation_scale
         self.solver = CompiledModel(self.numbering, numbers, scales, drives, users)
         self.breaks = tuple(t for law in (*drives, *users) for t in getattr(law, "breaks", ()))
@@ -115,7 +115,7 @@ class InLanes(StepMonitor):
         if (np.abs(state.x - there) / self._scale).max() > FARTHEST_GUESS:
             raise not_followed(0.0)
         self.rhs(0.0, self.y0)
-        self.shown.resume(float(state.c.t), state.x, state.xd, state.xdd, state.e)
+        self.shown.resume(state.moving())
         M, rcond = self.solver.reduced_mass() if checked else None, self.solver.rcond()
         condition = 1.0 / rcond if rcond > 0.0 else float("inf")
         return M is not None and not any(
@@ -140,18 +140,16 @@ class InLanes(StepMonitor):
         if (np.abs(state.x[self.lambda0]) < HALF_TURN).any():
             raise not_followed(t)
         sign = self.solver.determinant()[0].copy()
-        place, xd, xdd = state.of_x[:3].copy()
-        now = Moving(float(state.c.t), place, xd, xdd, state.e.copy())
+        now = state.moving()
         seen, self._seen = self._seen, (now, sign)
         if seen is not None and ((seen[1] != sign).any() or unexplained(seen[0], now, self._scale).any()):
             raise not_followed(t)
-        self._accepted = place, now.e
+        self._accepted = now.x, now.e
 
     def rejected(self) -> None:
         """Back to the last accepted step."""
         if self._seen is not None:
-            at = self._seen[0]
-            self.state.resume(at.t, at.x, at.xd, at.xdd, at.e)
+            self.state.resume(self._seen[0])
 
     # -- outputs --------------------------------------------------------------------------------------------------
     def wheels_lifted(self, times: Array, rows: Array) -> list[dict[int, str]]:

@@ -107,7 +107,7 @@ class CompiledDynamics:
     def __init__(self, mechanism: Mechanism, *, loads: Loads | None = None, drive: Drive | None = None) -> None:
         self.model = model = LoadedMechanism.of(mechanism, loads, drive)
         self.numbering = n = mechanism.numbering
-        self.n_positions = n.nddof + n.nk
+        self.n_positions = n.nkddof
         self._general = General(model)
         if not n.is_square:
             self.general.numpy_evaluator()  # raises
@@ -170,7 +170,7 @@ class CompiledDynamics:
         return Moving(float(s.c.t), x, xd, xdd, s.e[:, 0].copy())
 
     def resume(self, at: Moving) -> None:
-        self.state.resume(at.t, *(values[:, None] for values in (at.x, at.xd, at.xdd, at.e)))
+        self.state.resume(at)
 
     def stand(self, at: Placement) -> None:
         """Go on from there, without the memory of earlier states."""

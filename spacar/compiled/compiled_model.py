@@ -14,6 +14,7 @@ from spacar.compiled.interface import constants, structure
 from spacar.compiled.library import WIDTH, address_of, engine, level, why_off
 from spacar.compiled.numbers import Numbers, without_form
 from spacar.compiled.user_callbacks import UserCallbacks
+from spacar.dynamics.loaded_mechanism import Moving
 from spacar.elements.family import GUARD
 from spacar.kinematics.constraint_matrices import ROUNDING, Entries
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS, GROWN, LARGEST_JUMP, MAX_ITERATIONS
@@ -85,10 +86,16 @@ class State:
         self.x[:], self.e[:] = x, e
         self.c.known = self.c.whole = 0
 
-    def resume(self, t: float, x: Array, xd: Array, xdd: Array, e: Array) -> None:
-        """The state at t with x, xd, xdd (nx, cases) and e (ne, cases) is the last evaluated one again."""
-        self.x[:], self.xd[:], self.xdd[:], self.e[:] = x, xd, xdd, e
-        self.c.t, self.c.known, self.c.whole = t, PLACED, 0
+    def moving(self) -> Moving:
+        """The last evaluated state: x, xd, xdd (nx, cases), e (ne, cases)."""
+        x, xd, xdd = self.of_x[:3].copy()
+        return Moving(float(self.c.t), x, xd, xdd, self.e.copy())
+
+    def resume(self, at: Moving) -> None:
+        """That state, or that of the only case without the last axis, is the last evaluated one again."""
+        for own, values in zip((self.x, self.xd, self.xdd, self.e), (at.x, at.xd, at.xdd, at.e), strict=True):
+            own.T[:] = values.T
+        self.c.t, self.c.known, self.c.whole = at.t, PLACED, 0
 
     def follow(self, other: State) -> None:
         """Stand where another state of the same model stands, with everything that has been evaluated there."""

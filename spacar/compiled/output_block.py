@@ -198,7 +198,7 @@ class BatchOutputBlock(OutputRows):
         self.c.shown = self.shown.address
         self._check()
         if at is not self.shown:
-            self.shown.resume(float(at.c.t), at.x, at.xd, at.xdd, at.e)
+            self.shown.resume(at.moving())
 
     def _check(self) -> None:
         """Raise what is wrong with the last output."""

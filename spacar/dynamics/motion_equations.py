@@ -75,7 +75,7 @@ class EquationsOfMotion:
         if not n.is_square:
             Kinematics(model.mechanism, kind)  # says what is wrong
         self.xs, self.es = n.x_class, n.e_class
-        self.n_positions = n.nddof + n.nk
+        self.n_positions = n.nkddof
         places = self.xs["dynamic"], self.es["dynamic"], self.xs["kinematic"]
         self.n_xm, self.n_em, self.n_xk = (part.stop - part.start for part in places)
         self.xd, self.ed = np.zeros(n.nx), np.zeros(n.ne)
