@@ -222,7 +222,7 @@ class LeftOut:
         S[:, SIGMA, self.e_left[0]] = sigma[:, self.e_left[1]]
         for to, own in zip(*map(np.ndarray.tolist, self.norms), strict=True):
             S[:, SIGMA, to] += sigma[:, own]
-        if self.weight.present:
+        if self.weight.field.any():
             weight = self.weight.forces(motion)
             for field, (to, own) in ((GRAVITY, self.x_left), (TOTAL, self.carried)):
                 added = np.zeros((n.nx, steps))

@@ -210,9 +210,7 @@ class DeformationInertia:
         i, j, value = self.table = mechanism.deformation_inertia
         self.present = bool(len(i))
         self.sweep = sweep
-        if not self.present:
-            return
-        pairs = []
+        pairs = [NO_ENTRIES]
         for r, c, w in zip(i, j, value, strict=True):
             a, b = np.flatnonzero(sweep.v_rows == r), np.flatnonzero(sweep.v_rows == c)
             pairs.append((np.repeat(a, len(b)), np.tile(b, len(a)), np.full(len(a) * len(b), w)))
@@ -227,4 +225,4 @@ class DeformationInertia:
     def stress(self, edd: Array) -> Array:
         """M_e edd, (ne,)."""
         i, j, value = self.table
-        return np.bincount(i, value * edd[j], len(edd)) if self.present else np.zeros(len(edd))
+        return np.bincount(i, value * edd[j], len(edd))

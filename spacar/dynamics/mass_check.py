@@ -122,10 +122,9 @@ def require_inertia_of_many(mechanism: Mechanism, saddle: SaddlePoint, condition
     v = np.zeros(sweep.nx)
     v[F] = scale * z / np.linalg.norm(z)
     rates = sweep.rate(v)
-    terms = sweep.m_entries * v[sweep.m_rows] * v[sweep.m_columns]
-    if saddle.coupling.present:
-        i, j, value = saddle.coupling.table
-        terms = np.concatenate((terms, value * rates[i] * rates[j]))
+    i, j, value = saddle.coupling.table
+    kinetic = sweep.m_entries * v[sweep.m_rows] * v[sweep.m_columns]
+    terms = np.concatenate((kinetic, value * rates[i] * rates[j]))
     energy, known = float(terms.sum()), 8.0 * len(F) * EPS
     if not energy > known * float(np.abs(terms).sum()) + known**2:
         raise _without_inertia(mechanism, _named(mechanism, v[:, None], rates[:, None]))

@@ -115,10 +115,6 @@ class Weight:
     G: Array
     field: Array
 
-    @property
-    def present(self) -> bool:
-        return bool(self.field.any())
-
     def forces(self, motion: BodyMotion) -> Array:
         """(steps, nx) of what is left out."""
         of, steps = self.inertia, motion.R.shape[2]

@@ -44,15 +44,11 @@ class SaddlePoint:
         mr, mc = place[sweep.m_rows], place[sweep.m_columns]
         m = np.flatnonzero((mr >= 0) & (mc >= 0))
         self.take = np.concatenate((m + nv, v, v))
-        rows = [mr[m], nf + vr[v], vc[v]]
-        columns = [mc[m], vc[v], nf + vr[v]]
         self.coupling = DeformationInertia(mechanism, sweep)
-        if self.coupling.present:
-            a, b = place[self.coupling.rows], place[self.coupling.columns]
-            self.coupled = np.flatnonzero((a >= 0) & (b >= 0))
-            rows.append(a[self.coupled])
-            columns.append(b[self.coupled])
-        i, j = np.concatenate(rows), np.concatenate(columns)
+        a, b = place[self.coupling.rows], place[self.coupling.columns]
+        self.coupled = np.flatnonzero((a >= 0) & (b >= 0))
+        i = np.concatenate((mr[m], nf + vr[v], vc[v], a[self.coupled]))
+        j = np.concatenate((mc[m], vc[v], nf + vr[v], b[self.coupled]))
         self.system = assemble(nf + self.n_rows, i, j, kind, nf)
         self.scale = self._scale(mechanism, v)
         self.weights = self.scale[i] * self.scale[j]
