@@ -167,15 +167,9 @@ def _advice(
     rest = null
     for k in chosen:
         rest = _without(rest, k)
-    for of, kinds in (
-        (None, (FLEXIBLE,)),
-        (None, (FREE,)),
-        (None, (NAMED,)),
-        (held, (REDUNDANT,)),  # rigid ones that the other rigid ones hold
-        (None, (ELASTIC, HINGE)),
-        (None, (PRESCRIBED,)),
-    ):
-        for k in pick(rest if of is None else of, np.isin(effect, kinds)):
+    for kinds in ((FLEXIBLE,), (FREE,), (NAMED,), (REDUNDANT,), (ELASTIC, HINGE), (PRESCRIBED,)):
+        # of the redundant ones those that the other rigid ones hold
+        for k in pick(held if REDUNDANT in kinds else rest, np.isin(effect, kinds)):
             chosen.append(k)
             rest = _without(rest, k)
     advice = tuple(part(k) for k in chosen)

@@ -37,7 +37,6 @@ class ElementSweep:
     def __init__(self, mechanism: Mechanism, arrays: SweepArrays | None = None) -> None:
         numbering = mechanism.numbering
         self.nx, self.ne = numbering.nx, numbering.ne
-        self.batches = mechanism.batches
         self.layout = layout = mechanism.layout
         self.strained, self.massive = layout.strained, layout.massive
         self.moving, self.curved = layout.moving, layout.curved

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -63,10 +64,10 @@ def position_failure(
 
     What is printed is scaled like the history: a deformation that is a length is divided by the size of the mechanism.
     """
-    numbering = kinematics.numbering
+    numbering, failure = kinematics.numbering, partial(AnalysisError, iterations=iteration, history=history)
     collapsed = collapse(kinematics)
     if collapsed:
-        return AnalysisError(collapsed, "element.range", iterations=iteration, history=history)
+        return failure(collapsed, "element.range")
     values = np.where(np.isfinite(residual), np.abs(residual), np.inf) / kinematics.h_scale
     norm = float(values.max(initial=0.0))
     worst = int(kinematics.h[int(np.argmax(values))]) if len(values) else 0
@@ -88,18 +89,18 @@ def position_failure(
             "singular position: the constraints are met to rounding, but the coordinates are not determined (smallest"
             f" singular value {smallest:.3g}{where}); a dead point: choose other degrees of freedom"
         )
-        return AnalysisError(text, "position.singular", iterations=iteration, history=history)
+        return failure(text, "position.singular")
     if smallest < NEARLY * largest:
         found = _singular_choice(kinematics.mechanism)
         if found:
-            return AnalysisError(found, "position.singular", iterations=iteration, history=history)
+            return failure(found, "position.singular")
     text = (
         f"no convergence of the position after {iteration} iterations: scaled residual {norm:.2g}"
         f" (history {_shown(history if history and history[-1] == norm else [*history, norm])}),"
         f" worst deformation {numbering.e_name(worst)}, smallest singular value {smallest:.3g}{where};"
         " try a smaller step, other degrees of freedom, or start values that can be reached"
     )
-    return AnalysisError(text, "position.no-convergence", iterations=iteration, history=history)
+    return failure(text, "position.no-convergence")
 
 
 def _singular_choice(mechanism: Mechanism) -> str:

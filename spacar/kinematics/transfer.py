@@ -73,8 +73,7 @@ def configuration_transfer(k: Kinematics, W: Array | None = None) -> Array:
     G[x_units, x_columns] = 1.0
     rate[e_units, e_columns] = 1.0
     G[k.c] = k.position_system.solve(rate[k.h] - k.sweep_rates(G)[k.h])
-    slips = np.flatnonzero(n.slips[e_units])
-    G[:, e_columns[slips]] = 0.0  # a slip is no configuration
+    G[:, rate[n.slips].any(axis=0)] = 0.0  # a slip is no configuration
     return G
 
 
