@@ -284,11 +284,11 @@ class CompiledDynamics:
             m.slots.interrupted()
         return reached
 
-    def newton(self, method: Radau, h: float, within: float) -> tuple[bool, float, float] | None:
+    def newton(self, method: Radau) -> tuple[bool, float, float] | None:
         """Newton iteration of a step of codes 553 and 595, see `spacar.integrators.problem.BlockEvaluator`."""
         if self._iterating is None or self._iterating.method is not method:
             self._iterating = Iterating(self.solver, self.state, method)
-        return self._iterating(h, within)
+        return self._iterating()
 
     def frame_in_general(self, t: float, y: Array) -> Frame:
         """That of a state that C could not do."""

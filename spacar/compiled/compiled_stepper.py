@@ -112,10 +112,10 @@ class CompiledStepper:
         self.c.recorded = self.c.entered = self.c.reductions = 0
 
     def steps(
-        self, method: Adams | ExplicitRungeKutta, t: float, t_end: float, h: float, longest: float, within: float
+        self, method: Adams | ExplicitRungeKutta, t: float, t_end: float, h: float, longest: float
     ) -> Iterator[Step]:
         """Steps of a method that has been started at t, at least those with an output or where a block ends, up to
-        t_end; positions `within` that tolerance."""
+        t_end."""
         c, evaluation, output_block = self.c, method.evaluation, self.output_block
         self.atol[:], c.rtol = method.tolerance
         c.t, c.t_end, c.h, c.longest = t, t_end, h, longest
@@ -135,7 +135,7 @@ class CompiledStepper:
             begun = by.begin()
             if begun:
                 self._failed(NOT_EVALUATED if begun == 1 else INTERRUPTED, method, started=False)
-            c.converged = within  # the start of the motion is solved to rounding
+            c.converged = evaluation.problem.within  # the start of the motion is solved to rounding
             if not (first and c.recorded):
                 self._go_on(self.monitor.started(t, by.y))
             while status != ARRIVED:

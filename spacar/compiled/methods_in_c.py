@@ -140,8 +140,8 @@ class Iterating:
         self.address = ctypes.addressof(c)
         self.factors: object = None
 
-    def __call__(self, h: float, within: float) -> tuple[bool, float, float] | None:
-        """Whether the stages of the step h converged, size and contraction of the last change; None: Python has to ask
+    def __call__(self) -> tuple[bool, float, float] | None:
+        """Whether the stages of the step converged, size and contraction of the last change; None: Python has to ask
         for derivatives itself, from the guess on. Raises what a user function raised."""
         c, method = self.c, self.method
         if self.factors is not method.factors:
@@ -151,7 +151,8 @@ class Iterating:
             c.pair_lu[: len(pairs)] = [of.lu.ctypes.data for of in pairs]
             c.pair_pivots[: len(pairs)] = [of.pivots.ctypes.data for of in pairs]
         evaluation = method.evaluation
-        c.t, c.h, c.converged, c.contraction = method.t, h, within, method.contraction
+        c.t, c.h, c.converged = method.t, method.h, evaluation.problem.within
+        c.contraction = method.contraction
         c.earliest, c.latest = evaluation.first, evaluation.last
         c.iterations = c.n_rhs = 0
         status = self.model.engine.newton(self.model.handle, self.state.address, self.address)

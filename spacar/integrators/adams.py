@@ -134,7 +134,7 @@ class Adams:
         rhs, phi, d, stepper = self.evaluation.rhs, self.phi, self.d, self.evaluation.stepper
         self.y[:] = y
         if stepper is not None:
-            yield from stepper.steps(self, t, t_end, h, float("inf"), self.evaluation.problem.within)
+            yield from stepper.steps(self, t, t_end, h, float("inf"))
             return
         h_min = 4.0 * EPS * max(abs(t), abs(t_end), t_end - t)
         phi[0] = rhs(t, self.y)

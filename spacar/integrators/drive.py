@@ -255,38 +255,40 @@ class Jumps:
 
     def within(self, before: float, step: Step) -> tuple[float, float] | None:
         """The times before and behind the first jump that an output in the step from `before` shows, None: none."""
+        self.before, self.step = before, step
         if step.passed is not None:
             self.next += sum(len(outputs.work) for outputs in step.passed)
-            return self._seen(before, before, step) if self.evaluation.suspected else None
+            return self._seen(before) if self.evaluation.suspected else None
         good = before
         while self.next < len(self.times) and (at := float(self.times[self.next])) < step.t:
             if at > before:
-                found = self._seen(good, before, step)
+                found = self._seen(good)
                 if found is not None:
                     return found
                 good = at
             self.next += 1
         return None
 
-    def _seen(self, good: float, before: float, step: Step) -> tuple[float, float] | None:
+    def _seen(self, good: float) -> tuple[float, float] | None:
         """The same at the next output, where `good` is the last time that agrees."""
         at = float(self.times[self.next])
-        difference = self._difference(at, before, step)
+        difference = self._difference(at)
         if difference is None:
             return None
         first = self.evaluation.problem.n_positions
-        weight = self.tolerance.absolute + self.tolerance.relative * np.abs(step.interpolate(at))
-        scaled = (step.t - before) * difference / weight[first:]
+        weight = self.tolerance.absolute + self.tolerance.relative * np.abs(self.step.interpolate(at))
+        scaled = (self.step.t - self.before) * difference / weight[first:]
         size = sqrt(float(scaled @ scaled))  # d
         if not size > self.evaluation.suspect and not self.evaluation.suspected:
             return None
-        found = self._located(good, at, before, step)
+        found = self._located(good, at)
         if found is None:
             self.evaluation.suspect = MORE * max(size, self.evaluation.suspect)
         return found
 
-    def _difference(self, t: float, before: float, step: Step) -> np.ndarray | None:
+    def _difference(self, t: float) -> np.ndarray | None:
         """F - p' at a time inside the step; None where there is no F."""
+        before, step = self.before, self.step
         h = step.t - before
         low, high = max(before, t - DIFFERENCE * h), min(step.t, t + DIFFERENCE * h)
         slope = (np.array(step.interpolate(high)) - step.interpolate(low)) / (high - low)
@@ -297,15 +299,15 @@ class Jumps:
         except AnalysisError:
             return None
 
-    def _located(self, good: float, bad: float, before: float, step: Step) -> tuple[float, float] | None:
+    def _located(self, good: float, bad: float) -> tuple[float, float] | None:
         """The jump between a time that agrees and one that does not, None when F is smooth there."""
-        right, left = (self._difference(t, before, step) for t in (bad, good))
+        right, left = map(self._difference, (bad, good))
         if left is None or right is None:
             return None
         low, high, first = good, bad, np.linalg.norm(right)
         while high - low > 4.0 * EPS * max(abs(good), abs(bad)):
             middle = 0.5 * (low + high)
-            now = self._difference(middle, before, step)
+            now = self._difference(middle)
             if now is None:
                 return None
             if np.linalg.norm(now - left) < np.linalg.norm(now - right):

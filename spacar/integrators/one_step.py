@@ -29,7 +29,7 @@ def one_step(
         h = min(h, _first_step(integrator, t, y, f.copy()))
     h = max(min(h, longest), h_min)
     if evaluation.stepper is not None and isinstance(integrator, ExplicitRungeKutta):
-        yield from evaluation.stepper.steps(integrator, t, t_end, h, longest, evaluation.problem.within)
+        yield from evaluation.stepper.steps(integrator, t, t_end, h, longest)
         return
     final = False
     while not final:

@@ -32,9 +32,9 @@ class BlockEvaluator(Protocol):
         """F(t + c_i h, y + h a_i K) into the rows i of K from `done` on, at times clipped to the window. Returns the
         first row that it could not do; that one is then asked from `rhs`, which says why."""
 
-    def newton(self, method: Any, h: float, within: float) -> tuple[bool, float, float] | None:
-        """Makes the Newton iteration of a step of codes 553 and 595 from the guess in `method.Z`. Returns whether it
-        converged, size and contraction of the last change; None when it cannot."""
+    def newton(self, method: Any) -> tuple[bool, float, float] | None:
+        """Makes the Newton iteration of the step of a method 553 or 595 from the guess in `method.Z`. Returns whether
+        it converged, size and contraction of the last change; None when it cannot."""
 
 
 class Stepper(Protocol):
@@ -44,7 +44,7 @@ class Stepper(Protocol):
     @property
     def output_block(self) -> Any: ...
 
-    def steps(self, method: Any, t: float, t_end: float, h: float, longest: float, within: float) -> "Iterator[Step]":
+    def steps(self, method: Any, t: float, t_end: float, h: float, longest: float) -> "Iterator[Step]":
         """Yields the steps with an output, or the last of many with the outputs in all of them."""
 
 

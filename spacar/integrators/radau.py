@@ -163,20 +163,20 @@ class Radau(OneStepMethod):
         self.h = h
         if self.J is None or (self.contraction > KEEP and not self.fresh):
             self._linearize()
-        self._factor(h)
-        failure = self._newton(h)
+        self._factor()
+        failure = self._newton()
         if failure is not None and not self.fresh:
             self._linearize()
-            self._factor(h)
-            failure = self._newton(h)
+            self._factor()
+            failure = self._newton()
         if failure is not None:
             raise failure
         self.y_new[:] = self.y + self.Z[-1]
-        error = self._error(h, self.stages[0])
+        error = self._error(self.stages[0])
         if error > 1.0 and (self.refused or not self.predicted):
             # The estimate of a stiff component is F there, not damped enough by one solve (IV.8.20).
-            error = self._error(h, self.evaluation.rhs(self.t, self.y + self.estimate))
-        error = max(error, self._between(h))
+            error = self._error(self.evaluation.rhs(self.t, self.y + self.estimate))
+        error = max(error, self._between())
         self.refused = error > 1.0
         return error
 
@@ -185,8 +185,9 @@ class Radau(OneStepMethod):
         self.fresh = True
         self.factored_h = 0.0
 
-    def _factor(self, h: float) -> None:
-        """Factors of the real and complex iteration matrices for the step h."""
+    def _factor(self) -> None:
+        """Factors of the real and complex iteration matrices for the step."""
+        h = self.h
         if h == self.factored_h:
             return
         each = (self.method.real, *self.method.pairs)
@@ -194,40 +195,40 @@ class Radau(OneStepMethod):
         self.factored_h = h
         self.contraction = 1.0
 
-    def _guess(self, h: float) -> None:
+    def _guess(self) -> None:
         """Stages on the line through the last two stages of the step before, positions integrated.
 
         The polynomial of all stages is the better guess of a smooth motion (a third less iterations), but it
         magnifies what is left in unresolved vibrations some thousand times.
         """
-        m, nq, Z = self.method, self.nq, self.Z
+        m, nq, Z, h = self.method, self.nq, self.Z, self.h
         np.multiply.outer(h * m.c, self.slope, out=Z)
         if nq:
             Z[:, :nq] = (h * m.c)[:, None] * self.y[self.n - nq :] + (h * m.a) @ Z[:, self.n - nq :]
 
-    def _newton(self, h: float) -> AnalysisError | None:
-        """Stages of the step h into Z; what to say when the iteration does not converge."""
+    def _newton(self) -> AnalysisError | None:
+        """Stages of the step into Z; what to say when the iteration does not converge."""
         # What is known of the contraction is older by a step (IV.8.11); nothing is known of new factors.
         self.contraction = min(max(self.contraction, EPS) ** 0.8, 0.99)
-        self._guess(h)
+        self._guess()
         self.weight[:] = self.weights(self.y + self.Z[-1])
         blocks = self.evaluation.blocks if isinstance(self.factors[0], DenseResolvent) else None
-        found = None if blocks is None else blocks.newton(self, h, self.evaluation.problem.within)
+        found = None if blocks is None else blocks.newton(self)
         if found is None:
             if blocks is not None:
-                self._guess(h)
-            found = self._iterate(h)
+                self._guess()
+            found = self._iterate()
         converged, change, theta = found
         if converged:
             return None
         worst = int(np.argmax(np.abs(self.change / self.weight))) % self.n
-        failure = slow_newton(self.evaluation, self.t, h, change, theta, worst, KAPPA)
+        failure = slow_newton(self.evaluation, self.t, self.h, change, theta, worst, KAPPA)
         self.contraction = 1.0
         return failure
 
-    def _iterate(self, h: float) -> tuple[bool, float, float]:
+    def _iterate(self) -> tuple[bool, float, float]:
         """Whether Z converged from its guess, size and contraction of the last change."""
-        m, n, nq, Z, F = self.method, self.n, self.nq, self.Z, self.F
+        m, n, nq, Z, F, h = self.method, self.n, self.nq, self.Z, self.F, self.h
         statistics = self.evaluation.statistics
         drift = (h * m.c)[:, None] * self.y[n - nq :]
         ha, inverse = h * m.a, m.inverse / h
@@ -263,9 +264,9 @@ class Radau(OneStepMethod):
                 return True, change, theta
         return False, change, theta
 
-    def _error(self, h: float, f: np.ndarray) -> float:
+    def _error(self, f: np.ndarray) -> float:
         """Norm of (lambda_0/h - J)^-1 (f + error @ Z / h), by the factors of the real system."""
-        self.estimate = self.factors[0](f + (self.method.error / h) @ self.Z)
+        self.estimate = self.factors[0](f + (self.method.error / self.h) @ self.Z)
         np.divide(self.estimate, self.weights(self.y_new), self.scaled)
         return sqrt(self.scaled.dot(self.scaled) / self.n)
 
@@ -276,14 +277,14 @@ class Radau(OneStepMethod):
             weight[self.n - self.nq :] /= self.h
         return weight
 
-    def _between(self, h: float) -> float:
+    def _between(self) -> float:
         """Largest norm, inside the step, of the last term of the positions (of everything without them).
 
         The estimate for the end of the step is blind to what is stiff: that ends right, but may pass anywhere between.
         """
         m, nq = self.method, self.nq
         if nq:
-            last = (h * m.largest[1] / (len(m.c) + 1)) * (m.basis[-1] @ self.Z[:, self.n - nq :])
+            last = (self.h * m.largest[1] / (len(m.c) + 1)) * (m.basis[-1] @ self.Z[:, self.n - nq :])
         else:
             last = m.largest[0] * (m.basis[-1] @ self.Z)
         last /= self.weights(self.y_new)[: len(last)]

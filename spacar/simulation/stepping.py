@@ -145,7 +145,7 @@ class _Problem(Problem):
         self.n_rhs += reached - done
         return reached
 
-    def newton(self, method: Any, h: float, within: float) -> None:
+    def newton(self, method: Any) -> None:
         """In Python."""
 
     def jacobian(self, t: float, y: Array) -> tuple[Array, Array]:
