@@ -142,13 +142,11 @@ class CompiledModel:
         """Counts and lists, as `read_spec` of model.c reads them."""
         n, numbers = self.numbering, self.numbers
         position, xs, es = n.position_equations, n.x_class, n.e_class
-        x, d, k = xs["input"], xs["dynamic"], xs["kinematic"]
-        e, p, q = es["input"], es["dynamic"], es["kinematic"]
+        given = [of[name] for of in (xs, es) for name in ("input", "dynamic", "kinematic")]
         counts = [
-            n.nx, n.ne, xs["calculable"].start, e.stop, p.stop, len(numbers.elements),
+            n.nx, n.ne, xs["calculable"].start, es["input"].stop, es["dynamic"].stop, len(numbers.elements),
             len(numbers.stiffness[0]), len(numbers.damping[0]), n.nddof == 0, len(numbers.mass[0]),
-            x.start, x.stop - x.start, d.start, d.stop - d.start, k.start, k.stop - k.start,
-            e.start, e.stop - e.start, p.start, p.stop - p.start, q.start, q.stop - q.start,
+            *(number for part in given for number in (part.start, part.stop - part.start)),
             self.slots.polynomial, len(position), len(numbers.moments[0]), len(numbers.coupling[0]), MAX_ITERATIONS,
         ]  # fmt: skip
         lists = [position, n.translations]

@@ -98,10 +98,9 @@ class CompiledStepper:
         self.c = structure("Stepper")(
             model.handle, evaluator.state.address, None, first, address_of(self.scale),
             first + WIDTH * capacity * width, n, capacity, width, monitor.look, monitor.back, self.most,
-            MAX_REDUCTIONS, REDUCTION, LAST_STRETCH,
+            MAX_REDUCTIONS, REDUCTION, LAST_STRETCH, jump=LARGEST_JUMP, share=SHARE, noise=NOISE, still=STILL,
+            half=monitor.half, inside=monitor.inside, wide=monitor.wide, far=monitor.far,
         )  # fmt: skip
-        self.c.jump, self.c.share, self.c.noise, self.c.still = LARGEST_JUMP, SHARE, NOISE, STILL
-        self.c.half, self.c.inside, self.c.wide, self.c.far = monitor.half, monitor.inside, monitor.wide, monitor.far
         if lanes > 1:
             self.near = np.ascontiguousarray(HalfTurns(evaluator.numbering).lambda0, np.int32)
             self.c.lambda0, self.c.n_lambda0, self.c.half_turn = self.near.ctypes.data, len(self.near), HALF_TURN

@@ -132,12 +132,12 @@ class Iterating:
         m = method.method
         kept = m.c, m.a, m.inverse, m.to, m.back
         self.kept = tuple(v.copy(order="C") for v in kept)
-        self.c = c = structure("Newton")(*(v.ctypes.data for v in self.kept))
-        c.y, c.Z, c.F = method.y.ctypes.data, method.Z.ctypes.data, method.F.ctypes.data
-        c.change, c.right, c.weight = (v.ctypes.data for v in (method.change, method.right, method.weight))
-        c.jump, c.kappa = LARGEST_JUMP, KAPPA
-        c.s, c.n, c.nq, c.most = len(m.c), method.n, method.nq, MAX_NEWTON
-        self.address = ctypes.addressof(c)
+        shared = {name: getattr(method, name).ctypes.data for name in ("y", "weight", "Z", "F", "change", "right")}
+        self.c = structure("Newton")(
+            *(v.ctypes.data for v in self.kept), **shared, jump=LARGEST_JUMP, kappa=KAPPA, s=len(m.c), n=method.n,
+            nq=method.nq, most=MAX_NEWTON,
+        )  # fmt: skip
+        self.address = ctypes.addressof(self.c)
         self.factors: object = None
 
     def __call__(self) -> tuple[bool, float, float] | None:

@@ -52,11 +52,12 @@ class OutputRows:
     counts, those of the next call begin with a place among them."""
 
     def __init__(self, solver: CompiledModel, shown: State, width: int, far: int) -> None:
-        self.solver, self.c = solver, structure("OutputBlock")(ctypes.addressof(shown.c))
-        c = self.c
-        c.exact, c.jump, c.guard, c.longest = EXACT, LARGEST_JUMP, GUARD, LONGEST
-        c.width, c.far, c.foreign = width, far, solver.slots.has_limits
-        self.address = ctypes.addressof(c)
+        self.solver = solver
+        self.c = structure("OutputBlock")(
+            shown.address, exact=EXACT, jump=LARGEST_JUMP, guard=GUARD, longest=LONGEST, width=width, far=far,
+            foreign=solver.slots.has_limits,
+        )  # fmt: skip
+        self.address = ctypes.addressof(self.c)
         self.at = 0, 0, 0
 
     def _next(self, place: int, end: int, steps: float) -> None:
