@@ -158,7 +158,6 @@ class LeftOut:
         l, sweep, n_bodies = left.numbering, inertia.sweep, len(inertia.origin)
         kind = "dense" if len(l.velocity_unknowns) <= MOST_DENSE else None
         kinematics = Kinematics(left, kind, sweep)
-        kinematics.x = left.x0.copy()
         kinematics.refactor()
         active = StressLaw.of(left, left.loads)(sweep.e, np.zeros(l.ne))
         body = inertia.column_body[columns]

@@ -183,9 +183,8 @@ def _motions_of_rounding(mechanism: Mechanism, saddle: SaddlePoint, condition: f
     V = sweep.gradient()
     mass = np.zeros((n.nx, n.nx))
     np.add.at(mass, (sweep.m_rows, sweep.m_columns), sweep.m_entries)
-    if saddle.coupling.present:
-        i, j, value = saddle.coupling.table
-        mass += V[i].T @ (value[:, None] * V[j])
+    i, j, value = saddle.coupling.table
+    mass += V[i].T @ (value[:, None] * V[j])
     mass = mass[np.ix_(F, F)] * (x[:, None] * x)
     Z, known = _admissible(V[:m, F] * (row[:, None] * x))
     energy, vectors = np.linalg.eigh(Z.T @ mass @ Z)

@@ -237,13 +237,13 @@ def extrapolated(t: float, last: State, before: State | None, scale: Array) -> A
     """x (nx,) at t; Taylor's polynomial where there is no earlier state, or the motion between both is not smooth."""
     t1, x1, v1, a1 = last
     step = t - t1
-    taylor = x1 + step * (v1 + (0.5 * step) * a1)
+    taylor: Array = x1 + step * (v1 + (0.5 * step) * a1)
     if before is None:
-        return np.asarray(taylor)
+        return taylor
     t0, x0, v0, a0 = before
     h = t1 - t0
     if h == 0.0 or not 0.0 < step / h <= FARTHEST:
-        return np.asarray(taylor)
+        return taylor
     s = step / h
     half = (0.5 * h * h) * a1
     D = x0 - x1 + h * v1 - half
@@ -251,8 +251,8 @@ def extrapolated(t: float, last: State, before: State | None, scale: Array) -> A
     A = (h * h) * a0 - 2.0 * half
     c5 = -0.5 * A - 3.0 * V - 6.0 * D
     c4 = 2.0 * c5 - V - 3.0 * D
-    correction = s**3 * (c4 - c5 - D + s * (c4 + s * c5))
+    correction: Array = s**3 * (c4 - c5 - D + s * (c4 + s * c5))
     size = np.abs(correction / scale).max()
     if not SMALL < size < ROUGH * np.abs((taylor - x1) / scale).max():
-        return np.asarray(taylor)
-    return np.asarray(taylor + correction)
+        return taylor
+    return taylor + correction

@@ -85,7 +85,7 @@ def effects(mechanism: Mechanism, rows: Index, x: Array | None) -> tuple[Array, 
     found_rigid = redundancies(mechanism, rows[: fixed.stop], x)
     held = np.zeros((len(rows), found_rigid.shape[1]))
     held[: fixed.stop] = found_rigid
-    redundant = np.linalg.norm(held, axis=1) > SMALL if held.size else np.zeros(len(rows), bool)
+    redundant = np.linalg.norm(held, axis=1) > SMALL
     inner = {part for parts in mechanism.deck.divided.values() for part in parts[:-1]}
     found = np.full(len(rows), NONE)
     for k, i in enumerate(rows.tolist()):

@@ -38,8 +38,7 @@ class ElementSweep:
         numbering = mechanism.numbering
         self.nx, self.ne = numbering.nx, numbering.ne
         self.layout = layout = mechanism.layout
-        self.strained, self.massive = layout.strained, layout.massive
-        self.moving, self.curved = layout.moving, layout.curved
+        self.strained, self.moving, self.curved = layout.strained, layout.moving, layout.curved
         self.entries, self.e, self.branch = arrays or SweepArrays.of(mechanism)
         self.configuration: dict[int, Configuration] = {}
         self.count = 0  # evaluations of D, for the log and the benchmarks
@@ -106,13 +105,13 @@ class ElementSweep:
     # -- inertia ------------------------------------------------------------------------------------------------
     def constant_mass(self) -> None:
         """Evaluate the mass matrices that never change; once per run."""
-        for b in self.massive:
+        for b in self.layout.massive:
             if b.family.constant_mass:
                 b.family.mass(None, self.M[b.index])
 
     def constant_masses(self) -> list[tuple[Batch, Array]]:
         """Those, (n_coordinates, n_coordinates, n) each."""
-        return [(b, self.M[b.index]) for b in self.massive if b.family.constant_mass]
+        return [(b, self.M[b.index]) for b in self.layout.massive if b.family.constant_mass]
 
     def mass(self) -> None:
         """M of the configuration-dependent families into `entries`."""

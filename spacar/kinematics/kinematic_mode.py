@@ -49,11 +49,10 @@ def check(run: Run) -> Iterator[Sequence[Frame]]:
 def _large_and_regular(mechanism: Mechanism) -> Diagnosis | None:
     """The diagnosis without singular value decomposition (cubic cost), if the estimated condition says regular."""
     n = mechanism.numbering
-    rows = int(n.nep[[0, 2, 3]].sum())
-    if rows != int(n.nxp[[1, 4]].sum()) or rows <= DECOMPOSED or not n.holonomic:
+    rows = len(n.velocity_equations)
+    if rows <= DECOMPOSED or not (n.is_square and n.holonomic):
         return None
     kinematics = Kinematics(mechanism)
-    kinematics.x = mechanism.x0.copy()
     try:
         kinematics.refresh()
     except SingularMatrixError:

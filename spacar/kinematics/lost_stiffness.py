@@ -92,6 +92,6 @@ def _can_change(mechanism: Mechanism, pairs: list[tuple[int, int]]) -> set[tuple
     held = redundancies(mechanism, np.concatenate((fixed, places)))[len(fixed) :]
     # Motions of the candidates that no redundancy forbids: the columns of `free`. A candidate without a share in any
     # of them is determined by the fixed deformations.
-    left, s, _ = np.linalg.svd(held) if held.size else (np.eye(len(pairs)), np.zeros(0), None)
+    left, s, _ = np.linalg.svd(held)
     free = left[:, int(np.sum(s > SMALL)) :]
     return {pair for pair, row in zip(pairs, free, strict=True) if np.linalg.norm(row) > SMALL}
