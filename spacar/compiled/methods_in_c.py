@@ -130,8 +130,7 @@ class Iterating:
     def __init__(self, model: CompiledModel, state: State, method: Radau) -> None:
         self.model, self.state, self.method = model, state, method
         m = method.method
-        kept = m.c, m.a, m.inverse, m.to, m.back
-        self.kept = tuple(v.copy(order="C") for v in kept)
+        self.kept = tuple(v.copy(order="C") for v in (m.c, m.a, m.inverse, m.to, m.back))
         shared = {name: getattr(method, name).ctypes.data for name in ("y", "weight", "Z", "F", "change", "right")}
         self.c = structure("Newton")(
             *(v.ctypes.data for v in self.kept), **shared, jump=LARGEST_JUMP, kappa=KAPPA, s=len(m.c), n=method.n,

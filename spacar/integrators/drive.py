@@ -81,7 +81,7 @@ def integrate(
     if row.code == AUTOMATIC and problem.jacobian is None:
         row = METHODS[0]  # nothing to change to
     integrator = row.build(evaluation, len(state), Tolerance(absolute, float(rtol)))
-    segments = _segments(first, last, breaks) if breaks else [(first, last, first, last)]
+    segments = _segments(first, last, breaks)
     loop = _variable if row.variable_step else _fixed
     return _outputs(loop(integrator, evaluation, state, segments, step), state, evaluation, max_steps)
 

@@ -127,9 +127,8 @@ class ConstraintMatrices:
 
     def norm(self, part: MatrixPart) -> float:
         """1-norm of the scaled matrix from its entries; bounded from above where two add up."""
-        columns = self.sweep.v_columns[part.take]
-        weight = self.mechanism.scale[columns] / self.mechanism.deformation_scale[self.sweep.v_rows[part.take]]
-        return float(np.bincount(columns, np.abs(self.sweep.entries[part.take]) * weight).max(initial=0.0))
+        weight = self.mechanism.scale[part.columns][part.j] / self.mechanism.deformation_scale[part.rows][part.i]
+        return float(np.bincount(part.j, np.abs(self.sweep.entries[part.take]) * weight).max(initial=0.0))
 
     def is_single_root(self, part: MatrixPart, rounding: float) -> bool:
         """At the configuration of the sweep; `rounding` is delta of the scaled residual."""

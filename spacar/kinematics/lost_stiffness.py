@@ -43,8 +43,11 @@ def lost_stiffness(deck: Deck, mechanism: Mechanism) -> list[Message]:
 def _candidates(deck: Deck) -> dict[int, list[tuple[int, int]]]:
     """Index of every RLSE on a beam -> its (element, mode) without a stress law."""
     keywords = {s.integer(0): s.keyword for s in deck.of(*BEAMS, block=1)}
-    of_block = [(k, s) for k, s in enumerate(deck.statements) if s.keyword == "RLSE" and s.block == 1]
-    releases = [(k, s) for k, s in of_block if s.integer(0) in keywords]
+    releases = [
+        (k, s)
+        for k, s in enumerate(deck.statements)
+        if s.keyword == "RLSE" and s.block == 1 and s.integer(0) in keywords
+    ]
     if not releases:
         return {}
     deck = full_deck(deck)

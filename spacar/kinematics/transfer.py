@@ -34,7 +34,7 @@ def velocity_transfer(k: Kinematics) -> Array:
     given, rate = np.zeros((n.nx, n.ndof)), np.zeros((n.ne, n.ndof))
     nx = len(n.q_x)
     given[n.q_x, np.arange(nx)] = 1.0
-    rate[n.q_e, nx + np.arange(len(n.q_e))] = 1.0
+    rate[n.q_e, np.arange(nx, n.ndof)] = 1.0
     return k.dependent(given, rate)
 
 
@@ -42,7 +42,7 @@ def deformation_transfer(k: Kinematics, W: Array, V: Matrix) -> Array:
     """We, (ne, ndof): V W, of which the rows E are given: unit rows for the degrees of freedom, else zero."""
     n = k.numbering
     We = np.zeros((n.ne, n.ndof))
-    We[n.q_e, len(n.q_x) + np.arange(len(n.q_e))] = 1.0
+    We[n.q_e, np.arange(len(n.q_x), n.ndof)] = 1.0
     others = np.delete(np.arange(n.ne), k.E)
     if len(others):
         We[others] = V[others] @ W
@@ -72,7 +72,7 @@ def configuration_transfer(k: Kinematics, W: Array | None = None) -> Array:
     G, rate = np.zeros((n.nx, n.nkdof)), np.zeros((n.ne, n.nkdof))
     G[x_units, x_columns] = 1.0
     rate[e_units, e_columns] = 1.0
-    G[k.c] = k.position_system.solve(rate[k.h] - k.sweep_rates(G)[k.h])
+    G[k.c] = k.position_system.solve((rate - k.sweep_rates(G))[k.h])
     G[:, rate[n.slips].any(axis=0)] = 0.0  # a slip is no configuration
     return G
 
