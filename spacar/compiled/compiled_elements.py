@@ -17,8 +17,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.compiled.compiled_model import is_compiled
 from spacar.compiled.interface import structure
-from spacar.compiled.library import address_of, element_functions
-from spacar.compiled.numbers import FOREIGN, form_of
+from spacar.compiled.library import address_of, element_functions, engine
 from spacar.elements.family import GUARD, Configuration, Family, Internal, Trouble
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stream import Run
@@ -70,10 +69,12 @@ def band_inverse(system: BandedSystem) -> Array:
 
 def compiled_family(family: Family) -> Family:
     """The family with functions of the engine; itself where the engine has none for it."""
-    if isinstance(family, CompiledElements) or family.definition not in element_functions().text:
+    name = family.definition
+    if isinstance(family, CompiledElements) or name not in element_functions().text:
         return family
-    kind, parameters = form_of(family)
-    if kind == FOREIGN or parameters.dtype != float:
+    kind, count = engine(1).kinds[name]
+    parameters = family.parameters()
+    if count != len(parameters) or parameters.dtype != float:
         return family
     return CompiledElements(family, kind, parameters)
 
