@@ -15,7 +15,6 @@ from spacar_formats.result_files import sbd_header
 
 from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES
-from spacar.deck.cross_section import SHAPES
 from spacar.deck.directed import STEP
 from spacar.errors import UsageError
 from spacar.mechanism import Mechanism
@@ -238,8 +237,6 @@ def _sections(mechanism: Mechanism) -> dict[int, SectionShape]:
     """Cross-sections of BEAMSEC by element, with their directions."""
     found = {}
     for use in mechanism.deck.sections:
-        drawn = SHAPES[use.shape].drawn
-        if drawn is not None:
-            word, dims = drawn(*use.dims)
-            found.update({number: SectionShape(word, dims) for number in use.parts})
+        if use.picture is not None:
+            found.update(dict.fromkeys(use.parts, SectionShape(*use.picture)))
     return {n: s for n, s in found.items() if moments(s) is not None}

@@ -37,20 +37,22 @@ class SectionConstants:
     Cw: float
 
 
+def _right(unit: str, *dims: float) -> str:
+    return ""
+
+
 @dataclass(frozen=True)
 class Shape:
     """A kind of section: names of its dimensions with the exponent of the metre, and its constants.
 
     `constants` takes the dimensions [m] and Poisson's ratio. `wrong` takes the unit of length of the file and the
-    dimensions in it, and gives "" or why no section has them. `drawn` is the CROSSTYPE and CROSSDIM of pictures, None
-    for a shape that has none.
+    dimensions in it, and gives "" or why no section has them.
     """
 
     title: str
     dims: tuple[tuple[str, int], ...]
     constants: Callable[..., SectionConstants]
-    wrong: Callable[..., str]
-    drawn: Callable[..., tuple[str, tuple[float, ...]]] | None
+    wrong: Callable[..., str] = _right
 
 
 def rectangle_torsion(w: float, t: float) -> float:
@@ -111,10 +113,6 @@ def _thin(b: float, h: float, m: float, nu: float, *, box: bool) -> float:
     return 10 * (1 + nu) * (1 + 3 * m) ** 2 / below
 
 
-def _right(unit: str, *dims: float) -> str:
-    return ""
-
-
 def _wall(unit: str, d: float, t: float) -> str:
     return "" if 2 * t < d else f"wall {t:g} {unit}, at least half of the width of the tube ({d:g} {unit})"
 
@@ -132,25 +130,22 @@ def _web(unit: str, b: float, h: float, tw: float, tf: float) -> str:
 
 
 SHAPES = {
-    "RECT": Shape(
-        "rectangle", (("w along y'", 1), ("t along z'", 1)), rectangle, _right, lambda w, t: ("RECT", (w, t))
-    ),
-    "CIRC": Shape("circle", (("diameter d", 1),), lambda d, nu: _ring(d, 0.0, nu), _right, lambda d: ("CIRC", (d,))),
+    "RECT": Shape("rectangle", (("w along y'", 1), ("t along z'", 1)), rectangle),
+    "CIRC": Shape("circle", (("diameter d", 1),), lambda d, nu: _ring(d, 0.0, nu)),
     "TUBE": Shape(
-        "tube", (("outer diameter d", 1), ("wall t", 1)), lambda d, t, nu: _ring(d, d - 2 * t, nu), _wall,
-        lambda d, t: ("CIRCHOL", (d, d - 2 * t)),
+        "tube", (("outer diameter d", 1), ("wall t", 1)), lambda d, t, nu: _ring(d, d - 2 * t, nu), _wall
     ),
     "RECTHOL": Shape(
         "hollow rectangle", (("w along y'", 1), ("h along z'", 1), ("inner w", 1), ("inner h", 1)), hollow_rectangle,
-        _inside, lambda w, h, wi, hi: ("RECTHOL", (w, h, wi, hi)),
+        _inside,
     ),
     "I": Shape(
         "I section", (("flange b along y'", 1), ("height h along z'", 1), ("web tw", 1), ("flange tf", 1)), i_section,
-        _web, lambda b, h, tw, tf: ("I", (b, h, tw, tf)),
+        _web,
     ),
     "CUSTOM": Shape(
         "constants as given", (("A", 2), ("Iy", 4), ("Iz", 4), ("It", 4), ("ky", 0), ("kz", 0), ("Cw", 6)),
-        lambda *given: SectionConstants(*given[:-1]), _right, None,
+        lambda *given: SectionConstants(*given[:-1]),
     ),
 }  # fmt: skip
 
@@ -227,6 +222,14 @@ class BeamSection:
     dims: tuple[float, ...]
     constants: SectionConstants
     material: Material
+
+    @property
+    def picture(self) -> tuple[str, tuple[float, ...]] | None:
+        """CROSSTYPE and CROSSDIM of pictures, None for a shape that has none."""
+        if self.shape == "TUBE":
+            d, t = self.dims
+            return "CIRCHOL", (d, d - 2 * t)
+        return None if self.shape == "CUSTOM" else (self.shape, self.dims)
 
 
 class Expansion(NamedTuple):

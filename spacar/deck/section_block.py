@@ -186,9 +186,8 @@ def _outline_of(statements: Sequence[Statement], before: Outline) -> Outline:
 
 def _drawn(use: BeamSection) -> list[str]:
     """Lines of the visualization section for the parts of a beam."""
-    drawn = SHAPES[use.shape].drawn
-    if drawn is None:
+    if use.picture is None:
         return []
-    word, dims = drawn(*use.dims)
+    word, dims = use.picture
     numbers = " ".join(map(str, use.parts))
     return [f"BEAMPROPS {numbers}", f"CROSSTYPE {word}", f"CROSSDIM {' '.join(repr(d) for d in dims)}"]

@@ -34,17 +34,17 @@ _K9 = (
 
 PLANAR = (
     ElementType(
-        "PLBEAM", "planar beam", 5, True, *BEAM_NODES, _BEND2, stiffness=(2, 3, 3), length="always",
+        "PLBEAM", "planar beam", 5, True, *BEAM_NODES, _BEND2, length="always",
         family="planar.plbeam:PlanarBeam", angle_family="planar.plbeam_angle:PlanarAngleBeam", shape="beam",
-        coefficients="planar beam", mass="planar beam", statements=("LDEFORM", "ADEFORM"), axial=True, quadratic=True,
+        coefficients="planar beam", mass="planar beam", statements=("LDEFORM", "ADEFORM"), axial=True,
         split=((2, 3),),
     ),
     ElementType(
-        "PLTRUSS", "planar truss", 7, True, *BAR_NODES, STRETCH, stiffness=(2,), length="always",
+        "PLTRUSS", "planar truss", 7, True, *BAR_NODES, STRETCH, length="always",
         family="planar.pltruss:PlanarTruss", shape="truss", coefficients="stretch", mass="bar", axial=True,
     ),
     ElementType(
-        "PLTOR", "planar hinge", 6, True, *JOINT_NODES, TURN, stiffness=(2,), family="planar.pltor:PlanarHinge",
+        "PLTOR", "planar hinge", 6, True, *JOINT_NODES, TURN, family="planar.pltor:PlanarHinge",
         shape="hinge",
     ),
     ElementType(
@@ -52,11 +52,11 @@ PLANAR = (
         notes=("Not supported, as in the original program.",),
     ),
     ElementType(
-        "PLPINBOD", "planar pinbody", 10, True, *BODY_NODES, BODY_MODES[:2], stiffness=(2, 3),
+        "PLPINBOD", "planar pinbody", 10, True, *BODY_NODES, BODY_MODES[:2],
         family="planar.plpinbod:PlanarPinbody", shape="body", statements=("ORPINBOD", "DRPINBOD"),
     ),
     ElementType(
-        "PLRBEAM", "planar rigid beam", 10, True, *BODY_NODES, BODY_MODES[:2], stiffness=(2, 3), length="always",
+        "PLRBEAM", "planar rigid beam", 10, True, *BODY_NODES, BODY_MODES[:2], length="always",
         family="planar.plpinbod:PlanarPinbody", shape="body", mass="planar beam", statements=("ORPINBOD", "DRPINBOD"),
     ),
     ElementType(
@@ -65,15 +65,15 @@ PLANAR = (
         direction=(6, 2, "axis"), family="planar.plwheel:PlanarWheel", shape="planar wheel",
     ),
     ElementType(
-        "PLBELT", "planar belt", 11, True, *BEAM_NODES, (("elongation of the belt", "m"),), _RADII, stiffness=(2,),
+        "PLBELT", "planar belt", 11, True, *BEAM_NODES, (("elongation of the belt", "m"),), _RADII,
         length="always", notes=(_K9,), family="planar.plbelt:PlanarBelt", shape="belt", coefficients="stretch",
         mass="belt",
     ),
     ElementType(
-        "PLTUBE", "planar tube", 15, True, *BEAM_NODES, _BEND2, _TANGENTS, span(5, 7), stiffness=(2, 3, 3),
+        "PLTUBE", "planar tube", 15, True, *BEAM_NODES, _BEND2, _TANGENTS, span(5, 7),
         length="always", family="planar.pltube:PlanarTube", angle_family="planar.plbeam_angle:PlanarAngleTube",
         shape="beam",
-        coefficients="planar beam", mass="planar tube", statements=("DELOMF", "ADEFORM"), axial=True, quadratic=True,
+        coefficients="planar beam", mass="planar tube", statements=("DELOMF", "ADEFORM"), axial=True,
     ),
 )  # fmt: skip
 
@@ -132,63 +132,61 @@ _SIX = "With six arguments the sixth is the coupling f and the direction is the 
 SPATIAL = (
     ElementType(
         "BEAM", "spatial beam", 1, False, *BEAM_NODES, _BEND3, (*_Y3, COUPLING), (5, 6, 8, 9),
-        stiffness=(2, 3, 4, 4, 5, 5), length="always", direction=(6, 3, "plane"), notes=(_K1, _K2, _SIX),
+        length="always", direction=(6, 3, "plane"), notes=(_K1, _K2, _SIX),
         family="spatial.beam:SpatialBeam", angle_family="spatial.beam_angle:SpatialAngleBeam", shape="beam",
-        coefficients="spatial beam", mass="spatial beam", statements=("LDEFORM", "ADEFORM"), axial=True, quadratic=True,
+        coefficients="spatial beam", mass="spatial beam", statements=("LDEFORM", "ADEFORM"), axial=True,
         split=((3, 4), (5, 6)), counterpart="PLBEAM",
     ),
     ElementType(
         "BEAMW", "spatial beam with warping", 18, False, *_WARPED_NODES, (*_BEND3, *_WARPING), (*_Y3, COUPLING),
-        (10, 11), stiffness=(2, 3, 4, 4, 5, 5, 8, 8), length="always", direction=(8, 3, "plane"),
+        (10, 11), length="always", direction=(8, 3, "plane"),
         notes=(_K1, _K2, _K10), family="spatial.beam_warping:BeamWithWarping",
         angle_family="spatial.beam_warping_angle:AngleBeamWithWarping", shape="beam",
         coefficients="spatial beam with warping",
-        mass="spatial beam with warping", statements=("LDEFORM", "ADEFORM"), axial=True, quadratic=True,
+        mass="spatial beam with warping", statements=("LDEFORM", "ADEFORM"), axial=True,
         split=((3, 4), (5, 6)), released=(7, 8),
     ),
     ElementType(
-        "TRUSS", "spatial truss", 2, False, *BAR_NODES, STRETCH, stiffness=(2,), length="always",
+        "TRUSS", "spatial truss", 2, False, *BAR_NODES, STRETCH, length="always",
         family="spatial.truss:SpatialTruss", shape="truss", coefficients="stretch", mass="bar", axial=True,
         counterpart="PLTRUSS",
     ),
     ElementType(
-        "HINGE", "spatial hinge", 3, False, *JOINT_NODES, (*TURN, *_MISALIGNED), _X3, stiffness=(2, 3, 4),
+        "HINGE", "spatial hinge", 3, False, *JOINT_NODES, (*TURN, *_MISALIGNED), _X3,
         direction=(4, 3, "axis"), notes=(_K3,), family="spatial.hinge:SpatialHinge", shape="hinge",
         counterpart="PLTOR",
     ),
     ElementType(
-        "PINBODY", "spatial pinbody", 9, False, *BODY_NODES, BODY_MODES, _Y3, (4, 7), stiffness=(2, 3, 4),
+        "PINBODY", "spatial pinbody", 9, False, *BODY_NODES, BODY_MODES, _Y3, (4, 7),
         length="with direction", direction=(5, 3, "plane"), notes=(_K4,), family="spatial.pinbody:SpatialPinbody",
         shape="body",
         statements=("ORPINBOD", "DRPINBOD"),
     ),
     ElementType(
-        "RBEAM", "spatial rigid beam", 9, False, *BODY_NODES, BODY_MODES, _Y3, (4, 7), stiffness=(2, 3, 4),
+        "RBEAM", "spatial rigid beam", 9, False, *BODY_NODES, BODY_MODES, _Y3, (4, 7),
         length="always", direction=(5, 3, "plane"), notes=(_K1,), family="spatial.pinbody:SpatialPinbody", shape="body",
         mass="spatial beam", statements=("ORPINBOD", "DRPINBOD"), counterpart="PLRBEAM",
     ),
     ElementType(
-        "WHEEL", "disk wheel", 13, False, *_WHEEL, _ROLL, _SPIN3, slips=(4, 5), stiffness=(2, 3, 4, 5, 6, 7),
+        "WHEEL", "disk wheel", 13, False, *_WHEEL, _ROLL, _SPIN3, slips=(4, 5),
         length="always", direction=(5, 3, "spin"), notes=("The radius is the initial distance between p and q.",),
         family="spatial.wheel:DiskWheel", shape="wheel", normal_mode=3,
     ),
     ElementType(
         "TWHEEL", "torus wheel", 14, False, *_WHEEL, _ROLL,
         (real("radius in the equatorial plane", "m"), real("transverse (tread) radius", "m"), *_SPIN3), slips=(4, 5),
-        stiffness=(2, 3, 4, 5, 6, 7), length="always", direction=(7, 3, "spin"), family="spatial.wheel:TorusWheel",
+        length="always", direction=(7, 3, "spin"), family="spatial.wheel:TorusWheel",
         shape="wheel", normal_mode=3,
     ),
     ElementType(
         "TUBE", "spatial tube", 16, False, *BEAM_NODES, _BEND3, (*_Y3, COUPLING), (5, 6, 8, 9),
-        stiffness=(2, 3, 4, 4, 5, 5), length="always", direction=(6, 3, "plane"), notes=(_K1, _K2, _SIX),
+        length="always", direction=(6, 3, "plane"), notes=(_K1, _K2, _SIX),
         family="spatial.tube:SpatialTube", angle_family="spatial.beam_angle:SpatialAngleTube", shape="beam",
         coefficients="spatial beam", mass="spatial tube", statements=("ORTUBE", "DELOMF", "ADEFORM"), axial=True,
-        quadratic=True,
     ),
     ElementType(
         "SCREW", "screw", 17, False, *BEAM_NODES, _SCREW_MODES, (*_X3, real("pitch, displacement per radian", "m/rad")),
-        stiffness=(2, 3, 4, 5, 6, 7), direction=(6, 3, "axis"), notes=(_K3,), family="spatial.screw:Screw",
-        shape="screw",
+        direction=(6, 3, "axis"), notes=(_K3,), family="spatial.screw:Screw", shape="screw",
     ),
 )  # fmt: skip
 

@@ -134,6 +134,13 @@ class Keyword:
         return self.subject is not None and self.variants[0].parameters[self.subject].of == "element"
 
 
+COEFFICIENTS = {
+    "stretch": (2,), "planar beam": (2, 3, 3), "spatial beam": (2, 3, 4, 4, 5, 5),
+    "spatial beam with warping": (2, 3, 4, 4, 5, 5, 8, 8),
+}  # fmt: skip
+"""Form of ESTIFF that is not one coefficient a mode -> the position of that of each mode."""
+
+
 @dataclass(frozen=True, eq=False)
 class ElementType:
     """One element type: everything about it that other rooms ask for.
@@ -141,19 +148,18 @@ class ElementType:
     `nodes` are the roles (position, orientation, warping) in the order of the statement, `node_names` their names
     there, `counts` the allowed numbers of arguments, empty where all are needed. `modes` are (name, unit), `slips` the
     0-based non-holonomic modes, `code` the number in the array `it`.
-    `stiffness` gives for each mode the position of its coefficient in ESTIFF (argument number, 1 = element). `length`
-    says when the distance between the position nodes must not be zero: always, with direction, or never. `direction` is
-    (first argument number, number of components, role) of the direction vector, with the role plane (a vector in the
-    x'y' plane, not parallel to pq), axis (any direction) or spin (not parallel to pq).
+    `length` says when the distance between the position nodes must not be zero: always, with direction, or never.
+    `direction` is (first argument number, number of components, role) of the direction vector, with the role plane (a
+    vector in the x'y' plane, not parallel to pq), axis (any direction) or spin (not parallel to pq).
 
     `family` is "module:Class" in `spacar.elements`, empty for a type that is not supported, `angle_family` that of the
     angle measure (ADEFORM) of types that have one. `shape` says what the element is like: beam, truss, hinge, body, or
-    a shape of its own; pictures are chosen by it. `coefficients` and `mass` name the forms of ESTIFF, EDAMP and of EM
-    in `table_dynamics` (one per mode; no EM). `statements` are those of both blocks that apply to some types only.
-    `axial`: mode 1 is the change of the length between the position nodes. `quadratic`: the strains have second order
-    terms. `normal_mode` is the mode (from 1) whose stress is the force on the ground, 0 without. `split` are the pairs
-    of bending modes (at p, at q) of a type that can be divided along its chord. `released` are the modes (from 1) that
-    are calculable whatever a statement says. `counterpart` is the planar type that a spatial one is in the x-y plane.
+    a shape of its own; pictures are chosen by it, and beams have strains of second order. `coefficients` and `mass`
+    name the forms of ESTIFF, EDAMP and of EM in `table_dynamics` (one per mode; no EM). `statements` are those of both
+    blocks that apply to some types only. `axial`: mode 1 is the change of the length between the position nodes.
+    `normal_mode` is the mode (from 1) whose stress is the force on the ground, 0 without. `split` are the pairs of
+    bending modes (at p, at q) of a type that can be divided along its chord. `released` are the modes (from 1) that are
+    calculable whatever a statement says. `counterpart` is the planar type that a spatial one is in the x-y plane.
     """
 
     keyword: str
@@ -166,7 +172,6 @@ class ElementType:
     geometry: tuple[Parameter, ...] = ()
     counts: tuple[int, ...] = ()
     slips: tuple[int, ...] = ()
-    stiffness: tuple[int, ...] = ()
     length: str = "never"
     direction: tuple[int, int, str] | None = None
     notes: tuple[str, ...] = ()
@@ -177,7 +182,6 @@ class ElementType:
     mass: str = ""
     statements: tuple[str, ...] = ()
     axial: bool = False
-    quadratic: bool = False
     normal_mode: int = 0
     split: tuple[tuple[int, int], ...] = ()
     released: tuple[int, ...] = ()
@@ -187,6 +191,14 @@ class ElementType:
     def supported(self) -> bool:
         """Whether there is a family that evaluates it."""
         return bool(self.family)
+
+    @cached_property
+    def stiffness(self) -> tuple[int, ...]:
+        """For each mode the position of its coefficient in ESTIFF (argument number, 1 = element), by the form of that
+        statement; none where every mode is a slip."""
+        if not self.supported or len(self.slips) == len(self.modes):
+            return ()
+        return COEFFICIENTS.get(self.coefficients) or span(2, 1 + len(self.modes))
 
     @cached_property
     def classed(self) -> tuple[int, ...]:

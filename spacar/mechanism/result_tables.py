@@ -57,7 +57,7 @@ def _elements(mechanism: Mechanism) -> dict[str, Array]:
     frame_p, frame_q, data = np.zeros((rows, 9)), np.zeros((rows, 9)), np.zeros((rows, width))
     for family in elements:
         here = family.numbers - 1
-        if ELEMENT_TYPES[family.keyword].quadratic:
+        if ELEMENT_TYPES[family.keyword].shape == "beam":
             kdform[here] = [KDFORM[family.measure, int(i) in linear] for i in family.numbers]
         length[here] = family.length
         for table, value in ((frame_p, family.frame_p), (frame_q, family.frame_q)):
