@@ -110,13 +110,12 @@ class Model(ModelStatements, ModelCalls):
 
         Raises InputError with the line of the Python file when it is wrong in itself.
         """
-        place = _place()
-        row = _row_of(keyword, block, place)
-        given = _filled(row, max((v.parameters for v in row.variants), key=len), values, place)
+        row = _row_of(keyword, block)
+        given = _filled(row, values)
         by_name = {name: value for name, value in (named or {}).items() if value is not None}
         if by_name:
-            given = self._named(row, given, by_name, place)
-        words = tuple(value_text(v) for v in given)
+            given = self._named(row, given, by_name)
+        words, place = tuple(value_text(v) for v in given), _place()
         self._check(row, words, place)
         self._rows.append((row.name, block, words, place))
 
@@ -170,12 +169,12 @@ class Model(ModelStatements, ModelCalls):
         if statement is not None and row.name in ELEMENT_TYPES:
             self._outline.add(StatementGroup.of(statement))
 
-    def _named(self, row: Keyword, given: list[Value], named: Mapping[str, Value], place: Place) -> list[Value]:
+    def _named(self, row: Keyword, given: list[Value], named: Mapping[str, Value]) -> list[Value]:
         """The row of the form of the statement that has all these names."""
         before = in_common(row)
         if len(given) > before:
             text = f"numbers in the order of the deck and by name ({', '.join(named)}) at once; give one"
-            raise _refused(row.name, place, text, "value")
+            raise _refused(row.name, text, "value")
         fitting = [v for v in row.variants if v.fits(self._outline.space, *self._whose(row, given))]
         forms = {v: [argument_name(p) for p in v.parameters[before:]] for v in fitting}
         able = {v: names for v, names in forms.items() if named.keys() <= {*names}}
@@ -183,10 +182,10 @@ class Model(ModelStatements, ModelCalls):
         if not found:
             known = "; or ".join(", ".join(names) for names in forms.values())
             text = f"there is no {' and '.join(sorted(named))} here; expected {known}"
-            raise _refused(row.name, place, text, "value")
+            raise _refused(row.name, text, "value")
         if any(other != found[0] for other in found):
             text = f"{row.variants[0].parameters[0].meaning} {given[0]} must be known before it is given by name"
-            raise _refused(row.name, place, f"{text}: write its element statement above", "value")
+            raise _refused(row.name, f"{text}: write its element statement above", "value")
         return found[0]
 
     def _whose(self, row: Keyword, given: Sequence[Value]) -> tuple[str, str]:
@@ -210,17 +209,17 @@ def _by_name(form: Variant, names: list[str], named: Mapping[str, Value]) -> lis
     return [named.get(name, _default(p)) for name, p in zip(names[:length], rest, strict=False)]
 
 
-def _filled(row: Keyword, parameters: Sequence[Parameter], values: Sequence[Value | None], place: Place) -> list[Value]:
+def _filled(row: Keyword, values: Sequence[Value | None]) -> list[Value]:
     """The values up to the last that is given; those that are left out before it take their defaults."""
     given = list(values)
     while given and given[-1] is None:
         given.pop()
     filled: list[Value] = []
     for k, value in enumerate(given):
-        parameter = parameters[min(k, len(parameters) - 1)]
+        parameter = row.longest[min(k, len(row.longest) - 1)]
         if value is None and parameter.default is None:
             text = f"{parameter.text} must be given, because a later argument is"
-            raise _refused(row.name, place, text, "missing-argument")
+            raise _refused(row.name, text, "missing-argument")
         filled.append(_default(parameter) if value is None else value)
     return filled
 
@@ -230,15 +229,15 @@ def _default(parameter: Parameter) -> Value:
     return int(value) if parameter.kind == "integer" else value
 
 
-def _row_of(keyword: str, block: int, place: Place) -> Keyword:
+def _row_of(keyword: str, block: int) -> Keyword:
     for kind in blocks_of(keyword):
         if kind.number == block:
             return KEYWORDS[keyword, kind]
-    raise _refused(keyword, place, f"there is no keyword {keyword} in block {block}", "unknown-keyword")
+    raise _refused(keyword, f"there is no keyword {keyword} in block {block}", "unknown-keyword")
 
 
-def _refused(keyword: str, place: Place, text: str, code: str) -> InputError:
-    return InputError([Message("error", *place, keyword, text, f"input.{code}")])
+def _refused(keyword: str, text: str, code: str) -> InputError:
+    return InputError([Message("error", *_place(), keyword, text, f"input.{code}")])
 
 
 def _place() -> Place:

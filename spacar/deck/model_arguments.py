@@ -142,7 +142,7 @@ def _together(parameters: Sequence[Parameter], keys: Sequence[str]) -> list[list
 def element_arguments(keyword: str) -> list[Argument]:
     """Number, nodes (one argument an end) and geometry of an element."""
     kind, row = ELEMENT_TYPES[keyword], KEYWORDS[keyword, BlockKind.KINEMATICS]
-    longest = max(row.variants, key=lambda v: len(v.parameters)).parameters
+    longest = row.longest
     found = [Argument("number", "int", longest[:1], True)]
     count = 1 + len(kind.nodes)
     ends = [name[0] if name[1:2] == " " else "" for name in kind.node_names]
@@ -152,18 +152,15 @@ def element_arguments(keyword: str) -> list[Argument]:
         name = first[0] if first[1:2] == " " else inside[1] if inside else argument_name(nodes[0])
         types = "int" if len(nodes) == 1 else f"tuple[{', '.join(['int'] * len(nodes))}]"
         found.append(Argument(name, types, tuple(nodes), True))
-    fewest = min(n for v in row.variants for n in v.counts) - count
-    return found + grouped(longest[count:], fewest)
+    return found + grouped(longest[count:], row.fewest - count)
 
 
 def statement_arguments(row: Keyword) -> tuple[list[Argument], list[Argument], Argument | None]:
     """Arguments in order, arguments that are given by name or in order, and the repeated last one."""
     variants = row.variants
-    fewest = min(n for v in variants for n in v.counts)
-    longest = max((v.parameters for v in variants), key=len)
     if is_one_list(row):
-        head, repeated = _repeated(longest)
-        return grouped(head, fewest), [], repeated
+        head, repeated = _repeated(row.longest)
+        return grouped(head, row.fewest), [], repeated
     common = in_common(row)
     named: dict[str, Argument] = {}
     for v in variants:
@@ -173,22 +170,20 @@ def statement_arguments(row: Keyword) -> tuple[list[Argument], list[Argument], A
                 named.setdefault(name, Argument(name, TYPES[p.kind], (p,), False))
     plain = not any(without_component(p.meaning) != p.meaning for v in variants for p in v.parameters)
     plain = plain and not any(p.of for v in variants for p in v.parameters[common:])
-    return grouped(longest[:common], common), list(named.values()) if plain else [], None
+    return grouped(row.longest[:common], common), list(named.values()) if plain else [], None
 
 
 def in_common(row: Keyword) -> int:
     """How many of its first parameters all forms of a statement share, of those that must be given."""
-    fewest = min(n for v in row.variants for n in v.counts)
     common = 0
-    while common < fewest and len({v.parameters[common].meaning for v in row.variants}) == 1:
+    while common < row.fewest and len({v.parameters[common].meaning for v in row.variants}) == 1:
         common += 1
     return common
 
 
 def is_one_list(row: Keyword) -> bool:
     """Whether all forms of a statement are the beginning of the longest one."""
-    longest = max((v.parameters for v in row.variants), key=len)
-    return all(p.meaning == q.meaning for v in row.variants for p, q in zip(v.parameters, longest, strict=False))
+    return all(p.meaning == q.meaning for v in row.variants for p, q in zip(v.parameters, row.longest, strict=False))
 
 
 def _repeated(parameters: Sequence[Parameter]) -> tuple[Sequence[Parameter], Argument | None]:

@@ -19,6 +19,7 @@ from spacar.deck.table_types import (
     form,
     integer,
     real,
+    several,
     span,
     vector,
 )
@@ -31,10 +32,10 @@ _TENSOR = vector("", "Jxx Jxy Jxz Jyy Jyz Jzz", "kg m^2", 0.0)
 _MASS = (NODE, real("mass", "kg"))
 _TURN = (NODE, real("moment of inertia J", "kg m^2"))
 XM_FORMS = (
-    form(_MASS, 2, role="position"),
-    form(_TURN, 2, space="planar", role="orientation"),
+    form(_MASS, role="position"),
+    form(_TURN, space="planar", role="orientation"),
     form((NODE, *_TENSOR), *span(2, 7), space="spatial", role="orientation"),
-    form((NODE, real("warping inertia J", "kg m^4")), 2, role="warping"),
+    form((NODE, real("warping inertia J", "kg m^4")), role="warping"),
 )
 _PER_LENGTH = real("mass per length", "kg/m")
 _JS = vector("", "Jx'x' Jy'y' Jz'z' Jy'z'", "kg m", 0.0)
@@ -43,22 +44,18 @@ _FLOW = (
     real("mass flow rate", "kg/s", 0.0), real("flow shape factor", "", 1.0), integer("end condition 0-3", default=0),
 )  # fmt: skip
 _WOUND = (real("angle wound over the first pulley", "rad", 0.0), real("angle wound over the second pulley", "rad", 0.0))
-# Form of EM that a type names -> positions behind the element number, allowed counts.
+# Form of EM that a type names -> positions behind the element number.
 MASS_FORMS = {
-    "bar": ((_PER_LENGTH,), (2,)), "planar beam": ((_PER_LENGTH, real("J per length", "kg m", 0.0)), (2, 3)),
-    "spatial beam": ((_PER_LENGTH, *_JS), span(2, 6)),
-    "spatial beam with warping": (
-        (_PER_LENGTH, *_JS, real("warping inertia Jw per length", "kg m^3", 0.0)), span(2, 7),
-    ),
-    "belt": ((_PER_LENGTH, *_WOUND), span(2, 4)),
-    "planar tube": ((*_FLOW, real("J per length", "kg m", 0.0)), span(2, 7)),
-    "spatial tube": ((*_FLOW, *_JS), span(2, 10)),
+    "bar": (_PER_LENGTH,), "planar beam": (_PER_LENGTH, real("J per length", "kg m", 0.0)),
+    "spatial beam": (_PER_LENGTH, *_JS),
+    "spatial beam with warping": (_PER_LENGTH, *_JS, real("warping inertia Jw per length", "kg m^3", 0.0)),
+    "belt": (_PER_LENGTH, *_WOUND), "planar tube": (*_FLOW, real("J per length", "kg m", 0.0)),
+    "spatial tube": (*_FLOW, *_JS),
 }  # fmt: skip
 
 
 def _mass(name: str) -> Variant:
-    parameters, counts = MASS_FORMS[name]
-    return form((ELEMENT, *parameters), *counts, types=types_that(lambda t: t.mass == name))
+    return form((ELEMENT, *MASS_FORMS[name]), types=types_that(lambda t: t.mass == name))
 
 
 # -- stiffness and damping ----------------------------------------------------------------------------------
@@ -106,15 +103,15 @@ _START_ZERO = "A zero start value and rate of what is neither dynamic nor kinema
 
 
 def _force(text: str) -> tuple[Variant, ...]:
-    force = tuple(real(f"{text}force {c}", "N", None if c == "Fx" else 0.0) for c in ("Fx", "Fy", "Fz"))
-    dual = tuple(real(f"{text}force dual to lambda{i}", "N m", None if i == 0 else 0.0) for i in range(4))
+    force = several((f"{text}force {c}" for c in ("Fx", "Fy", "Fz")), "N")
+    dual = several((f"{text}force dual to lambda{i}" for i in range(4)), "N m")
     return (
-        form((NODE, *force[:2]), 2, 3, space="planar", role="position", components=True),
-        form((NODE, *force), 2, 3, 4, space="spatial", role="position"),
-        form((NODE, real(f"{text}moment", "N m")), 2, space="planar", role="orientation"),
+        form((NODE, *force[:2]), space="planar", role="position", components=True),
+        form((NODE, *force), space="spatial", role="position"),
+        form((NODE, real(f"{text}moment", "N m")), space="planar", role="orientation"),
         form((NODE, *dual), 2, 3, 5, space="spatial", role="orientation"),
-        form((NODE, *vector(f"{text}moment", "Mx My Mz", "N m")), 4, space="spatial", role="orientation"),
-        form((NODE, real(f"{text}bimoment", "N m^2")), 2, role="warping"),
+        form((NODE, *vector(f"{text}moment", "Mx My Mz", "N m")), space="spatial", role="orientation"),
+        form((NODE, real(f"{text}bimoment", "N m^2")), role="warping"),
     )
 
 
@@ -135,10 +132,7 @@ def _preload(text: str) -> tuple[Variant, ...]:
     for t in ELEMENT_TYPES.values():
         groups.setdefault(len(t.modes), []).append(t.keyword)
     return tuple(
-        form(
-            (ELEMENT, *(real(f"{text} of mode {i}", "", None if i == 1 else 0.0) for i in range(1, n + 1))),
-            types=" ".join(names),
-        )
+        form((ELEMENT, *several(f"{text} of mode {i}" for i in range(1, n + 1))), types=" ".join(names))
         for n, names in sorted(groups.items())
     )
 
@@ -163,7 +157,7 @@ KEYWORDS = (
                     ORIENTATION, *vector("angular velocity", "Omega1 Omega2 Omega3", "rad/s"),
                     real("rotor inertia J", "kg m^2"), integer("type: 0 free, 1 prescribed", default=0),
                 ),
-                5, 6, space="spatial",
+                space="spatial",
             ),
         ),
         unique=1,
@@ -175,8 +169,8 @@ KEYWORDS = (
     Keyword(
         "MEE", _D, "fixed entry of the mass matrix for deformations",
         (
-            form((ELEMENT, MODE, real("value on the diagonal: kg, kg m or kg m^2")), 3),
-            form((ELEMENT, MODE, ELEMENT, MODE, real("coupling value: kg, kg m or kg m^2")), 5),
+            form((ELEMENT, MODE, real("value on the diagonal: kg, kg m or kg m^2"))),
+            form((ELEMENT, MODE, ELEMENT, MODE, real("coupling value: kg, kg m or kg m^2"))),
         ),
         unique=-1,
     ),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from spacar.deck.table_types import BlockKind, ElementType, Keyword, form, integer, real, span, vector
+from spacar.deck.table_types import BlockKind, ElementType, Keyword, form, integer, real, vector
 
 P, O, W = "position", "orientation", "warping"
 BEAM_NODES = ((P, O, P, O), ("p position node", "p orientation node", "q position node", "q orientation node"))
@@ -70,7 +70,7 @@ PLANAR = (
         mass="belt",
     ),
     ElementType(
-        "PLTUBE", "planar tube", 15, True, *BEAM_NODES, _BEND2, _TANGENTS, span(5, 7),
+        "PLTUBE", "planar tube", 15, True, *BEAM_NODES, _BEND2, _TANGENTS,
         length="always", family="planar.pltube:PlanarTube", angle_family="planar.plbeam_angle:PlanarAngleTube",
         shape="beam",
         coefficients="planar beam", mass="planar tube", statements=("DELOMF", "ADEFORM"), axial=True,
@@ -139,7 +139,7 @@ SPATIAL = (
     ),
     ElementType(
         "BEAMW", "spatial beam with warping", 18, False, *_WARPED_NODES, (*_BEND3, *_WARPING), (*_Y3, COUPLING),
-        (10, 11), length="always", direction=(8, 3, "plane"),
+        length="always", direction=(8, 3, "plane"),
         notes=(_K1, _K2, _K10), family="spatial.beam_warping:BeamWithWarping",
         angle_family="spatial.beam_warping_angle:AngleBeamWithWarping", shape="beam",
         coefficients="spatial beam with warping",
@@ -211,10 +211,9 @@ def _statement(t: ElementType) -> Keyword:
         *(integer(n, f"{role} node") for n, role in zip(t.node_names, t.nodes, strict=True)),
     )
     space = "planar" if t.planar else "spatial"
-    given = t.counts or (len(head + t.geometry),)
-    counts = tuple(n for n in given if n != 6) if t.geometry[-1:] == (COUPLING,) else given
+    counts = tuple(n for n in t.counts if n != 6) if t.geometry[-1:] == (COUPLING,) else t.counts
     variants = [form(head + t.geometry, *counts, space=space)]
-    if counts != given:
+    if counts != t.counts:
         variants.append(form((*head, COUPLING), 6, space=space))
     modes = "; ".join(f"{i} {name} [{unit}]" for i, (name, unit) in enumerate(t.modes, 1))
     notes = (f"Deformation modes: {modes}.", *t.notes)

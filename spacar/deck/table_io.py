@@ -38,23 +38,23 @@ TRAJECTORIES = (
     Keyword(
         "TROT", _T, "path: rotation of an orientation node",
         (
-            form((ORIENTATION, real("total angle", "rad")), 2, space="planar"),
-            form((ORIENTATION, real("total angle", "rad"), *vector("fixed axis", "h1 h2 h3")), 5, space="spatial"),
+            form((ORIENTATION, real("total angle", "rad")), space="planar"),
+            form((ORIENTATION, real("total angle", "rad"), *vector("fixed axis", "h1 h2 h3")), space="spatial"),
         ),
     ),
     Keyword(
         "TRANS", _T, "path: straight line of a position node",
         (
-            form((POSITION, *vector("end position", "x1 x2", "m")), 3, space="planar", components=True),
-            form((POSITION, *vector("end position", "x1 x2 x3", "m")), 4, space="spatial"),
+            form((POSITION, *vector("end position", "x1 x2", "m")), space="planar", components=True),
+            form((POSITION, *vector("end position", "x1 x2 x3", "m")), space="spatial"),
         ),
     ),
     Keyword(
         "TRCIRL", _T, "path: circular arc of a position node",
         (
-            form((POSITION, *vector("centre", "c1 c2", "m"), *vector("end point", "x1 x2", "m")), 5, space="planar"),
+            form((POSITION, *vector("centre", "c1 c2", "m"), *vector("end point", "x1 x2", "m")), space="planar"),
             form(
-                (POSITION, *vector("centre", "c1 c2 c3", "m"), *vector("end point", "x1 x2 x3", "m")), 7,
+                (POSITION, *vector("centre", "c1 c2 c3", "m"), *vector("end point", "x1 x2 x3", "m")),
                 space="spatial",
             ),
         ),
@@ -70,13 +70,12 @@ TRAJECTORIES = (
     Keyword(
         "TRTIME", _T, "time of the trajectory",
         (
-            form((real("total time of this trajectory", "s"), integer("number of time steps")), 2),
+            form((real("total time of this trajectory", "s"), integer("number of time steps"))),
             form(
                 (
                     real("total time of this trajectory", "s"), integer("number of steps with an extended analysis"),
                     integer("number of intermediate steps within each"),
                 ),
-                3,
             ),
         ),
     ),
@@ -90,23 +89,22 @@ TRAJECTORIES = (
                     integer("node or element number", NODE_OR_ELEMENT),
                     integer("front type: 0 constant acceleration, 1 sine, 2 squared sine", default=0),
                 ),
-                1, 2,
             ),
         ),
     ),
     Keyword(
         "TRM", _T, "extra mass of a node during a trajectory",
         (
-            form((NODE, real("extra mass", "kg")), 2, role="position"),
-            form((NODE, real("extra J", "kg m^2")), 2, space="planar", role="orientation"),
+            form((NODE, real("extra mass", "kg")), role="position"),
+            form((NODE, real("extra J", "kg m^2")), space="planar", role="orientation"),
             form((NODE, *_TENSOR), *range(2, 8), space="spatial", role="orientation"),
         ),
     ),
     Keyword(
         "TRF", _T, "extra force on a position node during a trajectory",
         (
-            form((POSITION, *vector("extra force", "Fx Fy", "N")), 3, space="planar", components=True),
-            form((POSITION, *vector("extra force", "Fx Fy Fz", "N")), 4, space="spatial"),
+            form((POSITION, *vector("extra force", "Fx Fy", "N")), space="planar", components=True),
+            form((POSITION, *vector("extra force", "Fx Fy Fz", "N")), space="spatial"),
         ),
     ),
 )  # fmt: skip

@@ -15,6 +15,7 @@ from spacar.deck.table_types import (
     form,
     integer,
     real,
+    several,
     span,
     vector,
 )
@@ -84,13 +85,13 @@ KINEMATICS = (
     Keyword(
         "ORPINBOD", BlockKind.KINEMATICS, "measuring directions of a pinbody or rigid beam",
         (
-            form((ELEMENT, *vector("direction of x',", "x y")), 3, types=_BODIES2),
-            form((ELEMENT, *vector("direction of", "x'x x'y y'x y'y")), 5, types=_BODIES2),
+            form((ELEMENT, *vector("direction of x',", "x y")), types=_BODIES2),
+            form((ELEMENT, *vector("direction of", "x'x x'y y'x y'y")), types=_BODIES2),
             form(
-                (ELEMENT, *vector("direction of x',", "x y z"), *vector("vector in the x'y' plane,", "x y z")), 7,
+                (ELEMENT, *vector("direction of x',", "x y z"), *vector("vector in the x'y' plane,", "x y z")),
                 types=_BODIES3,
             ),
-            form((ELEMENT, *vector("direction of", "x'x x'y x'z y'x y'y y'z z'x z'y z'z")), 10, types=_BODIES3),
+            form((ELEMENT, *vector("direction of", "x'x x'y x'z y'x y'y y'z z'x z'y z'z")), types=_BODIES3),
         ),
         unique=1,
         notes=(
@@ -148,7 +149,7 @@ KINEMATICS = (
 
 UNITS = {"m": 1.0, "mm": 1e-3}
 _NAME = "A name starts with a letter; capitals and small letters are the same."
-_dims = tuple(real(f"dimension {k} (see below)", "", None if k == 1 else 0.0) for k in range(1, 8))
+_dims = several(f"dimension {k} (see below)" for k in range(1, 8))
 
 
 def _shape(name: str) -> str:
@@ -169,7 +170,7 @@ SECTIONS = (
     ),
     Keyword(
         "SECTION", BlockKind.KINEMATICS, "cross-section by its shape",
-        (form((Parameter("name", "name"), Parameter("shape", "name"), *_dims), *range(3, 10)),), unique=1,
+        (form((Parameter("name", "name"), Parameter("shape", "name"), *_dims)),), unique=1,
         notes=(
             _NAME, *(_shape(name) for name in SHAPES),
             "y' is the direction of the element statement, the normal of the axis in a planar model. Zero ky or kz: no"

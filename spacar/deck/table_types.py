@@ -3,6 +3,7 @@ element types; which blocks a mode uses (reference/input-language.md section 2).
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -123,6 +124,16 @@ class Keyword:
         return max(v.counts[-1] for v in self.variants)
 
     @cached_property
+    def fewest(self) -> int:
+        """Smallest number of arguments of any variant."""
+        return min(n for v in self.variants for n in v.counts)
+
+    @cached_property
+    def longest(self) -> tuple[Parameter, ...]:
+        """The parameters of the variant that has most of them."""
+        return max((v.parameters for v in self.variants), key=len)
+
+    @cached_property
     def subject(self) -> int | None:
         """Index of the argument that names the node or element that the statement is about."""
         named = (i for i, p in enumerate(self.variants[0].parameters) if p.of == "element" or p.of.endswith("node"))
@@ -146,7 +157,7 @@ class ElementType:
     """One element type: everything about it that other rooms ask for.
 
     `nodes` are the roles (position, orientation, warping) in the order of the statement, `node_names` their names
-    there, `counts` the allowed numbers of arguments, empty where all are needed. `modes` are (name, unit), `slips` the
+    there, `counts` the allowed numbers of arguments, empty: as of `form`. `modes` are (name, unit), `slips` the
     0-based non-holonomic modes, `code` the number in the array `it`.
     `length` says when the distance between the position nodes must not be zero: always, with direction, or never.
     `direction` is (first argument number, number of components, role) of the direction vector, with the role plane (a
@@ -257,6 +268,11 @@ def real(meaning: str, unit: str = "", default: float | None = None) -> Paramete
 def vector(meaning: str, names: str, unit: str = "", default: float | None = None) -> tuple[Parameter, ...]:
     """One real position for every name: `vector("start of", "x y")` -> "start of x", "start of y"."""
     return tuple(real(f"{meaning} {name}".strip(), unit, default) for name in names.split())
+
+
+def several(meanings: Iterable[str], unit: str = "") -> tuple[Parameter, ...]:
+    """Real positions of which the first must be given; the others are zero when they are left out."""
+    return tuple(real(meaning, unit, 0.0 if i else None) for i, meaning in enumerate(meanings))
 
 
 def span(first: int, last: int) -> tuple[int, ...]:
