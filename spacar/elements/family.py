@@ -111,16 +111,26 @@ class Family:
 
     keyword: str
     numbers: NDArray[np.int64]
-    length: Array  # (n,) undeformed length [m], 0 where the type has none
     # (n, n_deformations) each: of S and S_d that are diagonal, dual to the deformations in their units
     coefficients: tuple[Array, Array] = (np.zeros((1, 1)), np.zeros((1, 1)))
     frame_p: Array | None = None  # (n, 9) rows x', y', z' of the local frame at p in the start configuration
     frame_q: Array | None = None  # (n, 9) the same at q
     data: Array | None = None  # (n, k) geometric data stored as dr0 (column 1: torsion-elongation f of beams)
 
+    def _take(self, group: ElementGroup) -> None:
+        """What most types have as it is given: numbers, and ESTIFF and EDAMP as `coefficients`."""
+        n = self.n_deformations
+        self.keyword, self.numbers = group.keyword, group.numbers
+        self.coefficients = group.estiff[:, :n], group.edamp[:, :n]
+
     @property
     def n(self) -> int:
         return len(self.numbers)
+
+    @cached_property
+    def length(self) -> Array:
+        """(n,) undeformed length [m], 0 where the type has none."""
+        return np.zeros(self.n)
 
     @cached_property
     def constitutive(self) -> tuple[Array, Array]:

@@ -28,7 +28,6 @@ class LumpedMass(Family):
     def __init__(self, nodes: NDArray[np.int64], m: Array) -> None:
         self.numbers = nodes
         self.m = m
-        self.length = np.zeros(len(m))
 
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> Configuration:
         return None

@@ -30,32 +30,12 @@ def normal(u: Array) -> Array:
     return np.array((-u[1], u[0]))
 
 
-def row(g: Array, size: int) -> Array:
-    """The row (size, n) of the vector g (2, n) at the ends of an element with `size` coordinates.
-
-    size 4: x_p, x_q (truss); 6: x_p, phi_p, x_q, phi_q (beam, belt).
-    """
-    out = np.zeros((size, *g.shape[1:]), g.dtype)
+def row(g: Array) -> Array:
+    """The row (6, n) of the vector g (2, n) for the coordinates x_p, phi_p, x_q, phi_q."""
+    out = np.zeros((6, *g.shape[1:]), g.dtype)
     out[0:2] = -g
-    out[size // 2 : size // 2 + 2] = g
+    out[3:5] = g
     return out
-
-
-def rates(l: Array, u: Array, w: Array) -> tuple[Array, Array]:
-    """l' [m/s] and beta' [rad/s] for the relative velocity w (2, n) of q and p."""
-    along = u * w
-    return along[0] + along[1], (u[0] * w[1] - u[1] * w[0]) / l
-
-
-def angle_gradient_rate(l: Array, u: Array, l_rate: Array, beta_rate: Array) -> Array:
-    """H1_beta as a vector (2, n)."""
-    return -(l_rate / l * normal(u) + beta_rate * u) / l
-
-
-def angle_rate_gradient(l: Array, u: Array, l_rate: Array, beta_rate: Array) -> Array:
-    """T_beta as a vector (2, n)."""
-    rho = l_rate / l
-    return 2.0 * ((rho * rho - beta_rate * beta_rate) * normal(u) + 2.0 * rho * beta_rate * u) / l
 
 
 def start_chord(x_p: Array, x_q: Array, keyword: str) -> tuple[Array, Array]:

@@ -63,6 +63,22 @@ class PlanarBeamConfiguration(NamedTuple):
     bend: Bend
     Q_b: Array  # dQ/db
 
+    def rates(self, v: Array) -> tuple[Array, Array]:
+        """l' [m/s] and beta' [rad/s]."""
+        u, w = self.u, v[3:5] - v[0:2]
+        along = u * w
+        return along[0] + along[1], (u[0] * w[1] - u[1] * w[0]) / self.l
+
+    def beta_gradient_rate(self, l_rate: Array, beta_rate: Array) -> Array:
+        """The row H1_beta."""
+        return chord.row(-(l_rate / self.l * chord.normal(self.u) + beta_rate * self.u) / self.l)
+
+    def beta_rate_gradient(self, l_rate: Array, beta_rate: Array) -> Array:
+        """The row T_beta."""
+        rho = l_rate / self.l
+        square = (rho * rho - beta_rate * beta_rate) * chord.normal(self.u)
+        return chord.row(2.0 * (square + 2.0 * rho * beta_rate * self.u) / self.l)
+
 
 class PlanarBeam(Family):
     n_coordinates = 6
@@ -152,7 +168,7 @@ class PlanarBeam(Family):
 
     def _rates(self, c: PlanarBeamConfiguration, v: Array) -> tuple[Array, Array, Array, Array, Array]:
         """l', beta', H_beta(v,v) and, per end, alpha_v and H_b(v,v)."""
-        l_rate, beta_rate = chord.rates(c.l, c.u, v[3:5] - v[0:2])
+        l_rate, beta_rate = c.rates(v)
         H_beta = (-2.0 * l_rate) * beta_rate / c.l
         alpha_v = v[2::3] - beta_rate
         return l_rate, beta_rate, H_beta, alpha_v, c.bend.b2 * (alpha_v * alpha_v) - c.bend.b1 * H_beta
@@ -166,7 +182,7 @@ class PlanarBeam(Family):
 
     def _alpha(self, c: PlanarBeamConfiguration) -> Array:
         """Rows alpha, (end, 6, n)."""
-        g = chord.row(chord.normal(c.u) / c.l, 6)
+        g = chord.row(chord.normal(c.u) / c.l)
         alpha = np.empty((2, *g.shape), g.dtype)
         np.negative(g, out=alpha[0])
         alpha[1] = alpha[0]
@@ -178,35 +194,35 @@ class PlanarBeam(Family):
         """D b and H1_b as rows (end, 6, n); b' and Q_b' (end, n)."""
         l_rate, beta_rate, _, alpha_v, _ = self._rates(c, v)
         alpha = self._alpha(c)
-        H1_beta = chord.row(chord.angle_gradient_rate(c.l, c.u, l_rate, beta_rate), 6)
+        H1_beta = c.beta_gradient_rate(l_rate, beta_rate)
         H1_b = (c.bend.b2 * alpha_v)[:, None] * alpha - c.bend.b1[:, None] * H1_beta
         b_rate = c.bend.b1 * alpha_v
         return c.bend.b1[:, None] * alpha, H1_b, b_rate, self.A2 * b_rate + self.B * b_rate[::-1]
 
     def gradient_rate(self, c: PlanarBeamConfiguration, v: Array, out: Array) -> None:
         D_b, H1_b, _, Q_b_rate = self._b_rows(c, v)
-        _, beta_rate = chord.rates(c.l, c.u, v[3:5] - v[0:2])
+        _, beta_rate = c.rates(v)
         out[0] = (c.Q_b[:, None] * H1_b + Q_b_rate[:, None] * D_b).sum(0)
-        out[0] += chord.row(beta_rate * chord.normal(c.u), 6)
+        out[0] += chord.row(beta_rate * chord.normal(c.u))
         out[1:] = H1_b
 
     def rate_gradient(self, c: PlanarBeamConfiguration, v: Array, out: Array) -> None:
         l_rate, beta_rate, H_beta, alpha_v, H_b = self._rates(c, v)
         D_b, H1_b, _, Q_b_rate = self._b_rows(c, v)
         alpha = self._alpha(c)
-        H1_beta = chord.row(chord.angle_gradient_rate(c.l, c.u, l_rate, beta_rate), 6)
-        T_beta = chord.row(chord.angle_rate_gradient(c.l, c.u, l_rate, beta_rate), 6)
+        H1_beta = c.beta_gradient_rate(l_rate, beta_rate)
+        T_beta = c.beta_rate_gradient(l_rate, beta_rate)
         _, b1, b2, b3 = c.bend
         T_b = (b3 * alpha_v * alpha_v - b2 * H_beta)[:, None] * alpha
         T_b -= 2.0 * (b2 * alpha_v)[:, None] * H1_beta + b1[:, None] * T_beta
         Q_H = self.A2 * H_b + self.B * H_b[::-1]
         out[0] = (c.Q_b[:, None] * T_b + Q_H[:, None] * D_b + 2.0 * Q_b_rate[:, None] * H1_b).sum(0)
         T_l = -(2.0 * l_rate * beta_rate / c.l) * chord.normal(c.u) - beta_rate * beta_rate * c.u
-        out[0] += chord.row(T_l, 6)
+        out[0] += chord.row(T_l)
         out[1:] = T_b
 
     def geometric_stiffness(self, c: PlanarBeamConfiguration, sigma: Array, out: Array) -> None:
-        g_u, g_n = chord.row(c.u, 6), chord.row(chord.normal(c.u), 6)
+        g_u, g_n = chord.row(c.u), chord.row(chord.normal(c.u))
         alpha = self._alpha(c)
         s = sigma[1:] + c.Q_b * sigma[0]
         mixed = ((s * c.bend.b1).sum(0) / c.l**2 * g_u)[:, None] * g_n

@@ -56,17 +56,17 @@ class PlanarAngleBeam(PlanarBeam):
         """Dq (3, 6, n)."""
         D = np.zeros((3, 6, *c.l.shape), c.l.dtype)
         D[0, 2] = D[1, 5] = 1.0
-        D[2] = chord.row(chord.normal(c.u) / c.l, 6)
+        D[2] = chord.row(chord.normal(c.u) / c.l)
         return D
 
     def _moments(self, c: PlanarBeamConfiguration, v: Array, a: Array | None) -> Array:
         """J l0 C q'' (3, n)."""
-        l_rate, beta_rate = chord.rates(c.l, c.u, v[3:5] - v[0:2])
+        l_rate, beta_rate = c.rates(v)
         q = np.zeros((3, *c.l.shape), np.result_type(c.l, v))
         q[2] = (-2.0 * l_rate) * beta_rate / c.l
         if a is not None:
             q[:2] += a[2::3]
-            q[2] += chord.rates(c.l, c.u, a[3:5] - a[0:2])[1]
+            q[2] += c.rates(a)[1]
         return np.asarray(self.rotary * np.tensordot(ROTARY, q, 1))
 
     def mass(self, c: PlanarBeamConfiguration, out: Array) -> None:
@@ -85,13 +85,13 @@ class PlanarAngleBeam(PlanarBeam):
         by_x, by_v = super().inertia_gradient(c, v, a)
         if self._rotates:
             D = self._turning(c)
-            rates, second = (chord.rates(c.l, c.u, y[3:5] - y[0:2]) for y in (v, a))
-            of_x = chord.angle_rate_gradient(c.l, c.u, *rates) + chord.angle_gradient_rate(c.l, c.u, *second)
-            of_v = 2.0 * chord.angle_gradient_rate(c.l, c.u, *rates)
+            rates = c.rates(v)
+            of_x = c.beta_rate_gradient(*rates) + c.beta_gradient_rate(*c.rates(a))
+            of_v = 2.0 * c.beta_gradient_rate(*rates)
             column = self.rotary * np.einsum("ai...,a->i...", D, ROTARY[:, 2])  # force of beta'' = 1
-            by_x = by_x + column[:, None] * chord.row(of_x, 6)
-            by_v = by_v + column[:, None] * chord.row(of_v, 6)
-            u, nu = chord.row(c.u, 6), chord.row(chord.normal(c.u), 6)
+            by_x = by_x + column[:, None] * of_x
+            by_v = by_v + column[:, None] * of_v
+            u, nu = chord.row(c.u), chord.row(chord.normal(c.u))
             turned = self._moments(c, v, a)[2] / c.l**2
             by_x = by_x - turned * (u[:, None] * nu + nu[:, None] * u)
         return by_x, by_v

@@ -133,14 +133,14 @@ class PlanarBelt(Family):
 
     def gradient_rate(self, c: BeltConfiguration, v: Array, out: Array) -> None:
         _, k = self._rates(c, v)
-        out[0] = chord.row(k / c.l * c.n, 6)
+        out[0] = chord.row(k / c.l * c.n)
 
     def rate_gradient(self, c: BeltConfiguration, v: Array, out: Array) -> None:
         along, k = self._rates(c, v)
-        out[0] = chord.row(-((2.0 * along + self.rho * k / c.l) * k * c.n + k * k * c.u) / c.l**2, 6)
+        out[0] = chord.row(-((2.0 * along + self.rho * k / c.l) * k * c.n + k * k * c.u) / c.l**2)
 
     def geometric_stiffness(self, c: BeltConfiguration, sigma: Array, out: Array) -> None:
-        g = chord.row(c.n, 6)
+        g = chord.row(c.n)
         out[...] = (sigma[0] / c.l * g)[:, None] * g
 
     # -- inertia -------------------------------------------------------------------------------------------
@@ -184,8 +184,8 @@ class PlanarBelt(Family):
         # M a + h = F(theta, theta', D theta; v, a) = (P', -r (u.P' + theta' n.P)) - (dT/dtheta) D theta
         theta_rate, rim, P, P_rate = self._motion(c, v, a)
         r, u, n = self.radii, c.u, c.n
-        g = chord.row(n / c.l, 6)
-        g_u, g_n = chord.row(u, 6), chord.row(n, 6)
+        g = chord.row(n / c.l)
+        g_u, g_n = chord.row(u), chord.row(n)
         cross = g_u[:, None] * g_n
         hessian = -(cross + cross.swapaxes(0, 1) + self.rho / c.l * g_n[:, None] * g_n) / c.l**2
         P_n, P_u = (P * n).sum(1), (P * u).sum(1)

@@ -68,7 +68,7 @@ class PlanarPinbody(Family):
 
     def __init__(self, group: ElementGroup) -> None:
         """Raises GeometryError, see body_directions."""
-        self.keyword, self.numbers = group.keyword, group.numbers
+        self._take(group)
         d0 = group.x0[3:5] - group.x0[0:2]
         self.length = chord.distance(d0)
         a = self.a = body_directions(group)
@@ -80,7 +80,6 @@ class PlanarPinbody(Family):
             if values is not None:
                 self.d0[: len(values), k] = values
         self.data = self.d0.T.copy()
-        self.coefficients = group.estiff[:, 0:2], group.edamp[:, 0:2]
         m, J = group.em[:, 0] * self.length, group.em[:, 1] * self.length
         self.has_mass = bool(np.any(m != 0) or np.any(J != 0))
         self.M = np.zeros((5, 5, group.n), m.dtype)

@@ -18,9 +18,7 @@ class PlanarHinge(Family):
     constant_gradient = True
 
     def __init__(self, group: ElementGroup) -> None:
-        self.keyword, self.numbers = group.keyword, group.numbers
-        self.length = np.zeros(group.n)
-        self.coefficients = group.estiff[:, :1], group.edamp[:, :1]
+        self._take(group)
 
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> None:
         np.subtract(x[1], x[0], out=e[0])

@@ -28,15 +28,14 @@ class PlanarWheel(Family):
 
     def __init__(self, group: ElementGroup) -> None:
         """Geometry: radius, direction of the spin axis (2). GeometryError if that is zero or missing."""
-        self.keyword, self.numbers = group.keyword, group.numbers
-        self.length = np.zeros(group.n)
+        self._take(group)
         for k, values in enumerate(group.geometry):
             if len(values) < 3 or not np.any(values[1:3]):
                 raise GeometryError(k, "PLWHEEL needs a radius and a direction of the spin axis, not zero")
         axis = np.array([values[1:3] for values in group.geometry]).reshape(-1, 2).T
         self.radius = np.array([values[0] for values in group.geometry])
         self.data = self.radius[:, None]
-        self.coefficients = 0.0 * group.edamp[:, :2], group.edamp[:, :2]
+        self.coefficients = 0.0 * self.coefficients[1], self.coefficients[1]
         self.angle = arc_tangent(-axis[0], axis[1])  # of the heading: the axis turned by -90 degrees
         self.frame_p = chord.frame(np.stack((np.cos(self.angle), np.sin(self.angle))))
 

@@ -144,15 +144,13 @@ class SpatialHinge(Turning, Family):
     n_deformations = 3
 
     def __init__(self, group: ElementGroup) -> None:
-        self.keyword, self.numbers = group.keyword, group.numbers
-        self.length = np.zeros(group.n)
+        self._take(group)
         if set(map(len, group.geometry)) != {3}:
             k, count = next((k, len(v)) for k, v in enumerate(group.geometry) if len(v) != 3)
             raise GeometryError(k, f"the axis of rotation needs 3 components, {count} are given")
         frame = axis_frame(np.array(group.geometry).T, 0, "axis of rotation")
         self.frame_p = self.frame_q = rows(frame)
         Turning.__init__(self, frame)
-        self.coefficients = group.estiff[:, :3], group.edamp[:, :3]
 
     def parameters(self) -> Array:
         return self.frame_p.T

@@ -30,7 +30,6 @@ class Normalization(Family):
 
     def __init__(self, nodes: NDArray[np.int64]) -> None:
         self.numbers = nodes
-        self.length = np.zeros(len(nodes))
 
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> None:
         e[0] = np.einsum("i...,i...->...", x, x) - 1.0
@@ -67,7 +66,6 @@ class RigidBodyNode(Family):
 
     def __init__(self, nodes: NDArray[np.int64], J: Array) -> None:
         self.numbers = nodes
-        self.length = np.zeros(len(nodes))
         self.J = np.ascontiguousarray(np.moveaxis(np.asarray(J), 0, -1))
 
     def parameters(self) -> Array:
@@ -103,7 +101,6 @@ class GyrostatNode(Family):
 
     def __init__(self, nodes: NDArray[np.int64], h: Array) -> None:
         self.numbers = nodes
-        self.length = np.zeros(len(nodes))
         self.K = 4.0 * body_dual(np.ascontiguousarray(np.asarray(h).T))
 
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> Array:

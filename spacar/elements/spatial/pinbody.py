@@ -99,7 +99,7 @@ class SpatialPinbody(Sliding, Family):
     constant_mass = True
 
     def __init__(self, group: ElementGroup) -> None:
-        self.keyword, self.numbers = group.keyword, group.numbers
+        self._take(group)
         d = group.x0[7:] - group.x0[:3]
         if group.keyword == "RBEAM":  # a rod; a PINBODY may join two nodes at one place
             chords(d, group.x0[POSITIONS])
@@ -113,7 +113,6 @@ class SpatialPinbody(Sliding, Family):
                     raise GeometryError(k, f"DRPINBOD needs 3 projections of a spatial element, {len(given)} are given")
                 self.r[:, k] = given
         self.data = self.r.T.copy()
-        self.coefficients = group.estiff[:, :3], group.edamp[:, :3]
         self.has_mass = bool(np.any(group.em[:, 0] != 0.0))
         self._mass = rod_mass(group.em[:, 0] * self.length, 3)
         self._inertia = _rod_inertia(group, d) if group.em[:, 1:5].any() else None

@@ -41,8 +41,7 @@ class Screw(Family):
     position_rows = (0, 1, 2, 7, 8, 9)
 
     def __init__(self, group: ElementGroup) -> None:
-        self.keyword, self.numbers = group.keyword, group.numbers
-        self.length = np.zeros(group.n)
+        self._take(group)
         self.pitch = np.zeros(group.n, group.x0.dtype)
         for k, values in enumerate(group.geometry):
             if len(values) not in (3, 4):
@@ -53,7 +52,6 @@ class Screw(Family):
         self.r = np.einsum("ian,in->an", frame, group.x0[7:10] - group.x0[:3])
         self.data = np.column_stack((self.pitch, self.r.T))
         self.turn, self.slide = Turning(frame), Sliding(frame, self.r)
-        self.coefficients = group.estiff[:, :6], group.edamp[:, :6]
 
     def parameters(self) -> Array:
         return np.vstack((self.frame_p.T, self.r, self.pitch))

@@ -154,15 +154,13 @@ class _Wheel(Family):
     position_rows = (0, 1, 2, 7, 8, 9)
 
     def __init__(self, group: ElementGroup) -> None:
-        self.keyword, self.numbers = group.keyword, group.numbers
-        self.length = np.zeros(group.n)
+        self._take(group)
         d = group.x0[7:] - group.x0[:3]
         axes, self.radius, self.rho = self._read(group, np.sqrt((d * d).sum(0)))
         frame = np.stack([_frame(axis, k) for k, axis in enumerate(axes)], axis=-1)
         self.frame_p = self.frame_q = rows(frame)
         self.data = np.column_stack((self.radius, self.rho))
         self.constants = director_tensor(frame[:, 2]), self.radius, self.rho
-        self.coefficients = group.estiff[:, :6], group.edamp[:, :6]
         self._check_start(group.x0.real)
 
     def parameters(self) -> Array:
