@@ -52,6 +52,11 @@ def _rate_coefficients(sign: float) -> Array:
 _BODY, _GLOBAL = _rate_coefficients(-1.0), _rate_coefficients(1.0)
 
 
+def identity(size: int, axes: int = 1) -> Array:
+    """The identity matrix with so many element axes of length one behind it."""
+    return np.eye(size).reshape(size, size, *(1,) * axes)
+
+
 def director_tensor(c: Array) -> Array:
     """K_c (3, 4, 4, n) of body-fixed vectors c (3, n): R c = 1/2 K_c lam lam, symmetric in the 4s."""
     return np.einsum("ijkm,m...->ijk...", _DIRECTOR, c)
@@ -65,7 +70,7 @@ def relative_parameters(frame_p: Array, frame_q: Array) -> Array:
     """
     n = frame_p.shape[-1]
     F = np.zeros((4, 2, 4, 4, n), np.result_type(frame_p, frame_q))
-    F[0, 0] = np.eye(4)[..., None]
+    F[0, 0] = identity(4)
     F[1:, 0] = -body_dual(frame_p).transpose(2, 0, 1, 3)  # Z(e) = -K(e)
     if frame_p is not frame_q and not np.array_equal(frame_p, frame_q):
         F[:, 0] = _follow(F[:, 0], frame_p, frame_q)
@@ -81,7 +86,7 @@ def _follow(F: Array, frame_p: Array, frame_q: Array) -> Array:
 
 def right_product(r: Array) -> Array:
     """(4, 4, n): lam o r = right_product(r) lam for Euler parameters r (4, n)."""
-    return r[0] * np.eye(4)[..., None] + body_dual(r[1:])
+    return r[0] * identity(4) + body_dual(r[1:])
 
 
 def parameters_of_frame(R: Array) -> Array:

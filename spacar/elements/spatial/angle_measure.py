@@ -31,8 +31,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.elements.rotations.rotation import _DIRECTOR, relative_parameters
-from spacar.elements.spatial.taylor import Taylor, angle, contracted, root, stacked
+from spacar.elements.rotations.rotation import _DIRECTOR, identity, relative_parameters
+from spacar.elements.spatial.taylor import Taylor, angle, contracted, root, stacked, value_of
 
 SERIES = 0.2  # of 1 - c: below it the power series of G, above it the closed form (relative error of both below 1e-13)
 
@@ -54,7 +54,7 @@ _G = _series_coefficients()
 
 
 # (4, 4, 4): mu_a = L_p RELATIVE[a] L_q
-RELATIVE = relative_parameters(np.eye(3)[..., None], np.eye(3)[..., None])[:, 0, ..., 0]
+RELATIVE = relative_parameters(identity(3), identity(3))[:, 0, ..., 0]
 
 
 class AngleConstants(NamedTuple):
@@ -164,6 +164,12 @@ class Outer(NamedTuple):
     P: Any
     D: Any
 
+    @property
+    def bent(self) -> Any:
+        """Shortening by bending, by the length."""
+        psi, ay, az = self.psi, self.ay, self.az
+        return (psi[1] * psi[1] + psi[2] * psi[2]) / 24.0 + (ay * ay + az * az) / 40.0
+
 
 def outer(p: AngleConstants, y: Any, G: Any) -> Outer:
     """The quantities (2a), (2b) at y (8, n) and G (n,)."""
@@ -185,23 +191,33 @@ def deformations(p: AngleConstants, y: Any, G: Any) -> Any:
     o = outer(p, y, G)
     k = o.P / (o.D + root(3.0 * o.D))
     My, Mz = o.By - 0.5 * (k * o.psi[2]), o.Bz + 0.5 * (k * o.psi[1])
-    bent = (o.psi[1] * o.psi[1] + o.psi[2] * o.psi[2]) / 24.0 + (o.ay * o.ay + o.az * o.az) / 40.0
-    half = 0.5 * p.l0
-    e1 = y[7] - p.l0 + bent * (p.l0 * p.second) + o.Mx * o.Mx * (p.f * p.second / (2.0 * p.l0))
-    return stacked([e1, o.Mx * p.l0, (My - o.Ay) * half, (My + o.Ay) * half, (Mz - o.Az) * half, (Mz + o.Az) * half])
+    e1 = y[7] - p.l0 + o.bent * (p.l0 * p.second) + o.Mx * o.Mx * (p.f * p.second / (2.0 * p.l0))
+    return stacked([e1, o.Mx * p.l0, *of_ends(My, o.Ay, Mz, o.Az, 0.5 * p.l0)])
 
 
-def outer_gradient(p: AngleConstants, y: Any, G: Any) -> Any:
-    """de by psi, theta_y, theta_z, (6, 5, n), of y (8, n) and G (n,)."""
-    o = outer(p, y, G)
+def of_ends(My: Any, Ay: Any, Mz: Any, Az: Any, half: Array) -> list[Any]:
+    """Bending at p and q about y and z of its mean and its antisymmetric part, with half the length."""
+    return [(My - Ay) * half, (My + Ay) * half, (Mz - Az) * half, (Mz + Az) * half]
+
+
+def outer_rows(p: AngleConstants, o: Outer, size: int) -> tuple[list[Any], list[Array]]:
+    """Derivatives of psi_y, psi_z and of A_y, A_z, a_y, a_z, M_x, B_y, B_z by psi, theta_y, theta_z, rows of this size;
+    the unit rows behind the first five."""
     x, yy, z = o.psi[0], o.psi[1], o.psi[2]
-    value = (y.c[0] if isinstance(y, Taylor) else y)[7]
-    dx, dy, dz, dty, dtz = np.eye(5).reshape(5, 5, *(1,) * value.ndim)
+    dx, dy, dz, dty, dtz, *rest = identity(size, value_of(x).ndim)
     twelfth, half = p.second / 12.0, 0.5 * p.second
     dAy, dAz = dty - (dx * z + dz * x) * twelfth, dtz + (dx * yy + dy * x) * twelfth
     day, daz = dAy * p.shear[0], dAz * p.shear[1]
     dMx = dx + (day * z + dz * o.ay - daz * yy - dy * o.az) * half
     dBy, dBz = dy + (daz * x + dx * o.az) * half, dz - (day * x + dx * o.ay) * half
+    return [dy, dz, dAy, dAz, day, daz, dMx, dBy, dBz], rest
+
+
+def outer_gradient(p: AngleConstants, y: Any, G: Any) -> Any:
+    """de by psi, theta_y, theta_z, (6, 5, n), of y (8, n) and G (n,)."""
+    o = outer(p, y, G)
+    yy, z = o.psi[1], o.psi[2]
+    (dy, dz, dAy, dAz, day, daz, dMx, dBy, dBz), _ = outer_rows(p, o, 5)
     a, b = 0.5 * p.ratio
     dP = (dBy * z + dz * (o.By - p.start[0])) * a - (dBz * yy + dy * (o.Bz - p.start[1])) * b
     dD = dz * (z * a) + dy * (yy * b)
@@ -213,25 +229,21 @@ def outer_gradient(p: AngleConstants, y: Any, G: Any) -> Any:
     by_l0 = p.l0 * p.second
     de1 = (dy * yy + dz * z) * (by_l0 / 12.0) + (day * o.ay + daz * o.az) * (by_l0 / 20.0)
     de1 = de1 + dMx * (o.Mx * (p.f * p.second / p.l0))
-    l = 0.5 * p.l0
-    return stacked([de1, dMx * p.l0, (dMy - dAy) * l, (dMy + dAy) * l, (dMz - dAz) * l, (dMz + dAz) * l])
+    return stacked([de1, dMx * p.l0, *of_ends(dMy, dAy, dMz, dAz, 0.5 * p.l0)])
 
 
 def gradient(p: AngleConstants, y: Any, G: Any, G1: Any) -> Any:
     """de/dy transposed, (8, 6, n), of y (8, n), G and its derivative (n,)."""
-    value = (y.c[0] if isinstance(y, Taylor) else y)[7]
-    return stacked(by_local(outer_gradient(p, y, G), y, G, G1, np.zeros((6, *value.shape))))
+    return stacked(by_local(outer_gradient(p, y, G), y, G, G1))
 
 
-def by_local(E: Any, y: Any, G: Any, G1: Any, stretch: Array) -> list[Any]:
+def by_local(E: Any, y: Any, G: Any, G1: Any) -> list[Any]:
     """The eight derivatives by y, (deformations, n) each, of what has the derivatives E (deformations, 5 or more, n) by
-    psi, theta_y, theta_z.
-
-    `stretch`, zeros (deformations, n), becomes that by l, which only the first deformation contains.
-    """
+    psi, theta_y, theta_z; l is contained in the first deformation only."""
     mu, w = y[1:4], y[4:7]
     by_y, by_z = 2.0 / (w[0] * w[0] + w[2] * w[2]), 2.0 / (w[0] * w[0] + w[1] * w[1])
     turned_y, turned_z = E[:, 3] * by_y, E[:, 4] * by_z
+    stretch = np.zeros((len(value_of(E)), *value_of(y)[7].shape))
     stretch[0] = 1.0
     return [
         contracted("ei...,i...->e...", E[:, 0:3], mu * G1),

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from spacar.arrays import Array
-from spacar.elements.rotations.rotation import _DIRECTOR, parameters_of_frame, right_product
+from spacar.elements.rotations.rotation import _DIRECTOR, identity, parameters_of_frame, right_product
 from spacar.elements.spatial.angle_measure import (
     RELATIVE,
     AngleConstants,
@@ -109,13 +109,13 @@ def hessian(c: AngleState, sigma: Array, out: Array) -> None:
     """sum_k sigma_k d2(e_k) (14, 14, n)."""
     y = c.inner.y
     tail = y.shape[1:]
-    directions = np.eye(8).reshape(8, 8, *(1,) * len(tail))
+    directions = identity(8, len(tail))
     line = Taylor([y[:, None], directions])
     mu0 = line[0]
     G = c.G[:, None]
     along, along1 = composed(mu0, *G[:2]), composed(mu0, *G[1:3])
     E = contracted("e...,ei...->i...", sigma, outer_gradient(c.p, line, along))  # of the sum
-    curvature = stacked(by_local(E[None], line, along, along1, np.zeros((1, 1, *tail)))).c[1][:, 0]
+    curvature = stacked(by_local(E[None], line, along, along1)).c[1][:, 0]
     write_hessian(c, curvature, np.einsum("ye...,e...->y...", c.E, sigma), out)
 
 
@@ -138,7 +138,7 @@ def write_hessian(c: AngleState, curvature: Array, force: Array, out: Array) -> 
         H[a, 8:] += mixed
         H[8:, a] += mixed.swapaxes(0, 1)
     n = c.inner.n
-    H[8:, 8:] += force[7] / y[7] * (np.eye(3).reshape(3, 3, *(1,) * len(tail)) - n[:, None] * n)
+    H[8:, 8:] += force[7] / y[7] * (identity(3, len(tail)) - n[:, None] * n)
     _of_local(c, H, out)
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar.elements.rotations.rotation import director_tensor, relative_parameters
+from spacar.elements.rotations.rotation import director_tensor, identity, relative_parameters
 
 _einsum = np.einsum
 
@@ -314,7 +314,7 @@ def hessian(c: BeamState, sigma: Array, out: Array) -> None:
     nU = _einsum("i...,i...->...", n, U)
     PU = (U - nU * n) / l
     nn = n[:, None] * n
-    P = (np.eye(3).reshape(3, 3, *(1,) * len(tail)) - nn) / l
+    P = (identity(3, len(tail)) - nn) / l
     nPU = n[:, None] * PU
     H[1, :3, 1, :3] = raw[0] * P - (nU * P + nPU + nPU.swapaxes(0, 1)) / l
     if weights is not None:

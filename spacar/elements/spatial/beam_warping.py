@@ -15,8 +15,8 @@ from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, Trouble
 from spacar.elements.spatial import warping_strain as strain_of
 from spacar.elements.spatial.beam import SpatialBeam, SpatialBeamConfiguration
+from spacar.elements.spatial.warping_strain import BEAM
 
-_BEAM = np.array([0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14])  # coordinates that a BEAM has too
 ECW = 6  # column of the warping rigidity in ESTIFF and EDAMP
 JW = 5  # column of the warping inertia in EM
 
@@ -30,7 +30,7 @@ class BeamWithWarping(SpatialBeam):
     position_rows = (0, 1, 2, 8, 9, 10)
     _position_index = np.array(position_rows)
     _of: ClassVar[Any] = strain_of
-    _of_beam: ClassVar[Any] = _BEAM
+    _of_beam: ClassVar[Any] = BEAM
 
     def __init__(self, group: ElementGroup) -> None:
         super().__init__(group)
@@ -63,19 +63,19 @@ class BeamWithWarping(SpatialBeam):
     def mass(self, c: SpatialBeamConfiguration, out: Array) -> None:
         M = np.zeros((14, 14, self.n), out.dtype)
         super().mass(c, M)
-        out[np.ix_(_BEAM, _BEAM)] = M
+        out[np.ix_(BEAM, BEAM)] = M
 
     def inertia_force(self, c: SpatialBeamConfiguration, v: Array, a: Array | None) -> Array:
-        force = super().inertia_force(c, v[_BEAM], None if a is None else a[_BEAM])
+        force = super().inertia_force(c, v[BEAM], None if a is None else a[BEAM])
         out = np.zeros((16, self.n), force.dtype)
-        out[_BEAM] = force
+        out[BEAM] = force
         return out
 
     def inertia_gradient(self, c: SpatialBeamConfiguration, v: Array, a: Array) -> tuple[Array, Array]:
         found = []
-        for gradient in super().inertia_gradient(c, v[_BEAM], a[_BEAM]):
+        for gradient in super().inertia_gradient(c, v[BEAM], a[BEAM]):
             out = np.zeros((16, 16, self.n), gradient.dtype)
-            out[np.ix_(_BEAM, _BEAM)] = gradient
+            out[np.ix_(BEAM, BEAM)] = gradient
             found.append(out)
         return found[0], found[1]
 

@@ -83,6 +83,10 @@ def composed(a: Taylor, *derivatives: Array) -> Taylor:
     return Taylor(c)
 
 
+def value_of(a: Any) -> Array:
+    return a.c[0] if isinstance(a, Taylor) else a
+
+
 def root(a: Any) -> Any:
     if not isinstance(a, Taylor):
         return np.sqrt(a)

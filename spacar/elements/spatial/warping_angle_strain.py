@@ -26,12 +26,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.elements.rotations.rotation import identity
 from spacar.elements.spatial import beam_angle_strain as beam_of
-from spacar.elements.spatial.angle_measure import AngleConstants, Outer, by_local, inner_rows, outer
+from spacar.elements.spatial.angle_measure import (
+    AngleConstants,
+    Outer,
+    by_local,
+    inner_rows,
+    of_ends,
+    outer,
+    outer_rows,
+)
 from spacar.elements.spatial.taylor import Taylor, composed, contracted, stacked
-
-BEAM = np.array([0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14])  # coordinates that a BEAM has too
-RATES = np.array([7, 15])  # twist rates
+from spacar.elements.spatial.warping_strain import BEAM, RATES
 
 
 def _warped(p: AngleConstants, y: Any, G: Any, w: Any) -> tuple[Outer, Any, Any]:
@@ -43,29 +50,21 @@ def _warped(p: AngleConstants, y: Any, G: Any, w: Any) -> tuple[Outer, Any, Any]
 def deformations(p: AngleConstants, y: Any, G: Any, w: Any) -> Any:
     """e (8, n) at y (8, n), G (n,) and w (2, n)."""
     o, A, c = _warped(p, y, G, w)
-    k, half, square = p.second, 0.5 * p.l0, p.l0**2
+    k, square = p.second, p.l0**2
     My, Mz = o.By - (A * o.psi[2] * 0.5 + c * o.az * 0.1) * k, o.Bz + (A * o.psi[1] * 0.5 + c * o.ay * 0.1) * k
     Ay, Az = o.Ay - (A * o.az * 0.3 + c * o.psi[2] / 30.0) * k, o.Az + (A * o.ay * 0.3 + c * o.psi[1] / 30.0) * k
-    bent = (o.psi[1] * o.psi[1] + o.psi[2] * o.psi[2]) / 24.0 + (o.ay * o.ay + o.az * o.az) / 40.0
     twisted = o.Mx * o.Mx + A * A * 3.0 + c * c * 0.2
-    e1 = y[7] - p.l0 + bent * (p.l0 * k) + twisted * (p.f * k / (2.0 * p.l0))
+    e1 = y[7] - p.l0 + o.bent * (p.l0 * k) + twisted * (p.f * k / (2.0 * p.l0))
     e2 = o.Mx * p.l0
-    bending = [(My - Ay) * half, (My + Ay) * half, (Mz - Az) * half, (Mz + Az) * half]
+    bending = of_ends(My, Ay, Mz, Az, 0.5 * p.l0)
     return stacked([e1, e2, *bending, e2 - w[0] * square, w[1] * square - e2])
 
 
 def gradient(p: AngleConstants, y: Any, G: Any, G1: Any, w: Any) -> Any:
     """de/d(y, w) transposed, (10, 8, n), of y (8, n), G and its derivative (n,), w (2, n)."""
     o, A, c = _warped(p, y, G, w)
-    x, yy, z = o.psi[0], o.psi[1], o.psi[2]
-    value = (y.c[0] if isinstance(y, Taylor) else y)[7]
-    dx, dy, dz, dty, dtz, dwp, dwq = np.eye(7).reshape(7, 7, *(1,) * value.ndim)
-    k = p.second
-    twelfth, half, l, square = k / 12.0, 0.5 * k, 0.5 * p.l0, p.l0**2
-    dAy, dAz = dty - (dx * z + dz * x) * twelfth, dtz + (dx * yy + dy * x) * twelfth
-    day, daz = dAy * p.shear[0], dAz * p.shear[1]
-    dMx = dx + (day * z + dz * o.ay - daz * yy - dy * o.az) * half
-    dBy, dBz = dy + (daz * x + dx * o.az) * half, dz - (day * x + dx * o.ay) * half
+    yy, z, k, square = o.psi[1], o.psi[2], p.second, p.l0**2
+    (dy, dz, dAy, dAz, day, daz, dMx, dBy, dBz), (dwp, dwq) = outer_rows(p, o, 7)
     dA, dc = (dwq - dwp) * (p.l0 / 6.0), -dMx + (dwp + dwq) * (p.l0 / 2.0)
     dMy = dBy - ((dA * z + A * dz) * 0.5 + (dc * o.az + c * daz) * 0.1) * k
     dMz = dBz + ((dA * yy + A * dy) * 0.5 + (dc * o.ay + c * day) * 0.1) * k
@@ -74,9 +73,9 @@ def gradient(p: AngleConstants, y: Any, G: Any, G1: Any, w: Any) -> Any:
     de1 = ((dy * yy + dz * z) / 12.0 + (day * o.ay + daz * o.az) / 20.0) * (p.l0 * k)
     de1 = de1 + (dMx * o.Mx + dA * A * 3.0 + dc * c * 0.2) * (p.f * k / p.l0)
     de2 = dMx * p.l0
-    bending = [(dMy - dAy) * l, (dMy + dAy) * l, (dMz - dAz) * l, (dMz + dAz) * l]
+    bending = of_ends(dMy, dAy, dMz, dAz, 0.5 * p.l0)
     E = stacked([de1, de2, *bending, de2 - dwp * square, -de2 + dwq * square])
-    return stacked([*by_local(E, y, G, G1, np.zeros((8, *value.shape))), E[:, 5], E[:, 6]])
+    return stacked([*by_local(E, y, G, G1), E[:, 5], E[:, 6]])
 
 
 class WarpingAngleState(NamedTuple):
@@ -134,7 +133,7 @@ def derivative_of_rows(c: WarpingAngleState, v: Array, order: int, out: Array) -
 def hessian(c: WarpingAngleState, sigma: Array, out: Array) -> None:
     """sum_k sigma_k d2(e_k) (16, 16, n)."""
     b, tail = c.beam, sigma.shape[1:]
-    directions = np.eye(10).reshape(10, 10, *(1,) * len(tail))
+    directions = identity(10, len(tail))
     y, w = Taylor([b.inner.y[:, None], directions[:8]]), Taylor([c.w[:, None], directions[8:]])
     G = b.G[:, None]
     rates = gradient(b.p, y, composed(y[0], *G[:2]), composed(y[0], *G[1:3]), w).c[1]

@@ -21,6 +21,8 @@ from spacar.arrays import Array
 from spacar.elements.spatial import beam_strain
 
 _einsum = np.einsum
+RATES = np.array([7, 15])  # twist rates
+BEAM = np.delete(np.arange(16), RATES)  # coordinates that a BEAM has too
 WARPING_BENDING = True
 """Whether bending depends on warping (the terms with eb7, eb8 in e3 ... e6): the one place of this choice of
 theory-warping.md section 11. With them buckling loads converge with order 4, without with order 2."""
@@ -72,11 +74,6 @@ _SHORTENING[6, 6] = _SHORTENING[7, 7] = 2.0 / 15.0
 _SHORTENING[6, 7] = _SHORTENING[7, 6] = 1.0 / 30.0
 
 
-def _of_beam(x: Array) -> Array:
-    """The coordinates (or rates) of the beam (14, n) in those of the beam with warping (16, n)."""
-    return np.ascontiguousarray(x.reshape(2, 8, *x.shape[1:])[:, :7]).reshape(14, *x.shape[1:])
-
-
 def _eight(e: Array) -> Array:
     """Second rates (8, n) of the raw deformations from those of the beam (6, n)."""
     return np.concatenate((e, e[1:2], -e[1:2]))
@@ -93,7 +90,7 @@ def _extended(W: Array) -> Array:
 
 def state(p: beam_strain.BeamConstants, x: Array, second: bool) -> WarpingState:
     """Raw deformations and their gradient at x (16, n); `second`: some beam has second order terms."""
-    beam = beam_strain.state(p, _of_beam(x), False)
+    beam = beam_strain.state(p, x[BEAM], False)
     square = p.l0**2
     raw = _eight(beam.raw)
     raw[6] -= square * x[7]
@@ -120,7 +117,7 @@ class WarpingRates(NamedTuple):
 
 def rates(c: WarpingState, v: Array) -> WarpingRates:
     """Rates for v (16, n)."""
-    beam = beam_strain.rates(c.beam, _of_beam(v))
+    beam = beam_strain.rates(c.beam, v[BEAM])
     return WarpingRates(beam, _eight(beam.raw2))
 
 
@@ -143,7 +140,7 @@ def hessian(c: WarpingState, sigma: Array, out: Array) -> None:
     H = np.zeros((14, 14, *tail), np.result_type(c.W, sigma))
     beam_strain.hessian(c.beam, beam, H)
     out[...] = 0.0
-    out.reshape(2, 8, 2, 8, *tail)[:, :7, :, :7] = H.reshape(2, 7, 2, 7, *tail)
+    out[np.ix_(BEAM, BEAM)] = H
     if c.Q is not None:
         weights = beam_strain.products(p.Q.swapaxes(0, 2), p.g * sigma)
         weights += p.f * sigma[0] * _SHORTENING.reshape(8, 8, *(1,) * len(tail))

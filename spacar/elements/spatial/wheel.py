@@ -21,7 +21,7 @@ import numpy as np
 from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, Family, GeometryError, Trouble
 from spacar.elements.rotations.local_frames import rows, unit
-from spacar.elements.rotations.rotation import cross, director_tensor, global_matrix
+from spacar.elements.rotations.rotation import cross, director_tensor, global_matrix, identity
 
 _einsum = np.einsum
 UP = np.array([0.0, 0.0, 1.0])
@@ -136,7 +136,7 @@ def slip_rate_gradient(c: WheelState, k: WheelRates) -> Array:
 def _along_coordinates(c: WheelState) -> tuple[WheelState, Array]:
     """The state with an axis for ten directions before the element axis, and these: the unit vectors."""
     axes = c.l.ndim
-    return WheelState(*_spread(c, axes)), np.eye(10).reshape(10, 10, *(1,) * axes)
+    return WheelState(*_spread(c, axes)), identity(10, axes)
 
 
 def _spread(parts: tuple[Array, ...], axes: int) -> list[Array]:
