@@ -1,7 +1,5 @@
 """Errors a caller can act on. Every one carries a stable short name (`code`) that the log prints in brackets."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

@@ -4,8 +4,6 @@ A block holds the frames that became ready together: one, or of motions in C man
 in columns. Sinks (log, result files, progress, plot) consume the stream frame by frame.
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence

@@ -5,8 +5,6 @@ FILE.lock is locked. A file system without either (some network disks) gets FILE
 which counts as long as that process lives.
 """
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import os

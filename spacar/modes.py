@@ -4,8 +4,6 @@ What lies above its caller is named, not imported: analyses, pictures, result fi
 says where it is, and `registered` loads it when it is asked for.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

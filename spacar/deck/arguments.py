@@ -4,8 +4,6 @@ Every node, element, coordinate and mode number that the table declares as such 
 which nothing needs a message are read by `plain_forms`; every other statement is read here word by word.
 """
 
-from __future__ import annotations
-
 from spacar.deck.findings import Findings, alternatives, ordinal
 from spacar.deck.length_unit import length_power
 from spacar.deck.lexer import LARGEST_NUMBER, LARGEST_REAL, SMALLEST_REAL, Word, integer_of, is_in_range, number_of

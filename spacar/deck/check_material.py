@@ -3,8 +3,6 @@
 Checks that come from the table: statements that may be given once, classes to which a statement may refer.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import chain

@@ -1,7 +1,5 @@
 """The class of every coordinate and deformation, and checks of the statements that give them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 from spacar.deck.check_material import CheckMaterial, Classes

@@ -1,7 +1,5 @@
 """Checks of the dynamics block: masses and stiffnesses, prescribed motion, solver settings, additional loading."""
 
-from __future__ import annotations
-
 from spacar.deck.check_material import CheckMaterial, check_ranges, one_of
 from spacar.deck.statement import Statement, StatementGroup
 from spacar.deck.table_solvers import INTEGRATOR_ALIASES, INTEGRATORS, alias_note

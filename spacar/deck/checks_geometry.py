@@ -1,7 +1,5 @@
 """Checks of the reference configuration: X, lengths, directions, ORPINBOD."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from itertools import chain, repeat
 from math import asin, degrees, dist, hypot, inf

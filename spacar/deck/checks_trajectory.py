@@ -1,7 +1,5 @@
 """Checks of the trajectories of mode 2: order, completeness, paths that match the degrees of freedom."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from itertools import pairwise
 

@@ -10,8 +10,6 @@ Closed thin walls by Bredt's formula, I sections as three rectangles. Warping co
 theory-warping.md section 1), I section tf b^3 (h - tf)^2/24; circles do not warp, that of closed sections is neglected.
 """
 
-from __future__ import annotations
-
 from cmath import tanh as complex_tanh
 from collections.abc import Callable
 from dataclasses import dataclass

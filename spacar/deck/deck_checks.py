@@ -1,8 +1,6 @@
 """All checks of a deck that need more than one statement, block by block; those of the elements: numbers, roles of
 nodes, planar or spatial, support; those of input and output numbers."""
 
-from __future__ import annotations
-
 from spacar.deck.check_material import CheckMaterial, check_classes, check_once
 from spacar.deck.checks_classes import classify
 from spacar.deck.checks_dynamics import check_dynamics

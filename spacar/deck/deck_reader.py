@@ -1,7 +1,5 @@
 """Reading: text to words, words to statements, statements to the checked contents of a deck."""
 
-from __future__ import annotations
-
 import re
 from itertools import chain
 from operator import attrgetter

@@ -1,7 +1,5 @@
 """Statements to text: the canonical form of a deck, and the change of a single value in an existing text."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 from spacar.deck.lexer import LONGEST_LINE, split_lines, word_end

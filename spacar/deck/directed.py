@@ -7,8 +7,6 @@ are those of the real deck. NumPy warns where a complex number is made real: who
 warnings errors (`nothing_lost`), so that no part of a derivative gets lost in silence.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Collecting messages about a deck: the place is that of the offending word, the subject names the statement."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import partialmethod

@@ -4,8 +4,6 @@ For editors and type checkers the methods are declared in `keyword_methods.pyi`,
 built.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 

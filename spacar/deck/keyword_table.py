@@ -1,7 +1,5 @@
 """The keyword table of the input language, assembled: look up a keyword by block, by name, by place in the file."""
 
-from __future__ import annotations
-
 from spacar.deck import table_dynamics, table_elements, table_io, table_kinematics, table_solvers
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_types import BlockKind, ElementType, Keyword, coordinates_of

@@ -4,8 +4,6 @@ Where the table names no unit because it depends on the node or the deformation 
 sigma e, S e^2 and f x are energies, N m.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 

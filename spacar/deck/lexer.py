@@ -4,8 +4,6 @@ Lexical rules: reference/input-language.md section 1. Most lines of a real file 
 `split` and `float` of Python read as this module does. The others are `odd`: they are taken word by word.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from functools import cached_property

@@ -5,8 +5,6 @@ forms that differ take numbers in the order of the deck or by name. The nodes of
 components of a vector, are one argument.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

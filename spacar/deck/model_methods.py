@@ -4,8 +4,6 @@
 hatch_build.py does.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from inspect import Parameter as Given

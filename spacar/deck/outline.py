@@ -1,7 +1,5 @@
 """What the element statements say about the model: which elements and nodes exist, and what kind they are."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from itertools import chain, combinations, cycle
 from operator import eq

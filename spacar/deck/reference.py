@@ -3,8 +3,6 @@
 `python -m spacar.deck.reference` prints the page that is kept as docs/keywords.md.
 """
 
-from __future__ import annotations
-
 from spacar.deck.findings import alternatives
 from spacar.deck.keyword_table import ELEMENT_TYPES, KEYWORDS
 from spacar.deck.table_types import BlockKind, Keyword, Parameter, Variant

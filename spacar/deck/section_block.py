@@ -1,7 +1,5 @@
 """SECTION, MATERIAL and BEAMSEC to the plain statements that they stand for (sections.md section 1)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 

@@ -5,8 +5,6 @@ of their block and numbers, are statements as they stand; those with the same ke
 where other plain lines stand between them. All other lines are taken word by word.
 """
 
-from __future__ import annotations
-
 from spacar.deck.findings import Findings, nearest
 from spacar.deck.keyword_table import ALIASES, KEYWORDS, NAME_PLACES, NAMES, BlockKind, blocks_of
 from spacar.deck.lexer import SourceText, Word, words_of

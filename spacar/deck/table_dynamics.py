@@ -1,8 +1,6 @@
 """Keywords of the dynamics block: inertia, stiffness, damping, motion, loading, its increments, preload
 (reference/input-language.md sections 5.1 to 5.4 and 5.6)."""
 
-from __future__ import annotations
-
 from spacar.deck.table_elements import ELEMENT_TYPES, types_that, types_with
 from spacar.deck.table_types import (
     COORDINATE,

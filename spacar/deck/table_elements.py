@@ -4,8 +4,6 @@ statements in the kinematics block, which follow from them.
 Codes: reference/files.md section 3, wheels and screw: reference/theory-spatial.md sections 7 and 8.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from spacar.deck.table_types import BlockKind, ElementType, Keyword, form, integer, real, vector

@@ -1,8 +1,6 @@
 """Keywords of the third block: trajectories, nominal inputs and outputs, linearization, simulation
 (reference/input-language.md sections 6 to 9)."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from spacar.deck.table_types import (

@@ -1,7 +1,5 @@
 """Keywords of the kinematics block other than the elements (reference/input-language.md section 4.2)."""
 
-from __future__ import annotations
-
 from spacar.deck.cross_section import MATERIALS, SHAPES
 from spacar.deck.table_elements import ELEMENT_TYPES, types_with
 from spacar.deck.table_types import (

@@ -1,7 +1,5 @@
 """Keywords of the dynamics block: methods and settings of the solvers (reference/input-language.md section 5.5)."""
 
-from __future__ import annotations
-
 from spacar.deck.table_types import BlockKind, Keyword, form, integer, real, span
 
 _D = BlockKind.DYNAMICS

@@ -1,8 +1,6 @@
 """The records of which the keyword table is made: blocks, parameters, variants of a statement, keywords,
 element types; which blocks a mode uses (reference/input-language.md section 2)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum

@@ -9,8 +9,6 @@ which is the momentum balance of an open control volume. End condition: 0 spheri
 at q, 3 jets at both. Changes of Q in time are taken as slow (theory-planar.md section 8, theory-spatial.md section 10).
 """
 
-from __future__ import annotations
-
 import copy
 from typing import NamedTuple, TypeVar
 

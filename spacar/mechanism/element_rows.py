@@ -8,8 +8,6 @@ Warping coordinates are dynamic without a statement, the deformations that belon
 (theory-warping.md section 1); other coordinates are calculable, other deformations fixed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from itertools import chain
 from typing import Any, NamedTuple

@@ -5,8 +5,6 @@ their axes are in line, and every statement about A has its like about B: the sa
 EDAMP), classes, LDEFORM, ADEFORM, directions. Start values that are not zero and preloads keep both.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

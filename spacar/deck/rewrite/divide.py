@@ -20,8 +20,6 @@ paths) is refused. The first part keeps the number of the parent, further elemen
 others.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise

@@ -7,8 +7,6 @@ or 3, 4 are the bending modes 2, 3 (`spacar.elements.planar.plbeam`, theory-spat
 stiffness, damping and rotary inertia are those about that normal. Torsion is zero, so its coupling is left out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -4,8 +4,6 @@ A number names an element or a node where the table says so of its position, nev
 and number of values tell the positions; of TRFRONT the trajectory tells what has a path, an element or a node.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import cache
 from itertools import islice, takewhile

@@ -5,8 +5,6 @@ be, stands in `spacar.deck.rewrite.divide`.
 Tubes are not divided: a curved one would have to be divided along its arc (TUBE, PLTUBE).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 

@@ -4,8 +4,6 @@ The statements are those that stand in the file: of a beam that BEAMSEC or a ref
 all its parts; its RLSE makes the deformations of the last part follow (`divide`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -6,8 +6,6 @@ statements on a line, a number that is refused, a line that gets too long or fit
 which says what is wrong.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache

@@ -13,8 +13,6 @@ w = v_q - v_p:
 A vector g (2, n) stands for the row (-g at x_p, g at x_q): the position of the chord does not matter.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -26,8 +26,6 @@ tangents t; rotary inertia J per length is lumped, J l0/2 at each end.
 Arrays over both ends have the end axis first: t (end, component, n), b (end, n).
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import ClassVar, NamedTuple
 

@@ -15,8 +15,6 @@ A tube that is curved at the start is counted from its start values, with the le
 l0 = chord/(1 - (2 alpha_p^2 - alpha_p alpha_q + 2 alpha_q^2)/30) in the place of the chord.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from spacar.arrays import Array

@@ -20,8 +20,6 @@ i = p, q; h is Lagrange's. The wound angles w_i add the constants m |r_i| w_i at
 angle.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

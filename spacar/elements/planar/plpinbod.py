@@ -12,8 +12,6 @@ both. d_k = a_k.d at the start unless DRPINBOD gives it. Mass m per length: unif
 I 2I] on x_p, x_q, h = 0; J l0 on phi_p.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -3,8 +3,6 @@
 Formulas: theory-planar.md section 4: sigma1 = S1 e1 + Sd1 de1/dt [N m]. No mass.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from spacar.arrays import Array

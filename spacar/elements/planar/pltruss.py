@@ -4,8 +4,6 @@ Formulas: theory-planar.md section 2: sigma1 = (EA/l0) e1 + (EdA/l0) de1/dt; lin
 mass m per length, M = (m l0/6) [2I I; I 2I], h = 0. They hold in space too (`spatial.truss`).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -6,8 +6,6 @@ change of the beam's b_p, b_q and l + Q (17); stiffness as the beam; mass per le
 The forces of the fluid are in `fluid`; they are part of M a + h, so h is not zero at rest.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from spacar.arrays import Array

@@ -10,8 +10,6 @@ Positive spin rolls forward. Slips have no value, so stiffness has no meaning; d
 a viscous force. No mass: spin and yaw inertia are lumped masses of the nodes.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from spacar.arrays import Array

@@ -4,8 +4,6 @@ A frame is an array (3, 3) whose columns are x', y', z'; frames of a group are (
 functions take one element, without that axis, or a group; `index` is the place of the (first) element in its group.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

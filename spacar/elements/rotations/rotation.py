@@ -12,8 +12,6 @@ tensor") everything an element needs is a contraction:
 The parameters of q relative to p are bilinear: mu0 = lam_p.lam_q, mu_e = lam_p Z(e) lam_q.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from spacar.arrays import Array

@@ -24,8 +24,6 @@ Everything is written once, for arrays and for power series (`taylor`): the latt
 derivatives, in `beam_angle_strain`. Order of the local coordinates: L_p (4), L_q (4), d (3).
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

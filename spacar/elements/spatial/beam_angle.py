@@ -8,8 +8,6 @@ A tube that is curved at the start is counted from its start values, with the le
 l0 = chord/(1 - (psi_y^2 + psi_z^2)/24 - (A_y^2 + A_z^2)/40) in the place of the chord.
 """
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 import numpy as np

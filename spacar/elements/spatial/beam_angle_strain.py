@@ -5,8 +5,6 @@ the local coordinates L_p, L_q, d of that module goes to x with L = C lam and d 
 derivatives come from power series along a line, or in the directions of the inner quantities (`taylor`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

@@ -8,8 +8,6 @@ x_q, l0 R(lam_q) x']. With J_y = dy/dx and ddy = J_y ddx + (convective part 2 l0
 A pipe adds forces w = D dy + A y with constant matrices of its own (section 10).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -13,8 +13,6 @@ of the position of p are the opposite, which `put` writes at the end. In a beam 
 orientation is K lam with constant per-element tensors K (see `rotation`), so no rotation matrix is formed.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -5,8 +5,6 @@ at a node. Deformations 1 to 6 as the beam, 7 and 8 warping at p and q, all in m
 element (section 4), the warping inertia is lumped to the nodes (section 6).
 """
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 import numpy as np

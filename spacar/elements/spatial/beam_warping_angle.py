@@ -5,8 +5,6 @@ Stiffness and inertia are those of `beam_warping`, limits those of `beam_angle`;
 rates of the nodes, so there is no unknown inside the element, and a fixed plane of bending keeps order 4.
 """
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 import numpy as np

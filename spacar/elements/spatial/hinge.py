@@ -10,8 +10,6 @@ So e = f(mu) with mu bilinear in lambda_p and lambda_q; below f_i, f_ij, f_ijk a
 mu. The screw uses the same functions.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -7,8 +7,6 @@ where R = I. With w' = Lambda dlam/dt (half the angular velocity) and Lambda(a)^
     gyrostat: h = 4 K(h') dlam/dt with the constant h' = J_axial Omega in body components
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -6,8 +6,6 @@ rod on x_p, x_q, the rotary inertia of its section on lambda_p. Without directio
 global axes, those of an RBEAM the default axes of a BEAM: x' from p to q (input-language.md section 4.1).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -8,8 +8,6 @@ deformations phi, misalignments (section 5) and s = (R_p R0)^T (x_q - x_p) - r:
 phi counts over many turns, so the translation does not jump.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Spatial truss, keyword TRUSS: the bar of `planar.pltruss` in space (theory-spatial.md sections 3.3 and 4)."""
 
-from __future__ import annotations
-
 from spacar.elements.family import ElementGroup
 from spacar.elements.planar.pltruss import PlanarTruss
 from spacar.elements.rotations.local_frames import chords

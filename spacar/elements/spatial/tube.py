@@ -5,8 +5,6 @@ own and e is counted from its start value. The forces of the fluid on the cubic 
 those of `fluid`.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

@@ -18,8 +18,6 @@ To second order in the rotations these are the formulas of theory-warping.md sec
 e1 = l - l0.
 """
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any, NamedTuple
 

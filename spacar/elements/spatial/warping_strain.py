@@ -11,8 +11,6 @@ Rows W of first derivatives have the shape (8, 2, 8, n): modes, node p or q, (po
 `beam_strain` the columns of the position of p are written at the end, by `put`.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -12,8 +12,6 @@ circle:
 The slips are rates only: e5 = e6 = 0, and their rows W of V are no gradients (`slip_hessian`).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
