@@ -124,14 +124,8 @@ def additional_drive(deck: Deck, numbering: Numbering, kind: type = float) -> Dr
     """Total increments of the start values (DELINPX, DELINPE), or None without any."""
     if deck.block(2).keys().isdisjoint(("DELINPX", "DELINPE")):
         return None
-    xr, er = numbering.x_class["input"], numbering.e_class["input"]
-    x, e = np.zeros(xr.stop - xr.start, kind), np.zeros(er.stop - er.start, kind)
-    for s in deck.of("DELINPX", "DELINPE", block=2):
-        a, b, value = s.integer(0), s.integer(1), s.real(2)
-        if s.keyword == "DELINPX":
-            x[numbering.x_index(a, b) - xr.start] = value
-        else:
-            e[numbering.e_index(a, b) - er.start] = value
+    zero: Array = np.zeros(numbering.nx, kind)
+    x, e = (table[:, 0] for table in _given(deck, numbering, zero, "input", ("DELINPX", "DELINPE"), 1))
     return DriveState(x, 0 * x, 0 * x, e, 0 * e, 0 * e)
 
 

@@ -217,13 +217,13 @@ class Numbering:
     @cached_property
     def q_names(self) -> list[str]:
         """Degrees of freedom in the order of files.md: x input, x dynamic, e input, e dynamic."""
-        return [self.x_name(i) for i in self.q_x] + [self.e_name(i) for i in self.q_e]
+        return [*map(self.x_name, self.q_x), *map(self.e_name, self.q_e)]
 
     @cached_property
     def k_names(self) -> list[str]:
         """Kinematic configuration coordinates: x, then e."""
-        x, e = self.x_class["kinematic"], self.e_class["kinematic"]
-        return [self.x_name(i) for i in range(x.start, x.stop)] + [self.e_name(i) for i in range(e.start, e.stop)]
+        x, e = _ranges(self.x_class["kinematic"]), _ranges(self.e_class["kinematic"])
+        return [*map(self.x_name, x), *map(self.e_name, e)]
 
     @property
     def dynamic_names(self) -> list[str]:
@@ -248,7 +248,7 @@ class Numbering:
 
     @cached_property
     def ndof(self) -> int:
-        return sum(_count(c["input"]) + _count(c["dynamic"]) for c in (self.x_class, self.e_class))
+        return len(self.q_x) + len(self.q_e)
 
     @cached_property
     def nddof(self) -> int:
@@ -270,13 +270,13 @@ class Numbering:
     def dynamic(self) -> Index:
         """Rows of q that are dynamic: x dynamic, then e dynamic (files.md section 3)."""
         m = len(self.q_x)
-        return _ranges((_count(self.x_class["input"]), m), (m + _count(self.e_class["input"]), self.ndof))
+        return _ranges(slice(_count(self.x_class["input"]), m), slice(m + _count(self.e_class["input"]), self.ndof))
 
     @cached_property
     def rheonomic(self) -> Index:
         """Rows of q that are prescribed: x input, then e input."""
         m = len(self.q_x)
-        return _ranges((0, _count(self.x_class["input"])), (m, m + _count(self.e_class["input"])))
+        return _ranges(slice(0, _count(self.x_class["input"])), slice(m, m + _count(self.e_class["input"])))
 
     @cached_property
     def all_dynamic(self) -> Numbering:
@@ -296,8 +296,7 @@ class Numbering:
     @cached_property
     def velocity_unknowns(self) -> Index:
         """Columns U of V: calculable and kinematic coordinates."""
-        a, b = self.x_class["calculable"], self.x_class["kinematic"]
-        return _ranges((a.start, a.stop), (b.start, b.stop))
+        return _ranges(self.x_class["calculable"], self.x_class["kinematic"])
 
     @cached_property
     def position_equations(self) -> Index:
@@ -308,32 +307,29 @@ class Numbering:
     @cached_property
     def position_unknowns(self) -> Index:
         """Columns c: calculable coordinates."""
-        a = self.x_class["calculable"]
-        return np.arange(a.start, a.stop)
+        return _ranges(self.x_class["calculable"])
 
     @property
     def is_square(self) -> bool:
         """Whether there are as many equations as unknowns, at both levels."""
-        x, e = self.x_class, self.e_class
-        calculable = x["calculable"].stop - x["calculable"].start
-        kinematic = x["kinematic"].stop - x["kinematic"].start
-        return len(self.position_equations) == calculable and e["dynamic"].stop == calculable + kinematic
+        levels = (self.position_equations, self.position_unknowns), (self.velocity_equations, self.velocity_unknowns)
+        return all(len(equations) == len(unknowns) for equations, unknowns in levels)
 
     def x_index(self, node: int, coordinate: int) -> int:
         """0-based index of a coordinate; KeyError if it does not exist."""
-        if 1 <= node < len(self.x_places) and 1 <= coordinate <= 4:
-            found = self.x_places.item(node, coordinate - 1)
-            if found >= 0:
-                return found
-        raise KeyError((node, coordinate))
+        return _index(self.x_places, node, coordinate)
 
     def e_index(self, element: int, mode: int) -> int:
         """0-based index of a deformation; KeyError if it does not exist."""
-        if 1 <= element < len(self.e_places) and 1 <= mode <= self.e_places.shape[1]:
-            found = self.e_places.item(element, mode - 1)
-            if found >= 0:
-                return found
-        raise KeyError((element, mode))
+        return _index(self.e_places, element, mode)
+
+
+def _index(places: Index, number: int, part: int) -> int:
+    if 1 <= number < len(places) and 1 <= part <= places.shape[1]:
+        found = places.item(number, part - 1)
+        if found >= 0:
+            return found
+    raise KeyError((number, part))
 
 
 def owners(places: Index, count: int) -> list[tuple[int, int]]:
@@ -356,9 +352,9 @@ def _count(places: slice) -> int:
     return found
 
 
-def _ranges(*ranges: tuple[int, int]) -> Index:
-    """Consecutive numbers from each first to before each last one."""
-    return np.concatenate([np.arange(first, last) for first, last in ranges])
+def _ranges(*parts: slice) -> Index:
+    """The places of all parts."""
+    return np.concatenate([np.arange(part.start, part.stop) for part in parts])
 
 
 def number(deck: Deck, types: Sequence[ElementRows], prescribed: bool = False) -> Numbering:

@@ -198,7 +198,7 @@ class UserLaw:
     def _rows(self, t: float, sig: Any, f: Any) -> tuple[Rows, Rows, dict[int, str]]:
         """Rows of sig and f with their places in e and x, checked, and the sentences of `UserForces.lost`."""
         n = self.numbering
-        stresses, forces = self._found(n.e_index, sig, "sig", t), self._found(n.x_index, f, "f", t)
+        stresses, forces = self._found("sig", sig, t), self._found("f", f, t)
         lost, fixed, inputs = {}, n.e_class["fixed"].stop, n.e_class["input"].stop
         first = fixed if self.prescribed_act else inputs  # row of e on which a stress can act
         for i, row in stresses:
@@ -213,18 +213,16 @@ class UserLaw:
         self.forces.update({(row[0], row[1]): i for i, row in forces})
         return stresses, forces, lost
 
-    def _found(self, find: Callable[[int, int], int], rows: Any, what: str, t: float) -> Rows:
-        read = read_rows(self.name, what, rows, (3, 5), t)
-        return [(self._place(find, row, what, k, t), row) for k, row in enumerate(read)]
-
-    def _place(self, find: Callable[[int, int], int], row: Sequence[float], what: str, k: int, t: float) -> int:
-        known = (self.stresses if what == "sig" else self.forces).get((row[0], row[1]))
-        if known is not None:
-            return known
-        try:
-            return find(*whole(row))
-        except KeyError:
-            raise _unknown(self.name, what, k, row, "does not exist", t) from None
+    def _found(self, what: str, rows: Any, t: float) -> Rows:
+        n, found = self.numbering, Rows()
+        known, find = (self.stresses, n.e_index) if what == "sig" else (self.forces, n.x_index)
+        for k, row in enumerate(read_rows(self.name, what, rows, (3, 5), t)):
+            place = known.get((row[0], row[1]))
+            try:
+                found.append((find(*whole(row)) if place is None else place, row))
+            except KeyError:
+                raise _unknown(self.name, what, k, row, "does not exist", t) from None
+        return found
 
 
 class Answering:
@@ -342,26 +340,24 @@ class UserDrive:
         base = self.base.at(t)
         x = np.array([base.x, base.xd, base.xdd])
         e = np.array([base.e, base.ed, base.edd])
-        self._fill(x, self.numbering.x_index, "input coordinate", self.numbering.x_class["input"], "x", x_rows, t)
+        self._fill(x, "x", x_rows, t)
         before = e.copy() if self.divided else e
-        inputs = self.numbering.e_class["input"]
-        named = self._fill(e, self.numbering.e_index, "input deformation", inputs, "e", e_rows, t)
+        named = self._fill(e, "e", e_rows, t)
         for beam in self.divided:
             beam.spread(e, before, named)
         return DriveState(*x, *e)
 
-    def _fill(
-        self, target: Array, find: Callable[[int, int], int], kind: str, place: slice, what: str, rows: Any, t: float
-    ) -> set[int]:
+    def _fill(self, target: Array, what: str, rows: Any, t: float) -> set[int]:
         """Write the rows into target (3, inputs); the places that they name."""
-        named = set()
+        n, named = self.numbering, set()
+        find, of, noun = (n.x_index, n.x_class, "coordinate") if what == "x" else (n.e_index, n.e_class, "deformation")
         for k, row in enumerate(read_rows(self.name, what, rows, (5,), t)):
             try:
-                i = find(*whole(row)) - place.start
+                i = find(*whole(row)) - of["input"].start
             except KeyError:
                 i = -1
             if not 0 <= i < target.shape[1]:
-                raise _unknown(self.name, what, k, row, f"is no {kind}", t)
+                raise _unknown(self.name, what, k, row, f"is no input {noun}", t)
             target[:, i] = row[2:5]
             named.add(i)
         return named

@@ -38,9 +38,8 @@ def merged(deck: Deck) -> tuple[Deck, list[int]]:
         if number in gone or (s.keyword == "X" and s.integer(0) in nodes):
             continue
         if number in ends and s.keyword in ELEMENT_TYPES:
-            half = len(ELEMENT_TYPES[s.keyword].nodes) // 2
-            end = beams[ends[number]].values[1 + half : 1 + 2 * half]
-            s = s._replace(values=(*s.values[: 1 + half], *end, *s.values[1 + 2 * half :]))
+            (p, q), end = _ends(s), _ends(beams[ends[number]])[1]
+            s = s._replace(values=(s.values[0], *p, *end, *s.values[1 + len(p + q) :]))
         found.append(s)
     made = rebuilt(deck, *rows(found), what=" (merged)")
     return made, [middle[0] for *_, middle in pairs]
@@ -51,32 +50,39 @@ def _pairs(deck: Deck) -> list[tuple[int, int, tuple[int, ...]]]:
     elements = deck.of(*ELEMENT_TYPES, block=1)
     users: dict[int, list[int]] = {}
     for s in elements:
-        for k in range(1, 1 + len(ELEMENT_TYPES[s.keyword].nodes)):
-            users.setdefault(s.integer(k), []).append(s.integer(0))
+        for node in named(s, NODE):
+            users.setdefault(node, []).append(s.integer(0))
     position = {s.integer(0): np.array(s.reals(1, 3)) for s in deck.of("X", block=1)}
     needed = {n for s in deck.statements if s.keyword not in (*ELEMENT_TYPES, "X") for n in named(s, NODE)}
     said = {s.integer(0): _about(deck.statements, s.integer(0)) for s in elements if s.keyword in BEAMS}
-    by_start = {s.values[1 : 1 + len(ELEMENT_TYPES[s.keyword].nodes) // 2]: s for s in elements if s.keyword in BEAMS}
+    by_start = {_ends(s)[0]: s for s in elements if s.keyword in BEAMS}
     used: set[int] = set()
     found = []
     for a in elements:
         if a.keyword not in BEAMS or a.integer(0) in used:
             continue
-        half = len(ELEMENT_TYPES[a.keyword].nodes) // 2
-        middle = tuple(a.integer(k) for k in range(1 + half, 1 + 2 * half))
+        (p, *_), middle = _ends(a)
         b = by_start.get(middle)
         if b is None or b is a or b.keyword != a.keyword or b.integer(0) in used:
             continue
-        alike = a.values[1 + 2 * half :] == b.values[1 + 2 * half :] and said[a.integer(0)] == said[b.integer(0)]
+        behind = 1 + 2 * len(middle)
+        alike = a.values[behind:] == b.values[behind:] and said[a.integer(0)] == said[b.integer(0)]
         if not alike or any(len(users[m]) != 2 or m in needed for m in middle):
             continue
-        zero = np.zeros(3)
-        p, m, q = (position.get(n, zero) for n in (a.integer(1), middle[0], b.integer(1 + half)))
-        if np.linalg.norm(np.cross(m - p, q - m)) > IN_LINE * np.linalg.norm(m - p) * np.linalg.norm(q - m):
+        nodes = p, middle[0], _ends(b)[1][0]
+        start, m, q = (position.get(n, np.zeros(3)) for n in nodes)
+        if np.linalg.norm(np.cross(m - start, q - m)) > IN_LINE * np.linalg.norm(m - start) * np.linalg.norm(q - m):
             continue
         used |= {a.integer(0), b.integer(0)}
         found.append((a.integer(0), b.integer(0), middle))
     return found
+
+
+def _ends(beam: Statement) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """The nodes at both ends."""
+    nodes = named(beam, NODE)
+    half = len(nodes) // 2
+    return nodes[:half], nodes[half:]
 
 
 def _about(statements: Sequence[Statement], element: int) -> list[tuple[str, tuple[Value, ...]]] | object:

@@ -25,7 +25,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from operator import attrgetter
 
-from spacar.deck.rewrite.references import ELEMENT, about, made, named
+from spacar.deck.rewrite.references import ELEMENT, NODE, about, made, named
 from spacar.deck.statement import Statement
 from spacar.deck.table_elements import ELEMENT_TYPES
 
@@ -146,7 +146,7 @@ def divided(statements: Sequence[Statement], pieces: Mapping[int, int]) -> tuple
     if not pieces:
         return list(statements), {}
     elements = {s.integer(0): s for s in statements if s.block == 1 and s.keyword in ELEMENT_TYPES}
-    top_node = max(s.integer(k) for s in elements.values() for k in range(1, 1 + len(ELEMENT_TYPES[s.keyword].nodes)))
+    top_node = max(node for s in elements.values() for node in named(s, NODE))
     top_element = max(elements)
     position = {s.integer(0): s.reals(1, 3) for s in statements if s.keyword == "X" and s.block == 1}
     division = _Division(beam_modes(statements))
@@ -159,10 +159,10 @@ def divided(statements: Sequence[Statement], pieces: Mapping[int, int]) -> tuple
         parts = division.parts[number] = [number, *range(top_element + 1, top_element + n)]
         division.keywords[number] = s.keyword
         top_element += n - 1
-        half = len(kind.nodes) // 2  # position, orientation(, warping) at each end
+        nodes = named(s, NODE)
+        half = len(nodes) // 2  # position, orientation(, warping) at each end
         inner = [tuple(range(top_node + half * i + 1, top_node + half * (i + 1) + 1)) for i in range(n - 1)]
         top_node += half * (n - 1)
-        nodes = tuple(s.integer(i) for i in range(1, 1 + 2 * half))
         for part, (a, b) in zip(parts, pairwise([nodes[:half], *inner, nodes[half:]]), strict=True):
             found.append(made(s, part, *a, *b, *s.values[1 + 2 * half :]))
         zero = (0.0, 0.0, 0.0)
