@@ -56,10 +56,11 @@ class SpacarError(Exception):
     """Base of all errors that are reported without a traceback. `exit_status` follows the CLI contract."""
 
     exit_status = 1
+    code = "failure"
 
-    def __init__(self, text: str, code: str = "failure", **data: Any) -> None:
+    def __init__(self, text: str, code: str = "", **data: Any) -> None:
         super().__init__(shown(text))
-        self.code = code
+        self.code = code or self.code
         self.data = data
 
 
@@ -67,9 +68,7 @@ class UsageError(SpacarError):
     """The call is wrong: unknown mode, missing file, unknown variable."""
 
     exit_status = 2
-
-    def __init__(self, text: str, code: str = "usage", **data: Any) -> None:
-        super().__init__(text, code, **data)
+    code = "usage"
 
 
 class InputError(SpacarError):

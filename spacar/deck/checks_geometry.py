@@ -138,7 +138,7 @@ def _oblique(p: Vector, q: Vector, direction: Vector) -> bool:
 def _check_element(
     scene: CheckMaterial, s: Statement, kind: ElementType, positions: dict[int, Vector], size: float
 ) -> None:
-    direction = _direction(s, kind)
+    direction = direction_of(s, kind)
     if direction is not None and not any(direction):
         assert kind.direction is not None
         scene.findings.error(s, kind.direction[0] - 1, "the direction vector is zero", "direction")
@@ -178,7 +178,7 @@ def _check_radii(scene: CheckMaterial, s: Statement) -> None:
         scene.findings.error(s, 5, text, "radius")
 
 
-def _direction(s: Statement, kind: ElementType) -> Vector | None:
+def direction_of(s: Statement, kind: ElementType) -> Vector | None:
     """The direction vector of the statement, None when it was left out."""
     if kind.direction is None:
         return None

@@ -11,7 +11,7 @@ from os.path import isfile
 from pathlib import Path
 from typing import Any
 
-from spacar.deck.cross_section import BeamSection, Expansion
+from spacar.deck.cross_section import BeamSection
 from spacar.deck.deck_reader import NOT_UTF8, Span, read_text
 from spacar.deck.deck_writer import Row, rows, splice, write_rows
 from spacar.deck.lexer import scan, visualization_of
@@ -274,7 +274,7 @@ def parse(
     """The common path of all readers; `visualization` is used when the text has no such section."""
     contents = read_text(text, source, mode)
     lines = visualization or () if contents.visualization is None else contents.visualization
-    expansion = contents.expansion or Expansion((), contents.outline, (), ())
+    expansion = contents.expansion
     drawn = expansion.visualization
     drawn = () if lines[: len(drawn)] == drawn else drawn  # a deck that is read again brings them along
     deck = Deck(

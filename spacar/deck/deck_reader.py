@@ -36,7 +36,7 @@ class Contents(NamedTuple):
     third: BlockKind | None
     spans: dict[int, Span]
     shorthand: tuple[Statement, ...]
-    expansion: Expansion | None
+    expansion: Expansion
     given: StatementIndex
     outline: Outline
     found: StatementIndex
@@ -82,7 +82,7 @@ def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
     for found in skipped.values():
         found.messages.sort(key=lambda m: m.line or 0)  # only the first one is reported
     index = given = StatementIndex(list(chain.from_iterable(read)), parts.interleaved)
-    before, expansion = outline, None
+    before, expansion = outline, Expansion((), outline, (), ())
     shorthand: tuple[Statement, ...] = ()
     if by_geometry:
         from spacar.deck.section_block import expand  # most models have no beams by geometry

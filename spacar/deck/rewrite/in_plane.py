@@ -11,6 +11,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from spacar.deck.checks_geometry import direction_of
 from spacar.deck.deck import Deck, rebuilt
 from spacar.deck.deck_writer import Row
 from spacar.deck.keyword_table import ELEMENT_TYPES
@@ -62,9 +63,8 @@ class _Planar:
         kind = ELEMENT_TYPES[s.keyword]
         if kind.direction is None:
             return {1: (1, 1.0)}
-        first, count, role = kind.direction
-        given = s.reals(first - 1, count) if len(s.values) >= first - 1 + count else (0.0, 0.0, 1.0)
-        if role == "axis":
+        given = direction_of(s, kind) or (0.0, 0.0, 1.0)
+        if kind.direction[2] == "axis":
             if max(map(abs, given[:2])) > ALIGNED * abs(given[2]):
                 raise self.refusal(s)
             return {1: (1, float(np.sign(given[2])))}

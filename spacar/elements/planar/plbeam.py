@@ -188,17 +188,17 @@ class PlanarBeam(Family):
         alpha[1, 5] += 1.0
         return alpha
 
-    def _b_rows(self, c: PlanarBeamConfiguration, v: Array) -> tuple[Array, Array, Array, Array]:
-        """D b and H1_b as rows (end, 6, n); b' and Q_b' (end, n)."""
+    def _b_rows(self, c: PlanarBeamConfiguration, v: Array) -> tuple[Array, Array, Array, Array, Array]:
+        """alpha, H1_beta, D b and H1_b as rows (end, 6, n); Q_b' (end, n)."""
         l_rate, beta_rate, _, alpha_v, _ = self._rates(c, v)
         alpha = self._alpha(c)
         H1_beta = c.beta_gradient_rate(l_rate, beta_rate)
         H1_b = (c.bend.b2 * alpha_v)[:, None] * alpha - c.bend.b1[:, None] * H1_beta
         b_rate = c.bend.b1 * alpha_v
-        return c.bend.b1[:, None] * alpha, H1_b, b_rate, self.A2 * b_rate + self.B * b_rate[::-1]
+        return alpha, H1_beta, c.bend.b1[:, None] * alpha, H1_b, self.A2 * b_rate + self.B * b_rate[::-1]
 
     def gradient_rate(self, c: PlanarBeamConfiguration, v: Array, out: Array) -> None:
-        D_b, H1_b, _, Q_b_rate = self._b_rows(c, v)
+        _, _, D_b, H1_b, Q_b_rate = self._b_rows(c, v)
         _, beta_rate = c.rates(v)
         out[0] = (c.Q_b[:, None] * H1_b + Q_b_rate[:, None] * D_b).sum(0)
         out[0] += chord.row(beta_rate * chord.normal(c.u))
@@ -206,9 +206,7 @@ class PlanarBeam(Family):
 
     def rate_gradient(self, c: PlanarBeamConfiguration, v: Array, out: Array) -> None:
         l_rate, beta_rate, H_beta, alpha_v, H_b = self._rates(c, v)
-        D_b, H1_b, _, Q_b_rate = self._b_rows(c, v)
-        alpha = self._alpha(c)
-        H1_beta = c.beta_gradient_rate(l_rate, beta_rate)
+        alpha, H1_beta, D_b, H1_b, Q_b_rate = self._b_rows(c, v)
         T_beta = c.beta_rate_gradient(l_rate, beta_rate)
         _, b1, b2, b3 = c.bend
         T_b = (b3 * alpha_v * alpha_v - b2 * H_beta)[:, None] * alpha

@@ -36,7 +36,7 @@ class Sliding:
         self.r, self.directors = r, np.stack([director_tensor(frame[:, i]) for i in range(3)])
 
     def strain(self, x: Array, branch: Array, e: Array, V: Array) -> PinState:
-        lam, d = _parts(x)
+        lam, d = parts_of(x)
         B = _einsum("aijk...,k...->aij...", self.directors, lam)
         U = _einsum("aij...,j...->ai...", B, 0.5 * lam)
         np.subtract(_einsum("ai...,i...->a...", U, d), self.r, out=e)
@@ -44,19 +44,19 @@ class Sliding:
         return PinState(self.directors, d, B)
 
     def convective_strain(self, c: PinState, v: Array, out: Array) -> None:
-        lam1, d1 = _parts(v)
+        lam1, d1 = parts_of(v)
         B1 = _einsum("aijk...,k...->aij...", c.K, lam1)
         U1, U2 = (_einsum("aij...,j...->ai...", of, lam1) for of in (c.B, B1))
         out[...] = _einsum("ai...,i...->a...", U1, 2.0 * d1) + _einsum("ai...,i...->a...", U2, c.d)
 
     def gradient_rate(self, c: PinState, v: Array, out: Array) -> None:
-        lam1, d1 = _parts(v)
+        lam1, d1 = parts_of(v)
         B1 = _einsum("aijk...,k...->aij...", c.K, lam1)
         by_lam = _einsum("aij...,i...->aj...", c.B, d1) + _einsum("aij...,i...->aj...", B1, c.d)
         _put(out, _einsum("aij...,j...->ai...", c.B, lam1), by_lam)
 
     def rate_gradient(self, c: PinState, v: Array, out: Array) -> None:
-        lam1, d1 = _parts(v)
+        lam1, d1 = parts_of(v)
         B1 = _einsum("aijk...,k...->aij...", c.K, lam1)
         _put(out, _einsum("aij...,j...->ai...", B1, lam1), _einsum("aij...,i...->aj...", B1, 2.0 * d1))
 
@@ -64,13 +64,18 @@ class Sliding:
         mixed = _einsum("a...,aij...->ij...", sigma, c.B)
         K = _einsum("a...,aijk...->ijk...", sigma, c.K)
         out[3:7, 3:7] = _einsum("i...,ijk...->jk...", c.d, K)
-        out[7:, 3:7] = mixed
-        out[:3, 3:7] = -mixed
-        out[3:7, 7:] = mixed.swapaxes(0, 1)
-        out[3:7, :3] = -mixed.swapaxes(0, 1)
+        put_mixed(mixed, out)
 
 
-def _parts(x: Array) -> tuple[Array, Array]:
+def put_mixed(mixed: Array, out: Array) -> None:
+    """Write the block (3, 4, n) of a symmetric matrix by x_q (minus: x_p) and lambda, and its transpose."""
+    out[7:, 3:7] = mixed
+    out[:3, 3:7] = -mixed
+    out[3:7, 7:] = mixed.swapaxes(0, 1)
+    out[3:7, :3] = -mixed.swapaxes(0, 1)
+
+
+def parts_of(x: Array) -> tuple[Array, Array]:
     """lambda_p (4, n) and x_q - x_p (3, n)."""
     return x[3:7], x[7:] - x[:3]
 

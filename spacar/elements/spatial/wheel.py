@@ -20,6 +20,7 @@ from spacar.arrays import Array
 from spacar.elements.family import ElementGroup, Family, GeometryError, Trouble
 from spacar.elements.rotations.local_frames import rows, unit
 from spacar.elements.rotations.rotation import cross, director_tensor, global_matrix, identity
+from spacar.elements.spatial.pinbody import parts_of, put_mixed
 
 _einsum = np.einsum
 UP = np.array([0.0, 0.0, 1.0])
@@ -77,7 +78,7 @@ def _down(B: Array, w: Array) -> Array:
 
 def wheel_state(K: Array, rho: Array, x: Array) -> WheelState:
     """State at x (10, n)."""
-    lam, d = x[3:7], x[7:] - x[:3]
+    lam, d = parts_of(x)
     B = _einsum("ijk...,k...->ij...", K, lam)
     a = _einsum("ij...,j...->i...", B, 0.5 * lam)
     r = d.copy()
@@ -88,7 +89,7 @@ def wheel_state(K: Array, rho: Array, x: Array) -> WheelState:
 
 def wheel_rates(c: WheelState, v: Array) -> WheelRates:
     """Rates for v (10, n)."""
-    lam, d = v[3:7], v[7:] - v[:3]
+    lam, d = parts_of(v)
     B = _einsum("ijk...,k...->ij...", c.K, lam)
     a = _einsum("ij...,j...->i...", c.B, lam)
     n = c.r / c.l
@@ -102,7 +103,7 @@ def slip_hessian(c: WheelState) -> Array:
     """H[e, i, j] = dW_e,i/dx_j of the two slips, (2, 10, 10, n); not symmetric in i, j."""
     at, y = _along_coordinates(c)
     a, r, t, s, d, G, rho, B = at.a, at.r, at.t, at.s, at.d, at.G, at.rho, at.B
-    yd, ylam = y[7:] - y[:3], y[3:7]
+    ylam, yd = parts_of(y)
     da = _einsum("ij...,j...->i...", B, ylam)
     dt = cross(yd, a) + cross(r, da)
     ds = around(dt)
@@ -119,7 +120,7 @@ def slip_rate_gradient(c: WheelState, k: WheelRates) -> Array:
     """Gradient of the slip accelerations at zero accelerations, (2, 10, n)."""
     at, y = _along_coordinates(c)
     k = WheelRates(*_spread(k, c.l.ndim))
-    yd, ylam = y[7:] - y[:3], y[3:7]
+    ylam, yd = parts_of(y)
     da = _einsum("ij...,j...->i...", at.B, ylam)
     dt = cross(yd, at.a) + cross(at.r, da)
     dt1 = cross(k.d, da) + cross(yd, k.a) + cross(at.r, _einsum("ij...,j...->i...", k.B, ylam))
@@ -244,10 +245,7 @@ class _Wheel(Family):
         mixed = sigma[1] * c.B - sigma[3] * around(c.B)  # d-lambda block of modes 2 and 4
         out[:3, :3] = out[7:, 7:] = P
         out[:3, 7:] = out[7:, :3] = -P
-        out[7:, 3:7] = mixed
-        out[:3, 3:7] = -mixed
-        out[3:7, 7:] = mixed.swapaxes(0, 1)
-        out[3:7, :3] = -mixed.swapaxes(0, 1)
+        put_mixed(mixed, out)
         out[3:7, 3:7] = _einsum("i...,ijk...->jk...", sigma[1] * c.r + sigma[3] * around(c.r), c.K)
         out += _einsum("e...,eij...->ij...", sigma[4:], slip_hessian(c))
 
