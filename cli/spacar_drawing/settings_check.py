@@ -8,10 +8,10 @@ from collections.abc import Collection, Iterator, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 
-from spacar.deck import Deck
+from spacar.deck import ELEMENT_TYPES, Deck
 from spacar.deck.lexer import integer_of, number_of, scan, split_lines
+from spacar.deck.rewrite.references import NODE, named
 from spacar.errors import Message
-from spacar.mechanism.element_rows import element_list
 from spacar_drawing.settings import DIMENSIONS, KINDS, RULES, Rule, setting_of, words_of
 
 
@@ -42,8 +42,8 @@ def check_settings(source: Path, deck: Deck | None, text: str | None = None) -> 
 def _numbers(deck: Deck | None) -> tuple[Collection[int] | None, Collection[int] | None]:
     if deck is None:
         return None, None
-    found = element_list(deck)
-    return {n for n, _, _ in found}, {n for _, _, nodes in found for n in nodes}
+    found = deck.of(*ELEMENT_TYPES, block=1)
+    return {s.integer(0) for s in found}, {n for s in found for n in named(s, NODE)}
 
 
 def _problems(

@@ -241,8 +241,8 @@ class _Reader:
     def in_range(self, statement: Statement, i: int, what: str, which: int) -> bool:
         number, outline = statement.integer(i), self.outline
         if what == "element":
-            most, noun = outline.modes(which), "mode"
-            whose = f"element {which} ({outline.types[which].keyword})"
+            kind = outline.types[which]
+            most, noun, whose = len(kind.modes), "mode", f"element {which} ({kind.keyword})"
         else:
             most, noun = outline.coordinates(which), "coordinate"
             whose = f"{outline.roles[which]} node {which}"

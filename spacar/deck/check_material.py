@@ -12,7 +12,7 @@ from spacar import modes
 from spacar.deck.findings import Findings, alternatives
 from spacar.deck.keyword_table import KEYWORDS, keyword_of, kind_of
 from spacar.deck.outline import Outline
-from spacar.deck.statement import Statement, StatementIndex
+from spacar.deck.statement import Statement, StatementIndex, again
 from spacar.deck.table_types import ELEMENT_CLASSES, NODE_CLASSES, BlockKind, Keyword, Purpose, facts
 
 Classes = dict[tuple[int, int], tuple[str, Sequence[Statement], int]]
@@ -72,14 +72,10 @@ def check_once(scene: CheckMaterial, block: int) -> None:
         groups = scene.index.groups_of(name, block=block)
         if len(groups) == 1 and groups[0].distinct(count):
             continue
-        given: dict[tuple[object, ...], Statement] = {}
-        for s in chain.from_iterable(groups):
-            first = given.setdefault(s.values[:count], s)
-            if first is not s:
-                what = " ".join(str(v) for v in s.values[1:count]) if count > 0 else ""
-                about = f"for {what} " if what else ""
-                text = f"already given {about}at line {first.line}; give it once"
-                scene.findings.error(s, None, text, "repeated")
+        for s, first in again((s.values[:count], s) for s in chain.from_iterable(groups)):
+            what = " ".join(str(v) for v in s.values[1:count]) if count > 0 else ""
+            about = f"for {what} " if what else ""
+            scene.findings.error(s, None, f"already given {about}at line {first.line}; give it once", "repeated")
 
 
 def check_classes(scene: CheckMaterial, block: int) -> None:

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 from spacar.deck.check_material import CheckMaterial, check_ranges
 from spacar.deck.checks_dynamics import check_tensor
-from spacar.deck.statement import Statement
+from spacar.deck.statement import Statement, again
 from spacar.deck.table_io import NO_TRAJECTORY, PATHS, TRAJECTORIES
 
 MOST_PATHS = 6
@@ -110,18 +110,18 @@ def _check_values(scene: CheckMaterial, s: Statement) -> None:
 
 
 def _check_repeated(scene: CheckMaterial, t: _Trajectory) -> None:
-    given: dict[tuple[object, ...], Statement] = {}
-    for s in t.statements:
-        if s.keyword in ("TRTIME", "USERTRAJ"):
-            key: tuple[object, ...] = (s.keyword,)
-        elif s.keyword in PATHS:
-            key = ("path of element" if s.keyword == "TRE" else "path of node", s.values[0])
-        else:
-            key = (s.keyword, s.values[0])
-        first = given.setdefault(key, s)
-        if first is not s:
-            text = f"already given in this trajectory by {first.keyword} at line {first.line}"
-            scene.findings.error(s, None, text, "repeated")
+    for s, first in again((_states(s), s) for s in t.statements):
+        text = f"already given in this trajectory by {first.keyword} at line {first.line}"
+        scene.findings.error(s, None, text, "repeated")
+
+
+def _states(s: Statement) -> tuple[object, ...]:
+    """What may be stated once in a trajectory."""
+    if s.keyword in ("TRTIME", "USERTRAJ"):
+        return (s.keyword,)
+    if s.keyword in PATHS:
+        return "path of element" if s.keyword == "TRE" else "path of node", s.values[0]
+    return s.keyword, s.values[0]
 
 
 def _check_path(scene: CheckMaterial, s: Statement) -> None:

@@ -48,10 +48,6 @@ class Outline:
         """Number of coordinates of a node that exists."""
         return coordinates_of(self.roles[node], self.space == "planar")
 
-    def modes(self, element: int) -> int:
-        """Number of deformation modes of an element that exists."""
-        return len(self.types[element].modes)
-
     def classed(self, element: int) -> tuple[int, ...]:
         """Modes of an element that exists to which a statement without mode numbers gives a class."""
         return self.types[element].classed if element in self.types else ()

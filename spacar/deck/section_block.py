@@ -21,7 +21,7 @@ from spacar.deck.findings import Findings, alternatives, nearest
 from spacar.deck.outline import Outline
 from spacar.deck.rewrite.divide import PAIRS, divided, obstacles, stiffness_modes
 from spacar.deck.rewrite.references import made
-from spacar.deck.statement import Statement, StatementGroup
+from spacar.deck.statement import Statement, StatementGroup, again
 from spacar.deck.table_elements import ELEMENT_TYPES
 from spacar.deck.table_kinematics import WORDS
 
@@ -128,12 +128,8 @@ def _materials(statements: Sequence[Statement], findings: Findings) -> dict[str,
 
 def _once(statements: Sequence[Statement], findings: Findings) -> None:
     """The same name, element or unit again is an error."""
-    given: dict[str, Statement] = {}
-    for s in statements:
-        key = "" if s.keyword == "UNITS" else str(s.values[0]).casefold()
-        first = given.setdefault(key, s)
-        if first is not s:
-            findings.error(s, 0, f"already given at line {first.line}; give it once", "repeated")
+    for s, first in again(("" if s.keyword == "UNITS" else str(s.values[0]).casefold(), s) for s in statements):
+        findings.error(s, 0, f"already given at line {first.line}; give it once", "repeated")
 
 
 def _use(

@@ -140,6 +140,15 @@ def in_file_order(statements: Iterable[Statement]) -> list[Statement]:
     return sorted(statements, key=attrgetter("line"))
 
 
+def again(keyed: Iterable[tuple[object, Statement]]) -> Iterator[tuple[Statement, Statement]]:
+    """Of statements with keys those whose key an earlier one has, each with the first that has it."""
+    given: dict[object, Statement] = {}
+    for key, s in keyed:
+        first = given.setdefault(key, s)
+        if first is not s:
+            yield s, first
+
+
 class StatementIndex:
     """The statements of a deck as groups, and where those of each keyword are.
 

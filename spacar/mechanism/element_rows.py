@@ -46,14 +46,6 @@ def element_rows(deck: Deck) -> list[ElementRows]:
 _place = {keyword: k for k, keyword in enumerate(ELEMENT_TYPES)}.__getitem__
 
 
-def element_list(deck: Deck) -> list[tuple[int, str, tuple[int, ...]]]:
-    """(number, keyword, nodes) of every element statement, in file order."""
-    return [
-        (s.integer(0), s.keyword, s.integers(1)[: len(ELEMENT_TYPES[s.keyword].nodes)])
-        for s in deck.of(*ELEMENT_TYPES, block=1)
-    ]
-
-
 def _table(rows: Sequence[Sequence[Any]], kind: Any) -> Array:
     return np.fromiter(chain.from_iterable(rows), kind, len(rows) * len(rows[0])).reshape(len(rows), -1)
 

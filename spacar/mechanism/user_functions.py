@@ -338,8 +338,7 @@ class UserDrive:
     def at(self, t: float) -> DriveState:
         e_rows, x_rows = call(self.function, self.name, t, round(t / self.interval))
         base = self.base.at(t)
-        x = np.array([base.x, base.xd, base.xdd])
-        e = np.array([base.e, base.ed, base.edd])
+        x, e = np.array(base[:3]), np.array(base[3:])
         self._fill(x, "x", x_rows, t)
         before = e.copy() if self.divided else e
         named = self._fill(e, "e", e_rows, t)

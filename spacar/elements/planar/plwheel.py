@@ -50,14 +50,14 @@ class PlanarWheel(Family):
         return t
 
     def convective_strain(self, c: Array, v: Array, out: Array) -> None:
-        t0, t1 = c
-        out[0] = v[2] * (t0 * v[1] - t1 * v[0])
-        out[1] = -v[2] * (t0 * v[0] + t1 * v[1])
+        along, across = _components(c, v)
+        out[0] = v[2] * across
+        out[1] = -v[2] * along
 
     def gradient_rate(self, c: Array, v: Array, out: Array) -> None:
-        t0, t1 = c
-        out[0, 2] = t0 * v[1] - t1 * v[0]
-        out[1, 2] = -(t0 * v[0] + t1 * v[1])
+        along, across = _components(c, v)
+        out[0, 2] = across
+        out[1, 2] = -along
 
     def gradient_transport(self, c: Array, v: Array, out: Array) -> None:
         t0, t1 = c
@@ -65,11 +65,16 @@ class PlanarWheel(Family):
         out[1, 0], out[1, 1] = -t0 * v[2], -t1 * v[2]
 
     def rate_gradient(self, c: Array, v: Array, out: Array) -> None:
-        t0, t1 = c
-        out[0, 2] = -v[2] * (t0 * v[0] + t1 * v[1])
-        out[1, 2] = -v[2] * (t0 * v[1] - t1 * v[0])
+        along, across = _components(c, v)
+        out[0, 2] = -v[2] * along
+        out[1, 2] = -v[2] * across
 
     def geometric_stiffness(self, c: Array, sigma: Array, out: Array) -> None:
         t0, t1 = c
         out[0, 2] = -sigma[0] * t1 - sigma[1] * t0
         out[1, 2] = sigma[0] * t0 - sigma[1] * t1
+
+
+def _components(t: Array, v: Array) -> tuple[Array, Array]:
+    """Velocity of the centre along the heading and across it."""
+    return t[0] * v[0] + t[1] * v[1], t[0] * v[1] - t[1] * v[0]
