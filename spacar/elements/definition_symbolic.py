@@ -8,8 +8,6 @@ in which the kinetic energy is 1/2 y'^T C y' with a constant C, so that M = Y^T 
 Y = dy/dx.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

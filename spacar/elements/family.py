@@ -20,8 +20,6 @@ Duties of a family
    geometry, em, estiff, edamp with a direction, `spacar.deck.directed`): arrays of constants have their type.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, NamedTuple

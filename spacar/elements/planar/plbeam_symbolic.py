@@ -3,8 +3,6 @@
 Local coordinates z are the chord x_q - x_p and the directions of the ends.
 """
 
-from __future__ import annotations
-
 import sympy as sp
 
 from spacar.elements.definition_symbolic import LEFT, Definition, length

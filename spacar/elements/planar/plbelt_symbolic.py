@@ -1,7 +1,5 @@
 """PLBELT in SymPy."""
 
-from __future__ import annotations
-
 import sympy as sp
 
 from spacar.elements.definition_symbolic import LEFT, Definition, dot

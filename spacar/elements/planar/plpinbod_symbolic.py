@@ -1,7 +1,5 @@
 """PLPINBOD and PLRBEAM in SymPy (theory-planar.md section 5)."""
 
-from __future__ import annotations
-
 import sympy as sp
 
 from spacar.elements.definition_symbolic import Definition

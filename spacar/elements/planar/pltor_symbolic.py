@@ -1,7 +1,5 @@
 """PLTOR in SymPy."""
 
-from __future__ import annotations
-
 from spacar.elements.definition_symbolic import Definition
 
 

@@ -1,7 +1,5 @@
 """PLTRUSS in SymPy; TRUSS is the same in space."""
 
-from __future__ import annotations
-
 from spacar.elements.definition_symbolic import LEFT, Definition, length
 
 

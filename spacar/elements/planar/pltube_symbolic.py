@@ -1,7 +1,5 @@
 """PLTUBE in SymPy: the beam of `plbeam_symbolic` with a fluid (theory-planar.md section 8)."""
 
-from __future__ import annotations
-
 import sympy as sp
 
 from spacar.elements.definition_symbolic import Definition

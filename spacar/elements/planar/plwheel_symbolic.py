@@ -1,7 +1,5 @@
 """PLWHEEL in SymPy."""
 
-from __future__ import annotations
-
 import sympy as sp
 
 from spacar.elements.definition_symbolic import Definition, dot

@@ -1,7 +1,5 @@
 """Vectors and Euler parameters in SymPy, for the definitions of spatial elements (theory-spatial.md section 1)."""
 
-from __future__ import annotations
-
 import sympy as sp
 
 FRAME = tuple(f"{axis}{k}" for axis in ("fx", "fy", "fz") for k in range(3))  # start frame at p

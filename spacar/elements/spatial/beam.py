@@ -6,8 +6,6 @@ in the local x'z' plane at p, q and in the x'y' plane at p, q, all in m. The def
 stiffness and the limits of the theory.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 

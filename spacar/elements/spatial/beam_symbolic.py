@@ -4,8 +4,6 @@ Local coordinates z = (x_q - x_p, lambda_p, lambda_q, lambda_q o r), where r tur
 of beams, whose frames are the same, it is exactly one.
 """
 
-from __future__ import annotations
-
 import math
 
 import sympy as sp

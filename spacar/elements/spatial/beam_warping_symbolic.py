@@ -1,7 +1,5 @@
 """BEAMW in SymPy (theory-warping.md section 3; its angle measure in theory-beam-order4.md section 2.8)."""
 
-from __future__ import annotations
-
 import sympy as sp
 
 from spacar.elements.definition_symbolic import Definition, length

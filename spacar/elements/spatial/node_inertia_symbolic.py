@@ -1,7 +1,5 @@
 """Normalization and rotary inertia of spatial orientation nodes in SymPy (theory-spatial.md section 1)."""
 
-from __future__ import annotations
-
 import sympy as sp
 
 from spacar.elements.definition_symbolic import Definition, dot

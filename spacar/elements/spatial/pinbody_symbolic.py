@@ -1,7 +1,5 @@
 """PINBODY and RBEAM in SymPy (theory-spatial.md section 6)."""
 
-from __future__ import annotations
-
 from spacar.elements.definition_symbolic import Definition, dot
 from spacar.elements.rotations.rotation_symbolic import FRAME, frame, rotated
 

@@ -1,7 +1,5 @@
 """SCREW in SymPy (theory-spatial.md section 7)."""
 
-from __future__ import annotations
-
 import sympy as sp
 
 from spacar.elements.definition_symbolic import Definition

@@ -1,7 +1,5 @@
 """TRUSS in SymPy: as the planar one."""
 
-from __future__ import annotations
-
 from spacar.elements.definition_symbolic import Definition
 from spacar.elements.planar.pltruss_symbolic import truss_guard, truss_strain
 

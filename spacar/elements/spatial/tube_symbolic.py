@@ -1,7 +1,5 @@
 """TUBE in SymPy: the beam of `beam_symbolic` with a fluid (theory-spatial.md section 10)."""
 
-from __future__ import annotations
-
 from spacar.elements.definition_symbolic import Definition
 from spacar.elements.planar.pltube_symbolic import FLOW, flow_matrices
 from spacar.elements.spatial.beam_symbolic import (

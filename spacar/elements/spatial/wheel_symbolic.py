@@ -1,7 +1,5 @@
 """WHEEL and TWHEEL in SymPy (theory-spatial.md section 8)."""
 
-from __future__ import annotations
-
 import sympy as sp
 
 from spacar.elements.definition_symbolic import LEFT, Definition, dot, length
