@@ -32,7 +32,7 @@ from spacar.integrators.radau import Radau
 from spacar.kinematics.constraint_condition import of_entries
 from spacar.kinematics.kinematics import CONVERGED, LARGEST_JUMP
 from spacar.kinematics.regularity import PositionMatrix
-from spacar.linear_systems import is_dense
+from spacar.linear_systems import DENSE_LIMIT
 from spacar.mechanism.mechanism import Drive, Loads, Mechanism
 
 Result = TypeVar("Result")
@@ -47,7 +47,7 @@ class CompiledPositionMatrix(PositionMatrix):
     def __init__(self, evaluator: CompiledDynamics) -> None:
         mechanism = evaluator.model.mechanism
         n = mechanism.numbering.e_class["dynamic"].stop
-        super().__init__(mechanism, lambda: evaluator.general.kinematics, is_dense(n))
+        super().__init__(mechanism, lambda: evaluator.general.kinematics, n <= DENSE_LIMIT)
         self.evaluator = evaluator
 
     def determinant(self) -> tuple[float, float]:

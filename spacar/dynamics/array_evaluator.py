@@ -23,7 +23,7 @@ from spacar.dynamics.saddle_point import SaddlePoint
 from spacar.frame import Frame
 from spacar.kinematics.constraint_condition import condition_number
 from spacar.kinematics.regularity import PositionMatrix
-from spacar.linear_systems import is_dense
+from spacar.linear_systems import DENSE_LIMIT
 from spacar.mechanism.mechanism import Drive, Loads, Mechanism
 from spacar.mechanism.numbering import Numbering
 
@@ -154,7 +154,7 @@ class Dynamics(EquationsOfMotion):
 
     def position_matrix(self) -> PositionMatrix:
         n = self.numbering.e_class["dynamic"].stop
-        dense = self.kind == "dense" or (self.kind is None and is_dense(n))
+        dense = self.kind == "dense" or (self.kind is None and n <= DENSE_LIMIT)
         return PositionMatrix(self.mechanism, lambda: self.kinematics, dense)
 
     def in_range(self) -> bool:

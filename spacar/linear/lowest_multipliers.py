@@ -34,7 +34,7 @@ from spacar.linear.lowest import (
 )
 from spacar.linear.subspace import NOTHING, SUFFICIENT, Operator, RefinedOperator, dominant, real_vectors
 from spacar.linear_systems import SingularMatrixError
-from spacar.linear_systems.linear_system import zero_matrix
+from spacar.linear_systems.linear_system import compressed, zero_matrix
 from spacar.linearization.coefficients import Coefficients
 from spacar.linearization.sparse_linearization import SparseLinearization
 from spacar.stationary.stationary_equations import require_digits
@@ -145,8 +145,6 @@ def lowest_extra_load(
     s1 (ne,) the stresses that it adds; moments: rows, columns, values of the gradient df/dx of its moments
     Unknowns inside elements that have a rigid deformation are left out. Raises SingularMatrixError at a critical state.
     """
-    from scipy.sparse import coo_array
-
     sigma = tangent.sigma
     system = tangent.factor(STATIC)
     present, added = _Unknowns(tangent, sigma, s1, True), _Unknowns(tangent, s1, sigma, True)
@@ -155,7 +153,7 @@ def lowest_extra_load(
     tangent.sigma = sigma
     rows, columns, values = moments
     values = values * ((tangent.place[rows] >= 0) & (tangent.place[columns] >= 0))
-    loading = added.bordered(G - coo_array((values, (rows, columns)), G.shape).tocsr())
+    loading = added.bordered(G - compressed(rows, columns, values, G.shape))
     c, turned = present.coupling, present.coupling.T.tocsr()
 
     def solve(force: Array, refined: bool = False) -> Array:
@@ -205,11 +203,9 @@ class _Unknowns:
 
 def _columns(tangent: SparseTangent, rows: Index, values: Array) -> Any:
     """(nx, m) with a column for every element, rows F only."""
-    from scipy.sparse import coo_array
-
     columns = np.broadcast_to(np.arange(rows.shape[1]), rows.shape)
     keep = tangent.place[rows] >= 0
-    return coo_array((values[keep], (rows[keep], columns[keep])), (len(tangent.place), rows.shape[1])).tocsr()
+    return compressed(rows[keep], columns[keep], values[keep], (len(tangent.place), rows.shape[1]))
 
 
 def _modes(

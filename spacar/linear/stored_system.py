@@ -35,6 +35,7 @@ from spacar.linear import form
 from spacar.linear.eigen import Modes
 from spacar.linear.lowest import lowest_modes
 from spacar.linear.state_space import state_space
+from spacar.linear_systems.linear_system import rows_of
 from spacar.linearization.coefficients import coefficients
 from spacar.linearization.descriptor import DescriptorSystem
 from spacar.linearization.matrices import Linearization, chosen_rows
@@ -203,4 +204,4 @@ def sparse_matrices(tangent: SparseTangent) -> dict[str, Array]:
 
 def _table(A: Any) -> Array:
     """Row, column and value of a matrix in compressed columns."""
-    return np.column_stack((A.indices + 1.0, np.repeat(np.arange(1.0, A.shape[1] + 1.0), np.diff(A.indptr)), A.data))
+    return np.column_stack((A.indices + 1.0, rows_of(A) + 1.0, A.data))

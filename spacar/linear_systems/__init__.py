@@ -13,17 +13,12 @@ from numpy.typing import NDArray
 
 from spacar.linear_systems.linear_system import DenseSystem, LinearSystem, SingularMatrixError
 
-__all__ = ["DENSE_LIMIT", "LinearSystem", "SingularMatrixError", "assemble", "is_dense"]
+__all__ = ["DENSE_LIMIT", "LinearSystem", "SingularMatrixError", "assemble"]
 
 DENSE_LIMIT = 60  # unknowns; below, NumPy's dense solver is faster than any ordering
 # Nanoseconds of a factorization and fifty solutions: n h (BAND[0] + BAND[1] h) of n unknowns with a band of h
 # diagonals; of the other forms these and those of every unknown
 BAND, SPARSE, CONDENSED = (43.0, 8e-3), (0.0, 4380.0), (8e6, 7500.0)
-
-
-def is_dense(n: int) -> bool:
-    """Whether a system of n unknowns is stored dense, unless another storage is forced."""
-    return n <= DENSE_LIMIT
 
 
 def widest_band(n: int, mixed: bool) -> float:
@@ -40,17 +35,16 @@ def assemble(
 
     nf   the matrix has the mixed form of `spacar.linear_systems.condensed`, and so many unknowns x
     """
-    if kind == "dense" or (kind is None and is_dense(n)):
+    if kind == "dense" or (kind is None and n <= DENSE_LIMIT):
         return DenseSystem(n, rows, columns)
     from spacar.linear_systems.banded import BandedSystem
-    from spacar.linear_systems.ordering import bandwidths, order
     from spacar.linear_systems.sparse import SparseSystem
 
     if kind in (None, "banded"):
-        row_rank, column_rank = order(n, rows, columns)
-        lower, upper = bandwidths(row_rank[rows], column_rank[columns])
-        if kind == "banded" or 2 * lower + upper + 1 < widest_band(n, nf is not None):
-            return BandedSystem(n, row_rank, column_rank, rows, columns, lower, upper)
+        banded = BandedSystem(n, rows, columns)
+        if kind == "banded" or banded.height < widest_band(n, nf is not None):
+            return banded
+        del banded  # its places take memory
     if kind == "sparse" or nf is None:
         return SparseSystem(n, rows, columns)
     from spacar.linear_systems.condensed import CondensedSystem

@@ -6,7 +6,8 @@ import numpy as np
 from scipy.linalg.lapack import dgbtrf, dgbtrs
 
 from spacar.arrays import Array, Index
-from spacar.linear_systems.linear_system import SingularMatrixError, parity
+from spacar.linear_systems.linear_system import SingularMatrixError, compressed, parity
+from spacar.linear_systems.ordering import bandwidths, order
 
 
 class BandedSystem:
@@ -14,18 +15,15 @@ class BandedSystem:
 
     kind = "banded"
 
-    def __init__(
-        self, n: int, row_rank: Index, column_rank: Index, rows: Index, columns: Index, lower: int, upper: int
-    ) -> None:
-        self.n, self.lower, self.upper = n, lower, upper
-        self.height = 2 * lower + upper + 1
-        self.rows, self.columns, self.entries = rows, columns, np.zeros(0)
+    def __init__(self, n: int, rows: Index, columns: Index) -> None:
+        self.n, self.rows, self.columns, self.entries = n, rows, columns, np.zeros(0)
         self._A: Any = None  # of the last entries, when it is asked for
-        i, j = row_rank[rows], column_rank[columns]
+        self.row_rank, self.column_rank = order(n, rows, columns)
+        i, j = self.row_rank[rows], self.column_rank[columns]
+        self.lower, self.upper = lower, upper = bandwidths(i, j)
+        self.height = 2 * lower + upper + 1
         self.flat = j * self.height + (lower + upper + i - j)  # Fortran order of the (height, n) band array
-        self.row_order = np.argsort(row_rank)
-        self.column_order = np.argsort(column_rank)
-        self.row_rank, self.column_rank = row_rank, column_rank
+        self.row_order, self.column_order = np.argsort(self.row_rank), np.argsort(self.column_rank)
         self._parity = 0.0  # of both orders; 0: not needed yet
 
     def factor(self, entries: Array) -> None:
@@ -44,10 +42,8 @@ class BandedSystem:
         """`solve` with one step of refinement, b (n, k): errors of the factors, which grow with the square of the
         number of beams in a chain, become rounding of the entries (N. J. Higham, Accuracy and Stability of Numerical
         Algorithms, SIAM 2002, theorem 12.3)."""
-        from scipy.sparse import coo_array
-
         if self._A is None:
-            self._A = coo_array((self.entries, (self.rows, self.columns)), (self.n, self.n)).tocsr()
+            self._A = compressed(self.rows, self.columns, self.entries, (self.n, self.n))
         z = self.solve(b)
         return np.asarray(z + self.solve(b - self._A @ z))
 

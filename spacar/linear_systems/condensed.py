@@ -24,14 +24,14 @@ from functools import cached_property
 from typing import Any, cast
 
 import numpy as np
-from scipy.sparse import block_diag, coo_array, csc_matrix, csr_array
+from scipy.sparse import block_diag, csc_matrix, csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from spacar.arrays import EPS, Array, Index
-from spacar.linear_systems.linear_system import SingularMatrixError
+from spacar.linear_systems.linear_system import SingularMatrixError, compressed_sum, rows_of
 from spacar.linear_systems.sparse import SparseSystem
-from spacar.linear_systems.sparse_factors import SUFFICIENT, diagonal, refined
+from spacar.linear_systems.sparse_factors import SUFFICIENT, diagonal, narrow, refined
 
 LOCAL = 60  # unknowns of a group of constraints up to which it has a dense basis,
 LOCAL_MOTIONS, LARGEST = 24, 600  # and motions and unknowns of one that is a few rigid bodies
@@ -101,7 +101,7 @@ class CondensedSystem:
     def _split(self, V: Any, C: Any, K: Any) -> None:
         """Which rows are elastic, and which constraints, in groups that share unknowns, have a basis."""
         held = np.ones(len(V.indptr) - 1, bool)
-        held[_rows_of(C)[C.data != 0.0]] = False
+        held[rows_of(C)[C.data != 0.0]] = False
         elastic, given = np.flatnonzero(~held), np.flatnonzero(held)
         S, self._positive = _inverted(C[elastic][:, elastic])
         Vc = csr_array(V[given])
@@ -154,9 +154,9 @@ class CondensedSystem:
             first += k * (c - r)
         rest = np.flatnonzero(free)
         parts.append((rest, first + np.arange(len(rest)), np.ones(len(rest))))
-        self.N = _assembled(parts, (self.nf, first + len(rest)))
+        self.N = compressed_sum(parts, (self.nf, first + len(rest)))
         self._NT = csr_array(self.N.T)
-        self._G = _assembled(inverses, (self.nf, V.shape[0]))
+        self._G = compressed_sum(inverses, (self.nf, V.shape[0]))
 
     @cached_property
     def pivots(self) -> Array:
@@ -205,7 +205,7 @@ class CondensedSystem:
         from spacar.linear_systems.selected_inverse import selected_inverse
 
         pairs = csr_array(abs(self._NT) @ abs(self.N)) + abs(self.R)
-        rows, place = _rows_of(pairs), self.lu.perm_c
+        rows, place = rows_of(pairs), self.lu.perm_c
         Z = selected_inverse(self.lu.L, self.pivots, place[rows], place[pairs.indices])
         inverse = csr_array((Z, pairs.indices, pairs.indptr), pairs.shape)
         diagonal = np.asarray((csr_array(self.N @ inverse) * self.N).sum(axis=1)).ravel()
@@ -278,16 +278,11 @@ class CondensedSystem:
 
 def _factors(R: Any) -> Any:
     """Factors without exchanges. Raises RuntimeError where there are none."""
-    A = R.tocsc()
-    A = csc_matrix((A.data, A.indices.astype(np.int32), A.indptr.astype(np.int32)), A.shape)
+    A = narrow(csc_matrix, R.tocsc())
     lu = splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     if not np.array_equal(lu.perm_r, lu.perm_c):
         raise RuntimeError("rows were exchanged")
     return lu
-
-
-def _rows_of(A: Any) -> Index:
-    return np.repeat(np.arange(A.shape[0]), np.diff(A.indptr))
 
 
 def _inverted(C: Any) -> tuple[Any, int]:
@@ -302,7 +297,7 @@ def _inverted(C: Any) -> tuple[Any, int]:
         block = _blocks(csr_array(C), i, i)
         positive += int(np.count_nonzero(np.linalg.eigvalsh(block) > 0.0))
         parts.append(_places(i, i, np.linalg.inv(block)))
-    return _assembled(parts, (n, n)), positive
+    return compressed_sum(parts, (n, n)), positive
 
 
 def _blocks(A: Any, i: Index, j: Index) -> Array:
@@ -311,7 +306,7 @@ def _blocks(A: Any, i: Index, j: Index) -> Array:
     k, r, c = len(i), i.shape[1], j.shape[1]
     block, row, column = (np.full(A.shape[axis], -1) for axis in (0, 0, 1))
     block[i], row[i], column[j] = np.arange(k)[:, None], np.arange(r), np.arange(c)
-    rows = _rows_of(A)
+    rows = rows_of(A)
     part = np.flatnonzero(block[rows] >= 0)
     at = (block[rows[part]] * r + row[rows[part]]) * c + column[A.indices[part]]
     return np.bincount(at, A.data[part], k * r * c).reshape(k, r, c)
@@ -323,13 +318,6 @@ def _places(i: Index, j: Index, blocks: Array) -> tuple[Index, Index, Array]:
         np.broadcast_to(i[:, :, None], blocks.shape).ravel(), np.broadcast_to(j[:, None, :], blocks.shape).ravel(),
         blocks.ravel(),
     )  # fmt: skip
-
-
-def _assembled(parts: list[tuple[Index, Index, Array]], shape: tuple[int, int]) -> Any:
-    if not parts:
-        return csr_array(shape)
-    rows, columns, values = (np.concatenate(p) for p in zip(*parts, strict=True))
-    return coo_array((values, (rows, columns)), shape).tocsr()
 
 
 def _springs(Ve: Any, S: Any, Vp: Any, K: Any) -> Array:

@@ -5,6 +5,7 @@ when small, else compressed rows; both understand `A @ B`, `A.T @ B` and `B @ A`
 sum or a product with a dense array is dense.
 """
 
+from collections.abc import Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -93,9 +94,27 @@ def matrix(rows: Index, columns: Index, values: Array, shape: tuple[int, int]) -
         return zero_matrix(shape)
     if max(shape) <= DENSE_LIMIT:
         return np.bincount(rows * shape[1] + columns, values, shape[0] * shape[1]).reshape(shape)
+    return compressed(rows, columns, values, shape)
+
+
+def compressed(rows: Index, columns: Index, values: Array, shape: tuple[int, int]) -> Any:
+    """The same in compressed rows, whatever the size."""
     from scipy.sparse import coo_array
 
     return coo_array((values, (rows, columns)), shape).tocsr()
+
+
+def compressed_sum(parts: Sequence[tuple[Index, Index, Array]], shape: tuple[int, int]) -> Any:
+    """The same of several parts: rows, columns, values."""
+    if not parts:
+        parts = [(*np.zeros((2, 0), np.int64), np.zeros(0))]
+    rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return compressed(rows, columns, values, shape)
+
+
+def rows_of(A: Any) -> Index:
+    """The row of every entry of A in compressed rows, the column in compressed columns."""
+    return np.repeat(np.arange(len(A.indptr) - 1), np.diff(A.indptr))
 
 
 def zero_matrix(shape: tuple[int, int]) -> Matrix:

@@ -28,6 +28,7 @@ from scipy.sparse import coo_array
 
 from spacar.arrays import Array, Index
 from spacar.linear_systems.banded import BandedSystem
+from spacar.linear_systems.linear_system import rows_of
 
 
 def inverse_diagonal(system: BandedSystem, by: Callable[[BandedSystem], Array] | None = None) -> Array:
@@ -112,7 +113,7 @@ def _structure(n: int, L: Any, low: Index, high: Index) -> list[Index]:
     """Rows below the diagonal of every column of the factors: those of the matrix and, of each child in the elimination
     tree (whose first row is the column), the others. L may lack entries that happen to be zero."""
     row = np.concatenate((L.indices, low))
-    column = np.concatenate((np.repeat(np.arange(n), np.diff(L.indptr)), high))
+    column = np.concatenate((rows_of(L), high))
     off = row > column
     pattern = coo_array((np.ones(np.count_nonzero(off), np.int8), (row[off], column[off])), (n, n)).tocsc()
     row, ends = pattern.indices, pattern.indptr  # every place once, in order

@@ -18,6 +18,7 @@ from scipy.sparse.csgraph import connected_components, dijkstra, maximum_flow
 from scipy.sparse.linalg import splu
 
 from spacar.arrays import EPS, Array, Index
+from spacar.linear_systems.linear_system import compressed, rows_of
 
 EQUILIBRATIONS = 5  # passes
 ALIKE = 0.01  # of the terms of an equation that is substituted, both scaled
@@ -69,13 +70,13 @@ class SparseFactors:
         self._sizes = abs(A)
         rows, child, parent, pivot, other = _substitutions(A)
         follows = np.flatnonzero(parent < n)
-        power = _csr(-(other / pivot)[follows], child[follows], parent[follows], n)
-        S = _csr(np.ones(n), np.arange(n), np.arange(n), n) + power
+        power = compressed(child[follows], parent[follows], -(other / pivot)[follows], A.shape)
+        S = diagonal(np.ones(n)) + power
         power = power @ power
         while power.nnz:
             S = S + power @ S
             power = power @ power
-        self._SB = S @ _csr(1.0 / pivot, child, rows, n)
+        self._SB = S @ compressed(child, rows, 1.0 / pivot, A.shape)
         roots, kept = (np.setdiff1d(np.arange(n), found) for found in (child, rows))
         T, rest = csr_array(S[:, roots]), A[kept]
         R = csr_array(rest @ T)
@@ -101,10 +102,8 @@ class SparseFactors:
         return np.asarray(self._column_scale * y)
 
     def _factor(self, form: dict[str, Any]) -> None:
-        self._form, R = form, self._R
-        # old versions of SciPy (1.11) factor matrices with indices of 32 bits only
-        R = csc_matrix((R.data, R.indices.astype(np.int32), R.indptr.astype(np.int32)), R.shape)
-        self._lu = splu(R, **form)
+        self._form = form
+        self._lu = splu(narrow(csc_matrix, self._R), **form)
 
     def _direct(self, b: Array) -> Array:
         y = self._SB @ b
@@ -117,21 +116,21 @@ def diagonal(values: Array) -> Any:
     return csr_array((values, np.arange(n), np.arange(n + 1)), (n, n))
 
 
-def _csr(values: Array, rows: Index, columns: Index, n: int) -> Any:
-    return coo_array((values, (rows, columns)), (n, n)).tocsr()
+def narrow(kind: type, A: Any) -> Any:
+    """A as csr_matrix or csc_matrix with indices of 32 bits: old versions of SciPy (1.11) factor matrices with such
+    indices only, and ask for them in graphs."""
+    return kind((A.data, A.indices.astype(np.int32), A.indptr.astype(np.int32)), A.shape)
 
 
 def _graph(values: Array, tail: Index, head: Index, n: int) -> Any:
-    """With indices of 32 bits, which SciPy 1.11 asks for."""
-    A = _csr(values, tail, head, n)
-    return csr_matrix((A.data, A.indices.astype(np.int32), A.indptr.astype(np.int32)), A.shape)
+    return narrow(csr_matrix, compressed(tail, head, values, (n, n)))
 
 
 def _diagonal(R: Any, rows: Index, columns: Index) -> Index:
     """The rows of R (m, m) in an order that leaves no zero on the diagonal: as many as possible stay where their number
     in `rows` is that of the column in `columns`. Raises RuntimeError where there is none."""
     m = R.shape[0]
-    row = np.repeat(np.arange(m), np.diff(R.indptr))
+    row = rows_of(R)
     own = rows[row] == columns[R.indices]
     order = np.full(m, -1)
     order[R.indices[own]] = row[own]
@@ -152,7 +151,7 @@ def _matched(R: Any) -> tuple[Index, Index]:
     source to the rows, along entries to columns, and to a sink. (maximum_bipartite_matching of SciPy may take ages.)"""
     m = R.shape[0]
     every = np.arange(m)
-    tail = np.concatenate((np.full(m, 2 * m), np.repeat(every, np.diff(R.indptr)), m + every))
+    tail = np.concatenate((np.full(m, 2 * m), rows_of(R), m + every))
     head = np.concatenate((every, m + R.indices, np.full(m, 2 * m + 1)))
     graph = _graph(np.ones(len(tail), np.int32), tail, head, 2 * m + 2)
     found = coo_array(maximum_flow(graph, 2 * m, 2 * m + 1).flow)
@@ -163,7 +162,7 @@ def _matched(R: Any) -> tuple[Index, Index]:
 def _equilibration(A: Any) -> tuple[Array, Array]:
     """Factors of rows and columns, powers of two, so that what cancels still does."""
     n = A.shape[0]
-    row, size = np.repeat(np.arange(n), np.diff(A.indptr)), np.abs(A.data)
+    row, size = rows_of(A), np.abs(A.data)
     factors = np.ones(n), np.ones(n)
     for _ in range(EQUILIBRATIONS):
         now = size * factors[0][row] * factors[1][A.indices]

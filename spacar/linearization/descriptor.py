@@ -19,6 +19,7 @@ import numpy as np
 
 from spacar.arrays import EPS, Array
 from spacar.errors import AnalysisError, UsageError
+from spacar.linear_systems.linear_system import compressed
 
 COLUMNS = 128  # right-hand sides at once
 PROBES = 3  # of random signs: the chance that all three miss what rounding does
@@ -42,8 +43,6 @@ class DescriptorSystem:
     @classmethod
     def of_entries(cls, entries: dict[str, Array], n_states: int, n_inputs: int, n_outputs: int) -> DescriptorSystem:
         """From (entries, 3) tables of row, column (from 1) and value, as files hold them. Raises ValueError."""
-        from scipy.sparse import coo_array
-
         n = int(entries["A"][:, :2].max(initial=0.0))
         if n < n_states:
             raise ValueError(f"{n} rows for {n_states} states")
@@ -51,7 +50,7 @@ class DescriptorSystem:
         found = {}
         for name, shape in shapes.items():
             i, j, value = entries[name].T if name in entries else np.zeros((3, 0))
-            found[name] = coo_array((value, (i.astype(np.int64) - 1, j.astype(np.int64) - 1)), shape).tocsr()
+            found[name] = compressed(i.astype(np.int64) - 1, j.astype(np.int64) - 1, value, shape)
         return cls(found["A"], found["B"], found["C"], n_states)
 
     def entries(self) -> dict[str, Array]:

@@ -22,10 +22,30 @@ from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import StressLaw
 from spacar.errors import AnalysisError
+from spacar.linear_systems.linear_system import compressed_sum, rows_of
 from spacar.linearization.coefficients import Coefficients, structure
 from spacar.linearization.descriptor import DescriptorSystem
 from spacar.linearization.signals import DRIVING_SIGN, ORDER, Signal
 from spacar.mechanism.numbering import Numbering, places_in
+
+Term = tuple[Any, int]  # a matrix, and the first column of the system at which it stands
+
+
+class Entries(list[tuple[Index, Index, Array]]):
+    """Rows, columns and values of the parts of a sum; entries that happen to be zero stay in it."""
+
+    def ones(self, rows: Index, columns: Index, value: float = 1.0) -> None:
+        self.append((rows, columns, np.full(len(rows), value)))
+
+    def add(self, row: Index, factor: float, *terms: Term) -> None:
+        """factor x the matrices of the terms, their row i in row[i] (none where that is -1)."""
+        from scipy.sparse import coo_array
+
+        for matrix, first in terms:
+            found = coo_array(matrix)
+            rows = row[found.row]
+            keep = np.flatnonzero(rows >= 0)
+            self.append((rows[keep], first + found.col[keep].astype(np.int64), factor * found.data[keep]))
 
 
 class _Places:
@@ -40,7 +60,7 @@ class _Places:
         xs, es = n.x_class, n.e_class
         self.given_x = np.r_[0 : xs["fixed"].stop, xs["input"].start : xs["input"].stop]
         self.moving_x = np.setdiff1d(np.arange(nx), self.given_x)
-        self.given_e = np.arange(es["input"].stop)
+        self.given_e, self.active = np.arange(es["input"].stop), np.arange(es["input"].stop, ne)
         # in the order of the state; behind its columns, rates of the dynamic ones
         parts = xs["dynamic"], es["dynamic"], xs["kinematic"], es["kinematic"]
         self.dynamic_x, self.dynamic_e, self.kinematic_x, self.kinematic_e = (np.arange(p.start, p.stop) for p in parts)
@@ -90,31 +110,26 @@ class SparseLinearization:
         rows, back = places_in(n.nx, p.moving_x, p.a + p.moving_x), c.V.T @ c.deformation_inertia
         stiffness = c.inertia_x + c.geometric + c.load_x + c.user_x + back @ c.second_x
         damping, mass = c.inertia_v + c.user_v + back @ c.second_v, c.M + back @ c.V
-        for matrix, first in ((mass, p.a), (damping, p.v), (stiffness, p.x), (c.V.T, p.s)):
-            entries.add(matrix, rows, first, -1.0)
+        entries.add(rows, -1.0, (mass, p.a), (damping, p.v), (stiffness, p.x), (c.V.T, p.s))
         # positions and velocities
-        entries.add(c.V, self.position_row, p.x, -1.0)
-        entries.add(c.V, self.velocity_row, p.v, -1.0)
-        entries.add(c.rate_x, self.velocity_row, p.x, -1.0)
+        rate, second = self._rates(c)
+        entries.add(self.position_row, -1.0, (c.V, p.x))
+        entries.add(self.velocity_row, -1.0, *rate)
         # stresses: accelerations of the given deformations, the law of the others
-        rows = places_in(n.ne, p.given_e, p.s + p.given_e)
-        second = ((c.V, p.a), (c.second_v, p.v), (c.second_x, p.x))
-        for matrix, first in second:
-            entries.add(matrix, rows, first, -1.0)
-        active = np.arange(len(p.given_e), n.ne)
-        rows = places_in(n.ne, active, p.s + active)
-        entries.add(c.S @ c.V + c.Sd @ c.rate_x + c.stress_x, rows, p.x, 1.0)
-        entries.add(c.Sd @ c.V + c.stress_v, rows, p.v, 1.0)
+        entries.add(places_in(n.ne, p.given_e, p.s + p.given_e), -1.0, *second)
+        law_x, law_v = c.S @ c.V + c.Sd @ c.rate_x + c.stress_x, c.Sd @ c.V + c.stress_v
+        entries.add(places_in(n.ne, p.active, p.s + p.active), 1.0, (law_x, p.x), (law_v, p.v))
         # rates of the state
-        rows = places_in(n.ne, p.dynamic_e, p.rate_e)
-        for matrix, first in second:
-            entries.add(matrix, rows, first, 1.0)
-        rows = places_in(n.ne, p.kinematic_e, p.k_e)
-        entries.add(c.V, rows, p.v, 1.0)
-        entries.add(c.rate_x, rows, p.x, 1.0)
-        return entries.matrix((p.size, p.size))
+        entries.add(places_in(n.ne, p.dynamic_e, p.rate_e), 1.0, *second)
+        entries.add(places_in(n.ne, p.kinematic_e, p.k_e), 1.0, *rate)
+        return compressed_sum(entries, (p.size, p.size))
 
-    def _given(self) -> tuple[list[Index], list[Index], list[Array]]:
+    def _rates(self, c: Coefficients) -> tuple[tuple[Term, ...], tuple[Term, ...]]:
+        """d(ed) and d(edd)."""
+        p = self.places
+        return ((c.V, p.v), (c.rate_x, p.x)), ((c.V, p.a), (c.second_v, p.v), (c.second_x, p.x))
+
+    def _given(self) -> Entries:
         p, n = self.places, self.n
         entries = Entries()
         q = np.concatenate((p.q_x, p.q_e))
@@ -135,9 +150,8 @@ class SparseLinearization:
         ):  # fmt: skip
             there = row[deformations] >= 0  # a slip is no configuration
             entries.ones(row[deformations[there]], columns[there])
-        active = np.arange(len(p.given_e), n.ne)
-        entries.ones(p.s + active, p.s + active, -1.0)
-        return entries.parts
+        entries.ones(p.s + p.active, p.s + p.active, -1.0)
+        return entries
 
     def input_matrix(self, inputs: Sequence[Signal]) -> Any:
         """B of these inputs, the same at all states."""
@@ -157,16 +171,13 @@ class SparseLinearization:
                 if row < 0:  # the value of a slip: no configuration
                     continue
             entries.ones(np.array([row]), np.array([j]), value)
-        return entries.matrix((p.size, len(inputs)))
+        return compressed_sum(entries, (p.size, len(inputs)))
 
     def _output_matrix(self, c: Coefficients) -> Any:
         p, n = self.places, self.n
-        V, H1 = (c.V, p.v), (c.rate_x, p.x)
-        second = ((c.V, p.a), (c.second_v, p.v), (c.second_x, p.x))
+        rate, second = self._rates(c)
         places = {"OUTX": p.x, "OUTXP": p.v, "OUTXDP": p.a, "OUTS": p.s}
-        maps: dict[str, tuple[tuple[Any, int], ...]] = {
-            "OUTE": ((c.V, p.x),), "OUTEP": (V, H1), "OUTEDP": second,
-        }  # fmt: skip
+        maps: dict[str, tuple[Term, ...]] = {"OUTE": ((c.V, p.x),), "OUTEP": rate, "OUTEDP": second}
         if any(signal.kind == "OUTF" for signal in self.outputs):
             back = c.V.T @ c.deformation_inertia
             maps["OUTF"] = (
@@ -179,9 +190,8 @@ class SparseLinearization:
                 entries.ones(np.array([j]), np.array([places[signal.kind] + signal.index]))
                 continue
             rows = places_in(n.nx if signal.kind == "OUTF" else n.ne, np.array([signal.index]), np.array([j]))
-            for matrix, first in maps[signal.kind]:
-                entries.add(matrix, rows, first, 1.0)
-        return entries.matrix((len(self.outputs), p.size))
+            entries.add(rows, 1.0, *maps[signal.kind])
+        return compressed_sum(entries, (len(self.outputs), p.size))
 
 
 def _filled(pattern: Any, A: Any) -> Any:
@@ -189,9 +199,7 @@ def _filled(pattern: Any, A: Any) -> Any:
     from scipy.sparse import csr_array
 
     A.sort_indices()
-    rows, width = np.arange(A.shape[0]), A.shape[1]
-    known = np.repeat(rows, np.diff(pattern.indptr)) * width + pattern.indices
-    wanted = np.repeat(rows, np.diff(A.indptr)) * width + A.indices
+    known, wanted = (rows_of(matrix) * A.shape[1] + matrix.indices for matrix in (pattern, A))
     places = np.minimum(np.searchsorted(known, wanted), max(len(known) - 1, 0))
     if len(wanted) and not np.array_equal(known[places], wanted):
         text = "the linearized equations have entries where those of the first state had none: a user function"
@@ -200,37 +208,3 @@ def _filled(pattern: Any, A: Any) -> Any:
     data = np.zeros(len(known))
     data[places] = A.data
     return csr_array((data, pattern.indices, pattern.indptr), A.shape)
-
-
-class Entries:
-    """A growing list of (row, column, value)."""
-
-    def __init__(self, parts: tuple[list[Index], list[Index], list[Array]] | None = None) -> None:
-        self.parts = ([], [], []) if parts is None else (list(parts[0]), list(parts[1]), list(parts[2]))
-
-    def ones(self, rows: Index, columns: Index, value: float = 1.0) -> None:
-        self._append(rows, columns, np.full(len(rows), value))
-
-    def add(self, matrix: Any, row: Index, first_column: int, factor: float) -> None:
-        """factor x matrix, its row i in row[i] (none where that is -1), its columns from `first_column` on."""
-        from scipy.sparse import coo_array
-
-        found = coo_array(matrix)
-        rows = row[found.row]
-        keep = np.flatnonzero(rows >= 0)
-        self._append(rows[keep], first_column + found.col[keep].astype(np.int64), factor * found.data[keep])
-
-    def _append(self, rows: Index, columns: Index, values: Array) -> None:
-        for part, new in zip(self.parts, (rows, columns, values), strict=True):
-            part.append(new)
-
-    def matrix(self, shape: tuple[int, int]) -> Any:
-        """The sum of all, in compressed rows; entries that happen to be zero stay."""
-        from scipy.sparse import coo_array
-
-        if not self.parts[0]:
-            return coo_array(shape).tocsr()
-        rows, columns, values = (np.concatenate(part) for part in self.parts)
-        out = coo_array((values, (rows, columns)), shape).tocsr()
-        out.sort_indices()
-        return out

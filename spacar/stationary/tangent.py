@@ -25,6 +25,7 @@ from spacar.arrays import Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.loaded_mechanism import moment_gradient
 from spacar.linear_systems import LinearSystem, assemble
+from spacar.linear_systems.linear_system import compressed, compressed_sum
 from spacar.linear_systems.reciprocal_condition import entry_rounding
 from spacar.linearization.coefficients import geometric_blocks
 from spacar.mechanism.mechanism import Batch
@@ -237,23 +238,17 @@ class SparseTangent:
 
     def assembled(self, names: tuple[str, ...]) -> Any:
         """Sum of parts (nx, nx) in compressed rows, rows and columns F only."""
-        from scipy.sparse import coo_array
-
-        values = np.concatenate([self.parts[k].values() for k in names])
-        rows, columns = (
-            self.F[np.concatenate([getattr(self.parts[k], which) for k in names])] for which in ("rows", "columns")
-        )
-        return coo_array((values, (rows, columns)), (len(self.place), len(self.place))).tocsr()
+        parts = [self.parts[k] for k in names]
+        entries = [(self.F[part.rows], self.F[part.columns], part.values()) for part in parts]
+        return compressed_sum(entries, (len(self.place), len(self.place)))
 
     def viscous(self) -> Any:
         """V^T S_d V (nx, nx) in compressed rows."""
-        from scipy.sparse import coo_array
-
         s = self.dynamics.sweep
-        V = coo_array((s.v_entries, (s.v_rows, s.v_columns)), (self.ne, len(self.place))).tocsr()
+        V = compressed(s.v_rows, s.v_columns, s.v_entries, (self.ne, len(self.place)))
         S = [(b.family.stiffness()[1] * (a := self.active[b.index])[:, None] * a).ravel() for b in self.elastic]
-        places = self.flexibility.rows, self.flexibility.columns
-        return V.T @ coo_array((np.concatenate([NONE, *S]), places), (self.ne, self.ne)).tocsr() @ V
+        rows, columns = self.flexibility.rows, self.flexibility.columns
+        return V.T @ compressed(rows, columns, np.concatenate([NONE, *S]), (self.ne, self.ne)) @ V
 
     # -- values of the parts ------------------------------------------------------------------------------------
     def _geometric(self) -> Array:
