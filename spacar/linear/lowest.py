@@ -40,7 +40,7 @@ from spacar.stationary.tangent import STATIC, SparseTangent
 WANTED = 20  # modes
 SHIFT = 1e-2  # s^2 as a fraction of the highest wanted omega^2
 OF_MODULUS = 0.1  # s of a descriptor system as a fraction of the highest wanted modulus
-LOADING = ("geometric", "load", "moment")
+LOADING = tuple(STATIC)
 RIGID = 1e-10  # least s^2 M of rods without springs: below 1e-14 a matrix counts as singular; omega^2 loses nothing
 SYMMETRIC = 1e-9  # relative asymmetry of the loading that is rounding
 LEAST = 1e-9  # part of the largest theta with which smaller ones are compared: op knows them to n eps of the largest
@@ -153,7 +153,7 @@ def rayleigh(x: Array, F: Array, Y: Array) -> Array:
 
 def is_symmetric_loading(tangent: SparseTangent) -> bool:
     """Is the loading part symmetric? Follower moments and tube flow make it unsymmetric."""
-    if not any(len(tangent.parts[k].keep) for k in LOADING[1:]):
+    if not any(len(tangent.parts[k].rows) for k in LOADING[1:]):
         return True  # second derivatives of the deformations are
     a, b = np.zeros((2, tangent.dynamics.numbering.nx))
     a[tangent.F], b[tangent.F] = np.random.default_rng(1).standard_normal((2, tangent.nf))

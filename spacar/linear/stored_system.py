@@ -42,7 +42,7 @@ from spacar.linearization.matrices import Linearization, chosen_rows
 from spacar.linearization.signals import Signal, has_feedthrough, linearization_signals
 from spacar.linearization.sparse_linearization import SparseLinearization
 from spacar.mechanism import Mechanism
-from spacar.stationary.tangent import STATIC, SparseTangent
+from spacar.stationary.tangent import SparseTangent
 from spacar.stream import Run
 
 NOISE = 1e3  # times the rounding that three random probes show: what acts exceeds it by far
@@ -199,7 +199,7 @@ def _couples(X: Array, q: Index, r: int) -> bool:
 
 def sparse_matrices(tangent: SparseTangent) -> dict[str, Array]:
     """ktan and mtan of the present state, by columns; entries that happen to be zero stay."""
-    return {"ktan": _table(tangent.matrix(STATIC)), "mtan": _table(tangent.mass_matrix())}
+    return {"ktan": _table(tangent.static_matrix()), "mtan": _table(tangent.mass_matrix())}
 
 
 def _table(A: Any) -> Array:

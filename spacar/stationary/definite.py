@@ -23,26 +23,10 @@ import numpy as np
 from spacar.arrays import EPS, Array
 from spacar.linear_systems import DENSE_LIMIT
 from spacar.mechanism.mechanism import Batch
-from spacar.stationary.flexibility import Flexibility
 from spacar.stationary.tangent import STATIC, SparseTangent
 
 SAFE = 16.0
 WEIGHT = 100.0  # springs of the constraints over the largest stiffness, each times the square of its length
-
-
-def stiffness_of(C: Flexibility, b: Batch, e_scale: Array) -> tuple[Array | None, Array]:
-    """S (rows, rows, n) of the deformations of a batch that have stiffness and are not given, None: there are none;
-    held (rows, n): 1 / square of the length of those that are given, zero elsewhere. e_scale (ne,): lengths."""
-    held = C.constrained[b.e] / e_scale[b.e] ** 2
-    if b.index not in C.active:
-        return None, held
-    active = C.coupled[b.e] * ~C.constrained[b.e]
-    return b.family.stiffness()[0] * active[:, None] * active[None, :], held
-
-
-def largest_stiffness(C: Flexibility, e_scale: Array) -> float:
-    """The largest stiffness times the square of the largest length [N m]."""
-    return C.size * float(np.max(e_scale)) ** 2 if C.elastic else 0.0
 
 
 class DefiniteStiffness:
@@ -57,9 +41,11 @@ class DefiniteStiffness:
         self._loading = sum(len(r) for r in rows)  # entries of K_g, which come first in the static matrix
         self._keep: list[Array] = []
         for b in sweep.strained:
-            S, held = stiffness_of(C, b, m.deformation_scale)
-            if S is None:
-                S = np.zeros((len(held), *held.shape))
+            held = C.constrained[b.e] / m.deformation_scale[b.e] ** 2  # of those that are given
+            S = np.zeros((len(held), *held.shape))
+            if b.index in C.active:
+                active = C.coupled[b.e] * ~C.constrained[b.e]
+                S = b.family.stiffness()[0] * active[:, None] * active
             self._blocks.append((b, S.transpose(2, 0, 1), held.T))
             place = t.place[b.x].T
             i, j = (np.broadcast_to(p, (*place.shape, place.shape[1])).ravel()
@@ -71,7 +57,8 @@ class DefiniteStiffness:
         self._rows, self._columns = np.concatenate(rows), np.concatenate(columns)
         scale = m.scale[t.F]
         self._scales = scale[self._rows[: self._loading]] * scale[self._columns[: self._loading]]
-        self._elastic = largest_stiffness(C, m.deformation_scale)
+        # The largest stiffness times the square of the largest length [N m].
+        self._elastic = C.size * float(np.max(m.deformation_scale)) ** 2 if C.elastic else 0.0
         self._diagonal = np.flatnonzero(self._rows == self._columns)
         self._on_diagonal = self._rows[self._diagonal]
         self._banded = n > DENSE_LIMIT

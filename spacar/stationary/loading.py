@@ -55,12 +55,11 @@ class LoadProgram:
 
     def __iter__(self) -> Iterator[LoadLevel]:
         settings = self.settings
-        if settings.stationary_type not in WITH_ADDITIONAL:
-            n = settings.initial_steps if settings.initial_steps > 0 else max(settings.load_steps, 1)
-            for k in range(1, n + 1):
-                yield LoadLevel(k / n, 0.0, k == n, k, n)
-            return
-        n0, n1 = max(settings.initial_steps, 1), max(settings.load_steps, 1)
+        n0, n1 = settings.initial_steps, max(settings.load_steps, 1)
+        if settings.stationary_type in WITH_ADDITIONAL:
+            n0 = max(n0, 1)
+        else:
+            n0, n1 = n0 if n0 > 0 else n1, 0
         for k in range(1, n0 + 1):
             yield LoadLevel(k / n0, 0.0, k == n0, k, n0 + n1)
         every = max(settings.store_every, 1)

@@ -30,18 +30,25 @@ class RestingTangent:
     def __init__(self, sparse: SparseTangent) -> None:
         self.t = sparse
         self._entries, self._entries_of = np.zeros(0), object()
-        self._inertia: Inertia | None = None
-        self._definite: DefiniteStiffness | None = None
+
+    @cached_property
+    def _inertia(self) -> Inertia:
+        rank = getattr(self.system, "row_rank", None)  # of band storage
+        return Inertia(self.t.nf + self.t.ne, *self.t.pattern(tuple(STATIC)), rank)
+
+    @cached_property
+    def _definite(self) -> DefiniteStiffness:
+        return DefiniteStiffness(self.t)
 
     @cached_property
     def _unsymmetric(self) -> list[TangentTerm]:
         """Terms that may be so."""
         loading = self.t.parts["load"], self.t.parts["moment"]
-        return [p for p in loading if len(p.keep)]
+        return [p for p in loading if len(p.rows)]
 
     @cached_property
     def system(self) -> LinearSystem:
-        return self.t.static_system()
+        return self.t.system()
 
     def entries(self, point: Iterate) -> Array:
         """Of the matrix at the point where the sweep is; evaluated once."""
@@ -100,8 +107,6 @@ class RestingTangent:
         """Is it proved that no eigenvalue of the tangent stiffness is negative at the point where the sweep is?"""
         if self.system.kind == "condensed":
             return self._counted(point) == self.t.ne
-        if self._definite is None:
-            self._definite = DefiniteStiffness(self.t)
         return self._definite.proved(self.entries(point))
 
     def _counted(self, point: Iterate) -> int | None:
@@ -123,7 +128,4 @@ class RestingTangent:
             negative = self._counted(point)
             if negative is not None:
                 return negative, 0
-        if self._inertia is None:
-            rank = getattr(self.system, "row_rank", None)  # of band storage
-            self._inertia = Inertia(self.t.nf + self.t.ne, *self.t.pattern(tuple(STATIC)), rank)
         return self._inertia(self.entries(point))

@@ -32,8 +32,7 @@ def minimum_norm(q: StationaryEquations, tangent: Tangent, p: Iterate, dx: Array
     Raises FreeMotion if `strict`, SingularMatrixError for large systems.
     """
     A = tangent.dense()
-    n = len(A)
-    if n > LARGEST:
+    if len(A) > LARGEST:
         raise SingularMatrixError("a motion without stiffness, or exactly a critical load")
     if not np.isfinite(A).all():
         raise Astray("numbers that are not finite")
@@ -45,10 +44,9 @@ def minimum_norm(q: StationaryEquations, tangent: Tangent, p: Iterate, dx: Array
     if strict and (lost > np.maximum(IN_RANGE * np.linalg.norm(projected), SPREAD * rounding)).any():
         free = d * (vt[~regular].T @ (u[:, ~regular].T @ (d * right)))
         raise FreeMotion(int(q.F[np.argmax(np.abs(free[: q.nf] * p.right[: q.nf]))]))
-    sign = np.where(np.arange(n) % 2, -1.0, 1.0)
-    both = np.column_stack((projected, u.T @ (d * sign * p.rounding)))[regular]
+    both = np.column_stack((projected, u.T @ (d * q.signs * p.rounding)))[regular]
     z = d[:, None] * (vt[regular].T @ (both / s[regular, None]))
-    return z[:, 0], largest(z[: q.nf, 1] / q.scale[q.F])
+    return z[:, 0], largest(z[: q.nf, 1] / q.free_scale)
 
 
 def minimum_norm_solutions(A: Array, right: Array) -> Array:

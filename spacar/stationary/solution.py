@@ -268,17 +268,12 @@ class StationarySolver:
         if said is not None and (now.negative, now.critical) == (said.negative, said.critical):
             return
         e = self._evaluator
-        if now.critical:
-            motion = critical_motion(e.equations, e.tangent, self._continuation.point, negative=False)
-            self.report.add(
-                f"warning: the solution at {level} is critical to working precision: a motion has no stiffness"
-                + (f", it is largest at {motion}" if motion else "")
-            )
-        elif now.negative:
-            motion = critical_motion(e.equations, e.tangent, self._continuation.point, negative=True)
-            self.report.add(
-                f"warning: the solution at {level} is an unstable equilibrium: the tangent stiffness has {now}"
-                + (f", the motion is largest at {motion}" if motion else "")
-            )
+        if now.critical or now.negative:
+            what, it = f"an unstable equilibrium: the tangent stiffness has {now}", "the motion"
+            if now.critical:
+                what, it = "critical to working precision: a motion has no stiffness", "it"
+            motion = critical_motion(e.equations, e.tangent, self._continuation.point, negative=not now.critical)
+            where = f", {it} is largest at {motion}" if motion else ""
+            self.report.add(f"warning: the solution at {level} is {what}{where}")
         elif said is not None:
             self.report.add(f"the solution at {level} is stable again")

@@ -16,6 +16,7 @@ Only for systems at rest, holonomic, without user functions and MEE.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
@@ -38,26 +39,26 @@ if TYPE_CHECKING:
     from spacar.linear_systems.condensed import CondensedSystem
     from spacar.linear_systems.sparse import SparseSystem
 NONE = np.zeros(0)
+STATIC = {"geometric": 1.0, "load": 1.0, "moment": 1.0}
 
 
+@dataclass(frozen=True)
 class TangentTerm:
-    """Entries of one term of the matrix, restricted to F, and how to get their values; `pattern`: all rows and columns,
-    which are asked for when the term is."""
+    """Entries of one term of the matrix, restricted to F, and how to get their values.
 
-    def __init__(self, place: Index, pattern: Callable[[], tuple[Index, Index]], values: Callable[[], Array]) -> None:
-        self._place, self._pattern, self._values = place, pattern, values
+    place (nx,)  where coordinates are among F;  pattern, every  rows and columns, and values, of all entries
+    """
+
+    place: Index
+    pattern: Callable[[], tuple[Index, Index]]
+    every: Callable[[], Array]
 
     @cached_property
     def _restricted(self) -> tuple[Any, Any, Any, bool]:
-        place = self._place.astype(np.int32)  # there are many
-        a, b = (place[part] for part in self._pattern())
+        place = self.place.astype(np.int32)  # there are many
+        a, b = (place[part] for part in self.pattern())
         keep = np.flatnonzero((a >= 0) & (b >= 0))
         return keep.astype(np.int32), a[keep], b[keep], len(keep) == len(a)
-
-    @property
-    def keep(self) -> Index:
-        """Which entries of the pattern remain."""
-        return self._restricted[0]
 
     @property
     def rows(self) -> Index:
@@ -72,7 +73,7 @@ class TangentTerm:
         keep, _, _, whole = self._restricted
         if not len(keep):
             return np.zeros(0)
-        return self._values() if whole else self._values().take(keep)
+        return self.every() if whole else self.every().take(keep)
 
 
 class SparseTangent:
@@ -86,7 +87,7 @@ class SparseTangent:
         n, sweep = dynamics.numbering, dynamics.sweep
         moving = [np.arange(n.x_class[c].start, n.x_class[c].stop) for c in ("calculable", "dynamic")]
         self.F = np.concatenate(moving) if free is None else free
-        self.nf, self.n_rows = len(self.F), n.e_class["input"].stop
+        self.nf = len(self.F)
         self.place = np.full(n.nx, -1)
         self.place[self.F] = np.arange(self.nf)
         self.sigma = np.zeros(n.ne)
@@ -111,6 +112,7 @@ class SparseTangent:
         self.last_step = False  # no Newton's iteration follows: one system has factors at a time
         self._patterns: dict[tuple[str, ...], tuple[Any, Any]] = {}
         self._systems: dict[tuple[str, ...], LinearSystem] = {}
+        # What does not depend on the configuration: factors of the entries of V, the entries of -C, the size.
         self._constant: dict[tuple[float, float], tuple[Array, Array, float]] = {}
 
     @cached_property
@@ -130,15 +132,15 @@ class SparseTangent:
         Raises SingularMatrixError, also when displacements under a load of the size of the stiffness exceed SINGULAR
         and rounding of the entries changes them by NO_DIGITS.
         """
+        names = tuple(weights)
         if self.last_step:
-            self.forget_factors(tuple(weights))
+            self.forget_factors(names)
         entries, size = self.entries(weights, stiffness, damping)
-        system = self._system(tuple(weights))
+        system = self.system(names)
         system.factor(entries)
         probe = np.zeros(self.nf + self.ne)
         probe[: self.nf] = size  # a load of the size of the stiffness on all coordinates
         z = system.solve(probe)
-        names = tuple(weights)
         require_digits(system.solve, lambda z: entry_rounding(len(z), *self.pattern(names), entries, z), z, self.nf)
         return system
 
@@ -153,7 +155,8 @@ class SparseTangent:
             self._patterns[names] = np.concatenate(rows, dtype=np.int32), np.concatenate(columns, dtype=np.int32)
         return self._patterns[names]
 
-    def _system(self, names: tuple[str, ...]) -> LinearSystem:
+    def system(self, names: tuple[str, ...] = tuple(STATIC)) -> LinearSystem:
+        """Of these parts, for their `entries`; of those of the static problem, if nothing is said."""
         if names not in self._systems:
             kind = next((s.kind for s in self._systems.values()), None)  # one kind for all
             system = self._systems[names] = assemble(self.nf + self.ne, *self.pattern(names), kind, self.nf)
@@ -176,29 +179,19 @@ class SparseTangent:
         if (stiffness, damping) not in self._constant:
             f = self.flexibility
             natural = (stiffness, damping) == (1.0, 0.0)
-            inverse = (f.values, f.coupled, f.size) if natural else f.inverse(stiffness, damping)
-            self._keep_constant((stiffness, damping), *inverse)
+            C, coupled, size = (f.values, f.coupled, f.size) if natural else f.inverse(stiffness, damping)
+            factor = size * coupled[self.dynamics.sweep.v_rows[self._v]]
+            self._constant[stiffness, damping] = factor, -size * np.concatenate((C, f.rigid_diagonal)), size
         factor, diagonal, size = self._constant[stiffness, damping]
         v = factor * self.dynamics.sweep.v_entries.take(self._v)
-        values = [part.values() if w == 1.0 else w * part.values() for part, w in self._present(weights)]
+        parts = [(part, w) for k, w in weights.items() if len((part := self.parts[k]).rows)]
+        values = [part.values() if w == 1.0 else w * part.values() for part, w in parts]
         return np.concatenate([*values, v, v, diagonal]), size
-
-    def _present(self, weights: dict[str, float]) -> list[tuple[TangentTerm, float]]:
-        return [(part, w) for k, w in weights.items() if len((part := self.parts[k]).keep)]
-
-    def _keep_constant(self, which: tuple[float, float], flexibility: Array, coupled: Array, size: float) -> None:
-        """What does not depend on the configuration: factors of the entries of V, and the entries of -C."""
-        factor = size * coupled[self.dynamics.sweep.v_rows[self._v]]
-        self._constant[which] = factor, -size * np.concatenate((flexibility, self.flexibility.rigid_diagonal)), size
-
-    def static_system(self) -> LinearSystem:
-        """Of the static problem, for `entries(STATIC)`."""
-        return self._system(tuple(STATIC))
 
     @property
     def storage(self) -> str:
         """How its matrices are stored and factored."""
-        system = self.static_system()
+        system = self.system()
         if system.kind == "banded":
             return f"band of {cast('BandedSystem', system).height} diagonals"
         if system.kind == "condensed" and cast("CondensedSystem", system).was_mixed:
@@ -220,14 +213,14 @@ class SparseTangent:
         x[self.F] = solve(b)[: self.nf]
         return x
 
-    def matrix(self, weights: dict[str, float]) -> Any:
-        """The mixed matrix of the weighted parts, in compressed columns."""
+    def static_matrix(self) -> Any:
+        """The mixed matrix of the static problem, in compressed columns."""
         from spacar.linear_systems.sparse import SparseSystem
 
-        system = self._system(tuple(weights))
+        system = self.system()
         if system.kind in ("dense", "banded"):
-            system = SparseSystem(system.n, *self.pattern(tuple(weights)))
-        return cast("SparseSystem | CondensedSystem", system).assembled(self.entries(weights)[0])
+            system = SparseSystem(system.n, *self.pattern(tuple(STATIC)))
+        return cast("SparseSystem | CondensedSystem", system).assembled(self.entries(STATIC)[0])
 
     def mass_matrix(self) -> Any:
         """The mass matrix, of the same order."""
@@ -267,6 +260,3 @@ class SparseTangent:
         moments = np.zeros((n, 3))  # the additional ones come later and are zero until then
         moments[: len(loads.moment)] = loads.moment
         return -moment_gradient(moments).ravel()
-
-
-STATIC = {"geometric": 1.0, "load": 1.0, "moment": 1.0}
