@@ -5,11 +5,9 @@ from pathlib import Path
 import numpy as np
 
 from spacar.errors import UsageError
-from spacar.linearization.descriptor import DescriptorSystem
+from spacar.linearization.descriptor import TABLES, DescriptorSystem
 from spacar_formats.locate import open_result
 from spacar_formats.sbf import SbfError, SbfFile
-
-IDENTS = {"A": "ASP", "B": "BSP", "C": "CSP"}
 
 
 def is_sparse(file: SbfFile) -> bool:
@@ -19,7 +17,7 @@ def is_sparse(file: SbfFile) -> bool:
 
 def descriptor_of(file: SbfFile, step: int) -> DescriptorSystem:
     """The system of a step (from 1). Raises SbfError for places or numbers that cannot be."""
-    tables = {name: file.array(ident, step) for name, ident in IDENTS.items() if file.has(ident)}
+    tables = {name: file.array(name.upper(), step) for name in TABLES if file.has(name.upper())}
     try:
         if not all(np.isfinite(table).all() for table in tables.values()):
             raise ValueError("numbers that are not finite")

@@ -201,7 +201,7 @@ class Along:
         self._descriptor = self._descriptor or SparseLinearization(dynamics, self.signals, self.outputs, free=law)
         system = self._descriptor(c)
         system.follow(np.zeros((system.A.shape[0] - system.n_states, 1)))  # accelerations that are unique
-        tables = {f"{name.lower()}sp": table for name, table in system.entries().items()}
+        tables = system.entries()
         tables["csp"] = tables["csp"][~np.isin(tables["csp"][:, 0] - 1.0, self.zero_rows)]
         return tables
 

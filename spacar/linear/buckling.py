@@ -19,7 +19,7 @@ from spacar.arrays import EPS, Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
-from spacar.linear.eigen import is_symmetric
+from spacar.linear.eigen import by_factor, is_symmetric
 from spacar.linear_systems import LinearSystem, SingularMatrixError
 from spacar.linearization.matrices import Linearization, selected
 from spacar.stationary.solution import StationarySolver
@@ -88,9 +88,7 @@ def buckling_modes(K0: Array, G0: Array, report: Report) -> BucklingModes:
         with suppress(np.linalg.LinAlgError):
             lower = np.linalg.cholesky(K)
     if len(lower) and lower.diagonal().min() ** 2 > least:
-        reduced = np.linalg.solve(lower, np.linalg.solve(lower, load).T)
-        mu, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
-        modes = np.linalg.solve(lower.T, vectors)
+        mu, modes = by_factor(load, lower)
     else:
         mu, modes = _general(K, -load, report)
     size = np.abs(mu)

@@ -242,11 +242,14 @@ def undamped_modes(
         squares, shapes = squares[lowest], shapes[:, lowest]
     eta = backward_error.of_pencil(K, M, squares, shapes, 1.0 / np.sqrt(M.diagonal()))
     backward_error.warn(report, eta, squares, "omega^2", backward_error.rounding(len(K)))
-    root = np.sqrt(squares.astype(complex))  # omega, or i kappa for an unstable mode
-    values = np.concatenate((1j * root, -1j * root))
-    shapes = np.hstack((shapes, shapes)).astype(complex)
-    vectors = np.vstack((shapes, shapes * values))
-    return arranged(values, vectors, len(K))
+    values, shapes = both_of(squares, shapes)
+    return arranged(values, np.vstack((shapes, shapes * values)), len(K))
+
+
+def both_of(squares: Array, shapes: Array) -> tuple[Complex, Complex]:
+    """The eigenvalues +-i omega, or +-kappa of an unstable mode, of every omega^2 (n,), and their shapes (., 2 n)."""
+    root = np.sqrt(squares.astype(complex))
+    return np.concatenate((1j * root, -1j * root)), np.hstack((shapes, shapes)).astype(complex)
 
 
 def symmetric_pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Array, Array]:
@@ -282,11 +285,14 @@ def _pencil(K: Array, M: Array, wanted: int | None = None) -> tuple[Array, Array
                     return squares, vectors
             found: tuple[Array, Array] = eigh(K, M, check_finite=False)
             return found
-    lower = np.linalg.cholesky(M)
-    half = np.linalg.solve(lower, K)
-    reduced = np.linalg.solve(lower, half.T)
-    squares, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
-    return squares, np.linalg.solve(lower.T, vectors)
+    return by_factor(K, np.linalg.cholesky(M))
+
+
+def by_factor(A: Array, lower: Array) -> tuple[Array, Array]:
+    """lambda ascending and vectors v of A v = lambda L L^T v with A symmetric, L = `lower` triangular."""
+    reduced = np.linalg.solve(lower, np.linalg.solve(lower, A).T)
+    values, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
+    return values, np.linalg.solve(lower.T, vectors)
 
 
 def accurate(K: Array, M: Array, factors: FindFactors | None = None, wanted: int | None = None) -> tuple[Array, Array]:
@@ -354,11 +360,10 @@ def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, 
         lower = np.linalg.cholesky((energy + energy.T) / 2)
     except np.linalg.LinAlgError:  # unstable or exactly singular
         return squares, shapes
-    reduced = np.linalg.solve(lower, np.linalg.solve(lower, (work + work.T) / 2).T)
-    theta, c = np.linalg.eigh((reduced + reduced.T) / 2)
+    theta, c = by_factor((work + work.T) / 2, lower)
     if not (theta > 0.0).all():
         return squares, shapes
-    vectors = Y @ np.linalg.solve(lower.T, c) / np.sqrt(theta)  # Y^T M Y -> 1
+    vectors = Y @ c / np.sqrt(theta)  # Y^T M Y -> 1
     squares, shapes = squares.copy(), shapes.copy()
     squares[low], shapes[:, low] = (1.0 / theta - s2)[::-1], vectors[:, ::-1]
     return squares, shapes

@@ -146,7 +146,7 @@ def stationary(
         limits.check_elements(dynamics, frame)
         singular = _is_dead_point(run, solver, level, frame.t, store is None)
         frame.statistics = {"iterations": iterations, "residual": state.norm}
-        tangent = None
+        tangent = L = linear = None
         if reduced or singular or (descriptor and solver.sparse):
             tangent = solver.sparse_tangent()
             tangent.sigma = state.sigma
@@ -155,17 +155,14 @@ def stationary(
                 frame.matrices.update(sparse_matrices(tangent))
             modes = _sparse_vibration(run, tangent, wanted) if tangent is not None and store.wanted else None
             store.add_sparse(frame, dynamics, state.xdd, state.sigma, 0.0, modes)
-            yield LinearizedSolution(frame, dynamics, None, None, wanted, True)
         elif moving:
-            linear, of_stiffness = coefficients(dynamics, state.xdd, state.sigma), None if solver.resting else solver
-            yield LinearizedSolution(frame, dynamics, None, tangent, wanted, True, linear, of_stiffness)
+            linear = coefficients(dynamics, state.xdd, state.sigma)
         elif tangent is not None:
             tangent.last_step = stored + 1 == settings.stored_levels
             if not reduced:
                 _store_matrices(frame, None, dynamics)
                 sizes = [(rows, columns) for columns in (n.ndof, n.nkdof) for rows in (n.nx, n.ne)]
                 frame = output.add(frame, dynamics.kinematics, Transfer(*(np.full(size, np.nan) for size in sizes)))
-            yield LinearizedSolution(frame, dynamics, None, tangent, wanted, reduced)
         else:
             L = linearize(dynamics, state.xdd, state.sigma)
             if solver.moving and n.holonomic:
@@ -173,7 +170,8 @@ def stationary(
             frame.lost = {**frame.lost, **_doubts(L)}
             _store_matrices(frame, L, dynamics)
             frame = output.add(frame, dynamics.kinematics, L.transfer)
-            yield LinearizedSolution(frame, dynamics, L, None, wanted, reduced)
+        of_stiffness = solver if moving and not solver.resting else None
+        yield LinearizedSolution(frame, dynamics, L, tangent, wanted, reduced, linear, of_stiffness)
     if reduced and not moving:
         run.report.add(f"storage of the sparse tangent: {solver.sparse_tangent().storage}")
 
@@ -248,26 +246,25 @@ def _store_tangent(solution: LinearizedSolution) -> None:
 
 
 def _store_vibration(run: Run, solution: LinearizedSolution) -> None:
-    if not run.mechanism.numbering.nddof:
+    n = run.mechanism.numbering
+    if not n.nddof:
         run.report.add("no dynamic degrees of freedom: there are no eigenvalues")
         return
     if solution.sparse is not None:
-        n = run.mechanism.numbering
         system = SparseLinearization(solution.dynamics, (), ())(solution.sparse)
         modes = lowest_modes(system, n.nkddof, n.nx, run.report, min(solution.wanted, n.nddof))
     elif solution.tangent is not None:
         modes = _sparse_vibration(run, solution.tangent, solution.wanted)
     else:
         assert solution.L is not None
-        rows, static = chosen_rows(run.mechanism.numbering), run.mechanism.numbering.twist_rates
         try:
-            modes = vibration_modes(solution.L, *rows, run.report, static, solution.wanted)
+            modes = vibration_modes(solution.L, *chosen_rows(n), run.report, n.twist_rates, solution.wanted)
         except AnalysisError as error:
             if error.code == "dynamics.singular-mass":  # who carries no mass, by name
                 saddle = SaddlePoint(run.mechanism, solution.dynamics.sweep)
                 require_regular_mass(run.mechanism, saddle, run.header["condition"])
             raise
-    if not solution.reduced and solution.wanted < run.mechanism.numbering.nddof:
+    if not solution.reduced and solution.wanted < n.nddof:
         modes = modes.lowest(solution.wanted)
     solution.frame.matrices.update(modes.stored(solution.reduced))
 

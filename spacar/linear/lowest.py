@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from spacar.arrays import Array, Complex
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
-from spacar.linear.eigen import Modes, arranged
+from spacar.linear.eigen import Modes, arranged, both_of
 from spacar.linear.subspace import (
     SPARE,
     SUFFICIENT,
@@ -60,8 +60,7 @@ def lowest_vibration(tangent: SparseTangent, report: Report, wanted: int = WANTE
         values, x = _quadratic(tangent, float(np.sqrt(square)), wanted, report)
     else:
         squares, x = _undamped(tangent, square, operator, wanted, symmetric, report)
-        root = np.sqrt(squares.astype(complex))
-        values, x = np.concatenate((1j * root, -1j * root)), np.hstack((x, x)).astype(complex)
+        values, x = both_of(squares, x)
     q = degrees_of_freedom_of(tangent, x)
     return arranged(values, np.vstack((q, q * np.where(np.isnan(values), 1.0, values))), len(q), x)
 

@@ -15,11 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from spacar.arrays import Array, Index
+from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.linearization.coefficients import Coefficients
 from spacar.linearization.matrices import Linearization, chosen_rows, require_mass, solve_mass, state_matrix
-from spacar.linearization.signals import DRIVING_SIGN, ORDER, Signal
+from spacar.linearization.signals import DRIVING_SIGN, ORDER, Signal, prescribed_row
 
 
 class StateSpace(NamedTuple):
@@ -41,7 +41,7 @@ def state_space(
 ) -> StateSpace:
     """Matrices for the given signals. `everything` takes all rows of q as states (mode 3)."""
     n = dynamics.numbering
-    q, s = chosen_rows(dynamics.numbering, everything)
+    q, s = chosen_rows(n, everything)
     require_mass(L, q)
     A = state_matrix(L, q, s)
     P = _prescribed(dynamics, inputs)
@@ -55,38 +55,7 @@ def state_space(
     B = np.zeros((len(A), len(inputs)))
     B[:ns] = (L.bk0 @ P0s + L.ak0 @ P[1])[s]
     B[ns:] = solve_mass(L.m0[np.ix_(q, q)], B0) if len(q) else B0
-    C, D = _outputs(dynamics, L, outputs, A, B, P, P0s, Ef, Es, q, s)
-    return StateSpace(A, B, C, D)
-
-
-def _unit(size: int, signals: Sequence[Signal], kind: str) -> Array:
-    E = np.zeros((size, len(signals)))
-    for j, signal in enumerate(signals):
-        if signal.kind == kind:
-            E[signal.index, j] = 1.0
-    return E
-
-
-def _prescribed(dynamics: Dynamics, inputs: Sequence[Signal]) -> tuple[Array, Array, Array]:
-    """P0, P1, P2: (ndof, number of inputs) each."""
-    n = dynamics.numbering
-    row_x = {int(i): k for k, i in enumerate(n.q_x)}
-    row_e = {int(i): len(n.q_x) + k for k, i in enumerate(n.q_e)}
-    P = tuple(np.zeros((n.ndof, len(inputs))) for _ in range(3))
-    for j, signal in enumerate(inputs):
-        if signal.kind in ORDER:
-            row = row_x if signal.kind.startswith("INX") else row_e
-            P[ORDER[signal.kind]][row[signal.index], j] = 1.0
-    return P  # type: ignore[return-value]
-
-
-def _outputs(
-    dynamics: Dynamics, L: Linearization, outputs: Sequence[Signal], A: Array, B: Array,
-    P: tuple[Array, Array, Array], P0s: Array, Ef: Array, Es: Array, q: Index, s: Index,
-) -> tuple[Array, Array]:  # fmt: skip
-    """C and D: every output as a linear map of z (first columns) and u (last columns)."""
-    n = dynamics.numbering
-    nz, nu, ns = A.shape[0], B.shape[1], len(s)
+    nz, nu = B.shape
     ds, dqd, dqdd = np.zeros((n.nkdof, nz + nu)), np.zeros((n.ndof, nz + nu)), np.zeros((n.ndof, nz + nu))
     ds[s, np.arange(ns)] = 1.0
     dqd[q, ns + np.arange(len(q))] = 1.0
@@ -94,6 +63,7 @@ def _outputs(
     dqd[:, nz:] += P[1]
     dqdd[:, nz:] += P[2]
     dqdd[q] += np.hstack((A, B))[ns:]
+    # every output as a linear map of z (first columns) and u (last columns)
     maps = {
         "OUTX": lambda: L.G @ ds,
         "OUTXP": lambda: L.W @ dqd + L.Z @ ds,
@@ -108,7 +78,25 @@ def _outputs(
         changes = [maps[kind]() for kind in maps]
         rows["OUTS"], rows["OUTF"] = _reactions(dynamics, L.c, changes, Ef, Es, nz)
     table = np.array([rows[signal.kind][signal.index] for signal in outputs]).reshape(len(outputs), nz + nu)
-    return table[:, :nz], table[:, nz:]
+    return StateSpace(A, B, table[:, :nz], table[:, nz:])
+
+
+def _unit(size: int, signals: Sequence[Signal], kind: str) -> Array:
+    E = np.zeros((size, len(signals)))
+    for j, signal in enumerate(signals):
+        if signal.kind == kind:
+            E[signal.index, j] = 1.0
+    return E
+
+
+def _prescribed(dynamics: Dynamics, inputs: Sequence[Signal]) -> tuple[Array, Array, Array]:
+    """P0, P1, P2: (ndof, number of inputs) each."""
+    n = dynamics.numbering
+    P = tuple(np.zeros((n.ndof, len(inputs))) for _ in range(3))
+    for j, signal in enumerate(inputs):
+        if signal.kind in ORDER:
+            P[ORDER[signal.kind]][prescribed_row(n, signal), j] = 1.0
+    return P  # type: ignore[return-value]
 
 
 def _reactions(

@@ -39,7 +39,7 @@ from spacar.linear_systems.linear_system import rows_of
 from spacar.linearization.coefficients import coefficients
 from spacar.linearization.descriptor import DescriptorSystem
 from spacar.linearization.matrices import Linearization, chosen_rows
-from spacar.linearization.signals import Signal, has_feedthrough, linearization_signals
+from spacar.linearization.signals import Signal, has_feedthrough, linearization_signals, prescribed_row
 from spacar.linearization.sparse_linearization import SparseLinearization
 from spacar.mechanism import Mechanism
 from spacar.stationary.tangent import SparseTangent
@@ -84,7 +84,7 @@ class StoredSystem:
             self._linearization = SparseLinearization(dynamics, self.inputs, self.outputs, self.may_move)
         system = self._linearization(coefficients(dynamics, xdd, sigma, t=t))
         self.idle.see_sparse(self._linearization, system)
-        frame.state_space.update({f"{name.lower()}sp": table for name, table in system.entries().items()})
+        frame.state_space.update(system.entries())
         if self.wanted:
             n = dynamics.numbering
             modes = modes or lowest_modes(system, n.nkddof, n.nx, self.run.report, min(self.wanted, n.nddof))
@@ -127,13 +127,11 @@ class IdleInputs:
     def see(self, dynamics: Dynamics, L: Linearization) -> None:
         """Note which inputs act at this linearization."""
         n = dynamics.numbering
-        q, _ = chosen_rows(dynamics.numbering)
+        q, _ = chosen_rows(n)
         self.has_states = self.has_states or bool(len(q))
-        rows = {("INX", int(i)): k for k, i in enumerate(n.q_x)}
-        rows |= {("INE", int(i)): len(n.q_x) + k for k, i in enumerate(n.q_e)}
         for j, signal in enumerate(self.inputs):
             if signal.kind[:3] in SERIES:
-                r = rows[signal.kind[:3], signal.index]
+                r = prescribed_row(n, signal)
                 couplings = (L.stiffness[:, : n.ndof], L.damping, L.m0)
                 self.acting[j] |= [_couples(X, q, r) for X in couplings]
                 self.acting[j] |= [L.bk0[n.ndof :, r].any(), L.ak0[n.ndof :, r].any(), False]

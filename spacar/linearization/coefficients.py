@@ -45,19 +45,14 @@ def _by_rows(sweep: ElementSweep, fill: Callable[[Batch, Array], None]) -> Matri
     return _sum([(b.e, b.x, block) for b, block in gradient_blocks(sweep, fill)], (sweep.ne, sweep.nx))
 
 
-def gradient_rate(sweep: ElementSweep, v: Array) -> Matrix:
-    """H1(v), (ne, nx)."""
-    return _by_rows(sweep, lambda b, out: b.family.gradient_rate(sweep.configuration[b.index], v[b.x], out))
+def rate_gradients(sweep: ElementSweep, v: Array, a: Array) -> tuple[Matrix, Matrix, Matrix]:
+    """H1(v), H1(v) + H2(v), H1(a) + T(v), (ne, nx) each: rate_x, second_v, second_x."""
 
+    def of(method: str, u: Array) -> Matrix:
+        return _by_rows(sweep, lambda b, out: getattr(b.family, method)(sweep.configuration[b.index], u[b.x], out))
 
-def gradient_transport(sweep: ElementSweep, v: Array) -> Matrix:
-    """H2(v), (ne, nx)."""
-    return _by_rows(sweep, lambda b, out: b.family.gradient_transport(sweep.configuration[b.index], v[b.x], out))
-
-
-def rate_gradient(sweep: ElementSweep, v: Array) -> Matrix:
-    """T(v), (ne, nx)."""
-    return _by_rows(sweep, lambda b, out: b.family.rate_gradient(sweep.configuration[b.index], v[b.x], out))
+    rate_x = of("gradient_rate", v)
+    return rate_x, rate_x + of("gradient_transport", v), of("gradient_rate", a) + of("rate_gradient", v)
 
 
 def scatter(nx: int, blocks: Blocks) -> Matrix:
@@ -151,9 +146,7 @@ def coefficients(
     moving = bool(xd.any() or xdd.any())
     rate_x = second_v = second_x = zero_matrix((n.ne, n.nx))
     if moving:
-        rate_x = gradient_rate(sweep, xd)
-        second_v = rate_x + gradient_transport(sweep, xd)
-        second_x = gradient_rate(sweep, xdd) + rate_gradient(sweep, xd)
+        rate_x, second_v, second_x = rate_gradients(sweep, xd, xdd)
     by_x, by_v = inertia_blocks(sweep, xd, xdd)
     Me = matrix(*dynamics.mechanism.deformation_inertia, (n.ne, n.ne))
     stress = sigma + Me @ edd if dynamics.coupling.present else sigma

@@ -24,7 +24,7 @@ from spacar.linear_systems.linear_system import compressed
 COLUMNS = 128  # right-hand sides at once
 PROBES = 3  # of random signs: the chance that all three miss what rounding does
 LARGEST_DENSE = 4.0  # GB of full matrices that are formed when somebody asks for them
-BLOCKS = ("A", "B", "C")
+TABLES = ("asp", "bsp", "csp")  # of A, B, C
 MASSLESS = (
     "the linearized equations have no unique accelerations: a degree of freedom carries no mass (add XM or EM), or the"
     " degrees of freedom do not determine the motion (a dead point)"
@@ -42,24 +42,23 @@ class DescriptorSystem:
 
     @classmethod
     def of_entries(cls, entries: dict[str, Array], n_states: int, n_inputs: int, n_outputs: int) -> DescriptorSystem:
-        """From (entries, 3) tables of row, column (from 1) and value, as files hold them. Raises ValueError."""
-        n = int(entries["A"][:, :2].max(initial=0.0))
+        """From the TABLES (entries, 3): row, column (from 1) and value, as frames and files hold them. Raises
+        ValueError."""
+        n = int(entries["asp"][:, :2].max(initial=0.0))
         if n < n_states:
             raise ValueError(f"{n} rows for {n_states} states")
-        shapes = {"A": (n, n), "B": (n, n_inputs), "C": (n_outputs, n)}
-        found = {}
-        for name, shape in shapes.items():
-            i, j, value = entries[name].T if name in entries else np.zeros((3, 0))
-            found[name] = compressed(i.astype(np.int64) - 1, j.astype(np.int64) - 1, value, shape)
-        return cls(found["A"], found["B"], found["C"], n_states)
+        tables = (entries[name].T if name in entries else np.zeros((3, 0)) for name in TABLES)
+        shapes = (n, n), (n, n_inputs), (n_outputs, n)
+        A, B, C = (
+            compressed(i.astype(np.int64) - 1, j.astype(np.int64) - 1, value, shape)
+            for (i, j, value), shape in zip(tables, shapes, strict=True)
+        )
+        return cls(A, B, C, n_states)
 
     def entries(self) -> dict[str, Array]:
         """The tables of `of_entries`."""
-        out = {}
-        for name in BLOCKS:
-            A = getattr(self, name).tocoo()
-            out[name] = np.column_stack((A.row + 1.0, A.col + 1.0, A.data))
-        return out
+        matrices = zip(TABLES, (self.A.tocoo(), self.B.tocoo(), self.C.tocoo()), strict=True)
+        return {name: np.column_stack((A.row + 1.0, A.col + 1.0, A.data)) for name, A in matrices}
 
     @cached_property
     def _following(self) -> Any:
@@ -141,9 +140,8 @@ class DescriptorSystem:
 
 
 def of_frame(state_space: dict[str, Array], header: Mapping[str, Any]) -> DescriptorSystem:
-    """The system of a frame's `asp`, `bsp`, `csp`, with the sizes NX, NU, NY of the run's header."""
-    tables = {name: state_space[f"{name.lower()}sp"] for name in BLOCKS}
-    return DescriptorSystem.of_entries(tables, *(int(header[k]) for k in ("NX", "NU", "NY")))
+    """The system of a frame's TABLES, with the sizes NX, NU, NY of the run's header."""
+    return DescriptorSystem.of_entries(state_space, *(int(header[k]) for k in ("NX", "NU", "NY")))
 
 
 def dense_steps(systems: Iterable[DescriptorSystem], steps: int) -> dict[str, Array]:

@@ -3,7 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from spacar.mechanism.mechanism import Mechanism
+from spacar.mechanism.numbering import Numbering
 
 DRIVING_SIGN = 1.0  # s_u of theory-system.md 5.1
 
@@ -19,6 +22,13 @@ class Signal:
     kind: str
     index: int
     name: str
+
+
+def prescribed_row(n: Numbering, signal: Signal) -> int:
+    """Place among all degrees of freedom of the one whose value, rate or acceleration an INX, INE, ... input is."""
+    of_x = signal.kind.startswith("INX")
+    found = np.flatnonzero((n.q_x if of_x else n.q_e) == signal.index)[0]
+    return int(found) + (0 if of_x else len(n.q_x))
 
 
 def has_feedthrough(inputs: Sequence[Signal], outputs: Sequence[Signal]) -> bool:

@@ -17,14 +17,12 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from spacar.arrays import Array, Index
-from spacar.linearization.descriptor import EPS, DescriptorSystem
+from spacar.arrays import EPS, Array, Complex, Index
+from spacar.linearization.descriptor import DescriptorSystem
 
 STEPS = 10  # of Arnoldi's method between two looks at the residuals
 MOST = 60  # steps about one frequency
 CONVERGED = 1e-13  # residual over |z0|
-
-Complex = NDArray[np.complex128]
 
 
 def response(system: DescriptorSystem, omega: Array) -> Complex:

@@ -29,12 +29,10 @@ from spacar.linear_systems.linear_system import DENSE_LIMIT, Matrix, dense, diag
 from spacar.linearization.coefficients import (
     geometric_stiffness,
     gradient_matrix,
-    gradient_rate,
-    gradient_transport,
     inertia_blocks,
     load_gradient,
     mass_matrix,
-    rate_gradient,
+    rate_gradients,
     scatter,
 )
 from spacar.linearization.user_derivatives import UserDerivatives
@@ -91,9 +89,7 @@ class MovingTangent:
             self.K = self.K + scatter(nx, by_x)
         if motion is not None:
             self.w = max(largest(motion.v / q.scale), 1e-100)
-            self.H1 = gradient_rate(sweep, motion.v)
-            self.second_v = self.H1 + gradient_transport(sweep, motion.v)
-            self.second_x = gradient_rate(sweep, motion.a) + rate_gradient(sweep, motion.v)
+            self.H1, self.second_v, self.second_x = rate_gradients(sweep, motion.v, motion.a)
             self.K_v, self.K_a = scatter(nx, by_v), mass_matrix(sweep)
             Sd, Me = (matrix(*entries, (ne, ne)) for entries in (d.law.damping, d.mechanism.deformation_inertia))
             law_x, law_v = Sd @ self.H1 + Me @ self.second_x, Sd @ self.V + Me @ self.second_v

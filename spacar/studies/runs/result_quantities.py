@@ -153,7 +153,7 @@ def _spectrum(mechanism: Mechanism, frames: Sequence[Frame]) -> list[Assessed]:
 def _lowest(mechanism: Mechanism, frame: Frame) -> Array:
     """(n, 2) of a large model, whose equations are stored sparse."""
     n = mechanism.numbering
-    system = DescriptorSystem.of_entries({"A": frame.state_space["asp"]}, n.nkddof + n.nddof, 0, 0)
+    system = DescriptorSystem.of_entries({"asp": frame.state_space["asp"]}, n.nkddof + n.nddof, 0, 0)
     values = lowest_modes(system, n.nkddof, 0, Report(), FREQUENCIES).values
     return np.column_stack((values.real, values.imag))
 
