@@ -27,7 +27,6 @@ from spacar.stationary.stationary_equations import require_digits
 
 if TYPE_CHECKING:
     from spacar.linear_systems.banded import BandedSystem
-    from spacar.linear_systems.condensed import CondensedSystem
 
 NOTHING = 1e-13  # mu below this fraction of the largest is an infinite multiplier
 PAIR = 1e-6  # relative difference of moduli below which multipliers count as +- the same: loads are known to 1e-8
@@ -227,7 +226,7 @@ def _leading_inverse_diagonal(system: LinearSystem, n: int, dynamics: Dynamics) 
         if any(b.family.compiled for b in dynamics.mechanism.batches):  # in C, where elements are
             from spacar.compiled.compiled_elements import band_inverse as by  # type: ignore[assignment]
         return inverse_diagonal(band, by)[:n]
-    found = cast("CondensedSystem", system).inverse_diagonal() if system.kind == "condensed" else None
+    found = system.inverse_diagonal()
     if found is not None:
         return found
     out = np.empty(n)

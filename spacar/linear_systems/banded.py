@@ -6,11 +6,11 @@ import numpy as np
 from scipy.linalg.lapack import dgbtrf, dgbtrs
 
 from spacar.arrays import Array, Index
-from spacar.linear_systems.linear_system import SingularMatrixError, compressed, parity
+from spacar.linear_systems.linear_system import LinearSystem, SingularMatrixError, compressed, parity
 from spacar.linear_systems.ordering import bandwidths, order
 
 
-class BandedSystem:
+class BandedSystem(LinearSystem):
     """Entry (i, j) in ranked order sits in row lower + upper + i - j, column j of the band array."""
 
     kind = "banded"
@@ -46,6 +46,10 @@ class BandedSystem:
             self._A = compressed(self.rows, self.columns, self.entries, (self.n, self.n))
         z = self.solve(b)
         return np.asarray(z + self.solve(b - self._A @ z))
+
+    @property
+    def storage(self) -> str:
+        return f"band of {self.height} diagonals"
 
     def solve_transposed(self, b: Array) -> Array:
         x, _ = dgbtrs(self.lu, self.lower, self.upper, b[self.column_order], self.pivots, trans=1)

@@ -29,7 +29,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from spacar.arrays import EPS, Array, Index
-from spacar.linear_systems.linear_system import SingularMatrixError, compressed_sum, rows_of
+from spacar.linear_systems.linear_system import LinearSystem, SingularMatrixError, compressed_sum, rows_of
 from spacar.linear_systems.sparse import SparseSystem
 from spacar.linear_systems.sparse_factors import SUFFICIENT, diagonal, narrow, refined
 
@@ -43,7 +43,7 @@ LOST = 3e-11  # the same, below which the inverse is given without refinement
 POWERS = 3  # steps of the power method for the smallest eigenvalue
 
 
-class CondensedSystem:
+class CondensedSystem(LinearSystem):
     """The first `nf` unknowns are x. Raises SingularMatrixError where constraints repeat each other."""
 
     kind = "condensed"
@@ -59,8 +59,7 @@ class CondensedSystem:
     def forget(self) -> None:
         """What depends on the entries: two of them would take twice the memory."""
         self._entries, self._mixed = np.zeros(0), False
-        self.A = self.lu = self.R = self.N = self._NT = self._G = self._K = self._V = self._SV = None
-        for name in ("pivots", "lost"):
+        for name in ("A", "lu", "R", "N", "_NT", "_G", "_K", "_V", "_SV", "pivots", "lost"):
             self.__dict__.pop(name, None)
 
     def factor(self, entries: Array) -> None:
@@ -176,13 +175,16 @@ class CondensedSystem:
             self._use_mixed(self._entries)  # the residual does not become rounding
         return self._whole.solve_transposed(b) if transposed else self._whole.solve(b)
 
-    def displacement(self, force: Array) -> Array:
-        """x (nf, k) for f = force (nf, k), g = 0: without refinement where the condensation has lost less than LOST."""
+    def displacement(self, force: Array, refined: bool = False) -> Array:
+        """Without refinement where the condensation has lost less than LOST; every `solve` is refined."""
         if not self._mixed and self.lost < LOST:
             return np.asarray(self.N @ self.lu.solve(self._NT @ force))
-        b = np.zeros((self.n, *force.shape[1:]))
-        b[: self.nf] = force
-        return self.solve(b)[: self.nf]
+        return super().displacement(force)
+
+    @property
+    def storage(self) -> str:
+        mixed = "; where its factors were not accurate, the mixed matrix" if self.was_mixed else ""
+        return f"condensed matrix{mixed}"
 
     def _direct(self, b: Array, transposed: bool = False) -> Array:
         """Not refined, with springs in the place of some constraints."""
@@ -198,8 +200,8 @@ class CondensedSystem:
         return z
 
     def inverse_diagonal(self) -> Array | None:
-        """(nf,) of the inverse, None where it takes solutions of all columns: the matrix is not symmetric, there are
-        too many springs, or the condensation has lost more than LOST."""
+        """(nf,) of the inverse; None: the matrix is not symmetric, there are too many springs, or the condensation has
+        lost more than LOST."""
         if self._mixed or len(self._sprung) > MOST_SPRINGS or not self._symmetric() or not self.lost < LOST:
             return None
         from spacar.linear_systems.selected_inverse import selected_inverse
@@ -234,7 +236,7 @@ class CondensedSystem:
         return -1.0 if negative % 2 else 1.0
 
     def negative(self) -> int | None:
-        """Negative eigenvalues of the symmetric matrix, of which none is zero; None where rounding may decide."""
+        """None where rounding may decide."""
         if self._mixed or not self._symmetric() or not self.lost < CLEAR:
             return None
         negative = int(np.count_nonzero(self.pivots < 0.0))

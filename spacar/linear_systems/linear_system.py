@@ -22,7 +22,10 @@ class SingularMatrixError(ArithmeticError):
 
 
 class LinearSystem(Protocol):
-    """Factor once, solve often. All arrays are in the caller's numbering, whatever the storage does inside."""
+    """Factor once, solve often. All arrays are in the caller's numbering, whatever the storage does inside.
+
+    What one kind of storage knows alone has a body here for the others.
+    """
 
     n: int
     kind: str
@@ -39,6 +42,33 @@ class LinearSystem(Protocol):
     def determinant_sign(self) -> float:
         """+1 or -1, of the determinant of the factored matrix in the caller's numbering."""
 
+    def refined(self, b: Array) -> Array:
+        """`solve` to all digits that the entries give; b is (n, k)."""
+        return self.solve(b)
+
+    def displacement(self, force: Array, refined: bool = False) -> Array:
+        """The first unknowns for b = (force, 0), as many as force (nf,) or (nf, k) has."""
+        b = np.zeros((self.n, *force.shape[1:]))
+        b[: len(force)] = force
+        return (self.refined if refined else self.solve)(b)[: len(force)]
+
+    def forget(self) -> None:
+        """What depends on the entries, where it is large."""
+        return
+
+    def inverse_diagonal(self) -> Array | None:
+        """The part of the first unknowns, None where it takes solutions of all columns."""
+        return None
+
+    def negative(self) -> int | None:
+        """Negative eigenvalues of the symmetric matrix, of which none is zero; None where the factors do not tell."""
+        return None
+
+    @property
+    def storage(self) -> str:
+        """How the matrix is stored and factored."""
+        return f"{self.kind} matrix"
+
 
 def parity(permutation: Index) -> float:
     """+1 for an even permutation, -1 for an odd one."""
@@ -51,7 +81,7 @@ def parity(permutation: Index) -> float:
     return sign
 
 
-class DenseSystem:
+class DenseSystem(LinearSystem):
     """Assembled by one bincount; each solve factors again, which is cheaper than a wrapper for n below about 60."""
 
     kind = "dense"

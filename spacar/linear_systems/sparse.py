@@ -12,13 +12,13 @@ from scipy.sparse import csc_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
 from spacar.arrays import EPS, Array, Index
-from spacar.linear_systems.linear_system import SingularMatrixError, parity
+from spacar.linear_systems.linear_system import LinearSystem, SingularMatrixError, parity
 from spacar.linear_systems.sparse_factors import SAFE, SYMMETRIC
 
 PIVOT = 0.1
 
 
-class SparseSystem:
+class SparseSystem(LinearSystem):
     """The compressed pattern is built once; `factor` only fills values."""
 
     kind = "sparse"

@@ -24,8 +24,16 @@ import numpy as np
 
 from spacar.arrays import EPS, Array
 from spacar.kinematics.kinematics import largest
-from spacar.linear_systems import LinearSystem, SingularMatrixError, assemble
-from spacar.linear_systems.linear_system import DENSE_LIMIT, Matrix, dense, diagonal_matrix, matrix, zero_matrix
+from spacar.linear_systems import LinearSystem, assemble
+from spacar.linear_systems.linear_system import (
+    DENSE_LIMIT,
+    DenseSystem,
+    Matrix,
+    dense,
+    diagonal_matrix,
+    matrix,
+    zero_matrix,
+)
 from spacar.linearization.coefficients import (
     geometric_stiffness,
     gradient_matrix,
@@ -56,7 +64,7 @@ class MovingTangent:
 
     @property
     def system(self) -> LinearSystem:
-        """The factors of a model that is not small: x_F first."""
+        """The factors: x_F first."""
         assert self._system is not None
         return self._system
 
@@ -64,7 +72,9 @@ class MovingTangent:
         """Form and factor the matrix. Raises SingularMatrixError when the velocities are not determined."""
         self._form(point)
         if self._small:
-            self._square = self.dense()
+            self._square = A = self.dense()
+            self._system = self._system or DenseSystem(len(A), *np.indices(A.shape).reshape(2, -1))
+            self._system.factor(A.ravel())
             return
         self._extended = A = self._assembled().tocoo()
         if self._system is None or not all(map(np.array_equal, self._places, (A.row, A.col))):
@@ -139,15 +149,10 @@ class MovingTangent:
 
     def solve(self, right: Array) -> Array:
         """Solution for right-hand sides (n,) or (n, k). Raises SingularMatrixError."""
-        n = len(right)
-        if self._system is not None:
-            b = np.zeros((self._system.n, *right.shape[1:]))
-            b[:n] = right
-            return self._system.solve(b)[:n]
-        try:
-            return np.linalg.solve(self._square, right)
-        except np.linalg.LinAlgError:
-            raise SingularMatrixError(f"matrix of order {n} is singular") from None
+        n, system = len(right), self.system
+        b = np.zeros((system.n, *right.shape[1:]))
+        b[:n] = right
+        return system.solve(b)[:n]
 
     def along(self, dx: Array) -> Array:
         """The matrix times a change dx (nx,) or (nx, k) of coordinates, (n,) or (n, k)."""
@@ -175,16 +180,15 @@ class MovingTangent:
 
     def rounding(self, z: Array) -> Array:
         """eps |matrix| |z|, (n,)."""
-        if self._system is None:
+        if self._small:
             return np.asarray(EPS * (np.abs(self._square) @ np.abs(z)))
         dx, U = np.zeros(self.q.d.numbering.nx), self.q.d.kinematics.U
         dx[self.q.F] = z[: self.q.nf]
         dv, da = self._following(dx)
-        every = np.concatenate((z, dv[U] / self.w, da[U] / self.w**2))[: self._system.n]
+        every = np.concatenate((z, dv[U] / self.w, da[U] / self.w**2))[: self.system.n]
         return np.asarray(EPS * (abs(self._extended) @ np.abs(every))[: len(z)])
 
     def sign(self) -> float:
         """Sign of the determinant of the tangent stiffness."""
         # The mixed matrix has one negative eigenvalue more for every stress.
-        found = np.linalg.slogdet(self._square)[0] if self._system is None else self._system.determinant_sign()
-        return float(found) * (-1.0) ** self.q.ne
+        return self.system.determinant_sign() * (-1.0) ** self.q.ne

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -15,9 +14,6 @@ from spacar.linearization.coefficients import geometric_blocks
 from spacar.stationary.definite import DefiniteStiffness
 from spacar.stationary.stationary_equations import Iterate
 from spacar.stationary.tangent import STATIC, SparseTangent, TangentTerm
-
-if TYPE_CHECKING:
-    from spacar.linear_systems.condensed import CondensedSystem
 
 SYMMETRIC = 1e-12  # relative: rounding of the element blocks
 
@@ -115,7 +111,7 @@ class RestingTangent:
             self.factor(point)
         except SingularMatrixError:
             return None
-        return cast("CondensedSystem", self.system).negative()
+        return self.system.negative()
 
     def sign(self) -> float:
         """Sign of the determinant of the tangent stiffness."""

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -34,10 +34,6 @@ from spacar.stationary.flexibility import Flexibility, squares
 from spacar.stationary.loading import is_tube
 from spacar.stationary.stationary_equations import require_digits
 
-if TYPE_CHECKING:
-    from spacar.linear_systems.banded import BandedSystem
-    from spacar.linear_systems.condensed import CondensedSystem
-    from spacar.linear_systems.sparse import SparseSystem
 NONE = np.zeros(0)
 STATIC = {"geometric": 1.0, "load": 1.0, "moment": 1.0}
 
@@ -167,12 +163,11 @@ class SparseTangent:
     def forget_factors(self, names: tuple[str, ...] = ("none",)) -> None:
         """Of all systems but the one of these parts."""
         for other in [other for other in self._systems if other != names]:
-            system = self._systems[other]
             if other != tuple(STATIC):  # of which the storage is asked for
                 del self._systems[other]
                 self._patterns.pop(other, None)
-            elif system.kind == "condensed":
-                cast("CondensedSystem", system).forget()
+            else:
+                self._systems[other].forget()
 
     def entries(self, weights: dict[str, float], stiffness: float = 1.0, damping: float = 0.0) -> tuple[Array, float]:
         """Entries at the present configuration, and the typical stiffness by which the rows of e are multiplied."""
@@ -191,12 +186,7 @@ class SparseTangent:
     @property
     def storage(self) -> str:
         """How its matrices are stored and factored."""
-        system = self.system()
-        if system.kind == "banded":
-            return f"band of {cast('BandedSystem', system).height} diagonals"
-        if system.kind == "condensed" and cast("CondensedSystem", system).was_mixed:
-            return "condensed matrix; where its factors were not accurate, the mixed matrix"
-        return f"{system.kind} matrix"
+        return self.system().storage
 
     def displacement(self, system: LinearSystem, force: Array, refined: bool = False) -> Array:
         """Coordinates (nx,) or (nx, k) that the force (nx,) or (nx, k) on F produces, the constraint rows kept.
@@ -204,23 +194,18 @@ class SparseTangent:
         `refined`: to all digits that the entries give, also in band storage; the force is (nx, k).
         """
         x = np.zeros_like(force)
-        if system.kind == "condensed":
-            x[self.F] = cast("CondensedSystem", system).displacement(force[self.F])
-            return x
-        b = np.zeros((self.nf + self.ne, *force.shape[1:]))
-        b[: self.nf] = force[self.F]
-        solve = cast("BandedSystem", system).refined if refined and system.kind == "banded" else system.solve
-        x[self.F] = solve(b)[: self.nf]
+        x[self.F] = system.displacement(force[self.F], refined)
         return x
 
     def static_matrix(self) -> Any:
         """The mixed matrix of the static problem, in compressed columns."""
+        from spacar.linear_systems.condensed import CondensedSystem
         from spacar.linear_systems.sparse import SparseSystem
 
         system = self.system()
-        if system.kind in ("dense", "banded"):
+        if not isinstance(system, SparseSystem | CondensedSystem):
             system = SparseSystem(system.n, *self.pattern(tuple(STATIC)))
-        return cast("SparseSystem | CondensedSystem", system).assembled(self.entries(STATIC)[0])
+        return system.assembled(self.entries(STATIC)[0])
 
     def mass_matrix(self) -> Any:
         """The mass matrix, of the same order."""
