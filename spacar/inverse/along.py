@@ -29,7 +29,7 @@ from spacar.forward.accepted_steps import at_time
 from spacar.frame import Frame
 from spacar.inverse.nominal import Nominal, NominalDrive
 from spacar.inverse.ports import ACCELERATIONS, NominalInputs, Ports, rigidified
-from spacar.inverse.trajectory import Leg, groups, loaded
+from spacar.inverse.trajectory import groups, loaded, named
 from spacar.kinematics.constraint_condition import condition_number
 from spacar.linear import form
 from spacar.linear.state_space import state_space
@@ -88,9 +88,10 @@ class Along:
             )
         self.mechanism = mechanism
         self.levels = _at_levels(mechanism, nominal) if nominal.stationary else []
-        legs = [] if nominal.stationary else _legs(mechanism)
-        self.legs = [loaded(mechanism, leg) for leg in legs]
-        self.ends = np.cumsum([leg.duration for leg in legs])
+        # Trajectories of this file, for their times and extra loads (TRM, TRF): nothing moves along them here.
+        legs = [] if nominal.stationary else [statements for _, statements in groups(mechanism.deck)]
+        self.legs = [loaded(mechanism, statements) for statements in legs]
+        self.ends = np.cumsum([named(statements, "TRTIME")[0].real(0) for statements in legs])
         self.models: dict[int, Dynamics] = {}
         self.dynamics = self._dynamics(0)
         self.difference = (0.0, 0.0)
@@ -98,14 +99,13 @@ class Along:
     def header(self) -> dict[str, Any]:
         """Sizes of the ltv file (files.md section 6). NRBM counts the degrees of freedom that are not rigidified."""
         ndof, second = self.mechanism.numbering.ndof, self.ports.second_order[: 0 if self.sparse else None]
-        sizes: dict[str, Any] = {
+        q = self.mechanism.numbering.q_names
+        return {
             "NNOM": len(self.ports.inputs), "NX": 2 * ndof, "NU": len(self.signals), "NY": len(self.outputs),
             "NRBM": ndof - len(self.rigid), "DFT": 0, "X0": np.zeros(2 * ndof), "NYS": len(second),
+            "states": [*q, *(f"d/dt {name}" for name in q)], "inputs": [s.name for s in self.signals],
+            "outputs": [s.name for s in self.ports.outputs], **({"NYSI": second + 1} if len(second) else {}),
         }  # fmt: skip
-        q = self.mechanism.numbering.q_names
-        sizes |= {"states": [*q, *(f"d/dt {name}" for name in q)]}
-        sizes |= {"inputs": [s.name for s in self.signals], "outputs": [s.name for s in self.ports.outputs]}
-        return sizes | ({"NYSI": second + 1} if len(second) else {})
 
     def frame(self, k: int) -> Frame:
         """Step k (from 0): nominal frame, matrices, state space, set-points.
@@ -209,20 +209,19 @@ class Along:
         """`linearize` or `coefficients` over all degrees of freedom, with the nominal inputs as stresses and forces."""
         n = self.mechanism.numbering
         loads = dynamics.loads
-        law = self._elastic(loads)
+        law, usual = self._elastic(loads), dynamics.model
         force = np.zeros(n.nx)
         for signal, value in zip(self.signals[: len(u0)], u0, strict=True):
             if signal.kind == "INPUTF":
                 force[signal.index] += value
-        if not force.any():
-            return what(dynamics, frame.xdd, frame.sig, law=law, t=frame.t)
-        usual = dynamics.model
-        pushed = replace(loads, force=loads.force + force)
-        dynamics.use(LoadedMechanism.of(dynamics.mechanism, pushed, dynamics.drive))
+        if force.any():
+            pushed = replace(loads, force=loads.force + force)
+            dynamics.use(LoadedMechanism.of(dynamics.mechanism, pushed, dynamics.drive))
         try:
             return what(dynamics, frame.xdd, frame.sig, law=law, t=frame.t)
         finally:
-            dynamics.use(usual)
+            if dynamics.model is not usual:
+                dynamics.use(usual)
 
     def _elastic(self, loads: Loads) -> StressLaw:
         return StressLaw.of(self.mechanism, loads, first=self.mechanism.numbering.e_class["input"].start)
@@ -258,12 +257,3 @@ def _at_levels(mechanism: Mechanism, nominal: Nominal) -> list[Mechanism]:
         )
     loads = [loads_at(mechanism, level) for level in levels]
     return [with_flow(replace(mechanism, loads=each), each) for each in loads]
-
-
-def _legs(mechanism: Mechanism) -> list[Leg]:
-    """Trajectories of this file, for their times and extra loads (TRM, TRF): nothing moves along them here."""
-    found = []
-    for number, statements in groups(mechanism.deck):
-        duration = next(s.real(0) for s in statements if s.keyword == "TRTIME")
-        found.append(Leg(number, statements, 0.0, duration, 0, NO_STATE, NO_STATE))
-    return found

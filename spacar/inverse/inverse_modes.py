@@ -6,15 +6,12 @@ Theory: theory-system.md section 7.
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-import numpy as np
-
-from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.errors import UsageError
 from spacar.forward.accepted_steps import at_time
 from spacar.frame import Frame
-from spacar.inverse.along import Along
+from spacar.inverse.along import NO_STATE, Along
 from spacar.inverse.nominal import Nominal, check_same_mechanism
 from spacar.inverse.ports import NominalInputs, Ports, rigidified
 from spacar.inverse.trajectory import TrajectoryProgram, loaded, program
@@ -22,8 +19,6 @@ from spacar.kinematics.constraint_condition import condition_number
 from spacar.kinematics.transfer import TransferOutput
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stream import Run
-
-NO_STATE: Array = np.zeros(0)
 
 
 def inverse(run: Run) -> Iterator[Sequence[Frame]]:
@@ -100,20 +95,15 @@ def _placed(work: TrajectoryProgram, mechanism: Mechanism) -> Iterator[tuple[Dyn
 
     A trajectory with extra loads has an evaluator of its own.
     """
-    dynamics, here = None, -1
-    plain: Dynamics | None = None
+    plain = dynamics = Dynamics(replace(mechanism, drive=work.drive))
+    here = -1
     for t, leg in work.times():
         if leg != here:
-            model, before, here = loaded(mechanism, work.legs[leg]), dynamics, leg
-            if model is mechanism and plain is not None:
-                dynamics = plain
-            else:
-                dynamics = Dynamics(replace(model, drive=work.drive))
-                plain = dynamics if model is mechanism else plain
-            if before is not None and before is not dynamics:
+            model, before, here = loaded(mechanism, work.legs[leg].statements), dynamics, leg
+            dynamics = plain if model is mechanism else Dynamics(replace(model, drive=work.drive))
+            if t > 0.0 and before is not dynamics:
                 dynamics.kinematics.start_from(before.kinematics)
                 dynamics.kinematics.position(before.kinematics.x, before.kinematics.e_given)
-        assert dynamics is not None
         if t == 0.0:
             dynamics.kinematics.move(*dynamics.given(work.drive.at(t), NO_STATE))
         yield dynamics, t

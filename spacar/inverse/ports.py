@@ -32,7 +32,6 @@ from spacar.linearization.signals import DRIVING_SIGN, Signal, signals
 from spacar.mechanism.mechanism import Mechanism
 
 NOMINAL_KINDS = ("NOMS", "NOMF")
-REFERENCE_KINDS = ("REFE", "REFEP", "REFEDP", "REFX", "REFXP", "REFXDP", "REFES", "REFXS")
 VARIABLE = {
     "REFE": "e", "REFEP": "ed", "REFEDP": "edd", "REFES": "e",
     "REFX": "x", "REFXP": "xd", "REFXDP": "xdd", "REFXS": "x",
@@ -51,7 +50,7 @@ class Ports(NamedTuple):
     @classmethod
     def of(cls, mechanism: Mechanism) -> "Ports":
         """Signals of the third block of a deck of mode 2 or 3."""
-        return cls(tuple(signals(mechanism, NOMINAL_KINDS)), tuple(signals(mechanism, REFERENCE_KINDS)))
+        return cls(tuple(signals(mechanism, NOMINAL_KINDS)), tuple(signals(mechanism, tuple(VARIABLE))))
 
     def reference(self, frame: Frame) -> Array:
         return np.array([getattr(frame, VARIABLE[s.kind])[s.index] for s in self.outputs])
@@ -84,22 +83,21 @@ class NominalInputs:
     """
 
     def __init__(self, ports: Ports, mechanism: Mechanism, report: Report, rigid: Index, elastic: bool = False) -> None:
-        n = mechanism.numbering
+        n, given = mechanism.numbering, mechanism.numbering.e_class["input"]
         self.ports, self.report = ports, report
         self.residual = (0.0, 0.0)  # largest one, and when
         self.rigid = rigid
-        self.S = np.array([s.index for s in ports.inputs if s.kind == "NOMS"], np.int64)
-        self.F = np.array([s.index for s in ports.inputs if s.kind == "NOMF"], np.int64)
-        self.law = StressLaw.of(mechanism, mechanism.loads, first=n.e_class["input"].start)
-        self.prescribed = int(n.nep[2])
-        self.elastic = np.zeros(n.ne, bool)
-        self.elastic[n.e_class["input"].stop :] = True
+        self.S, self.F = (
+            np.array([s.index for s in ports.inputs if s.kind == kind], np.int64) for kind in NOMINAL_KINDS
+        )
+        self.law = StressLaw.of(mechanism, mechanism.loads, first=given.start)
+        self.elastic = np.arange(n.ne) >= given.stop
         self.elastic[self.S] = True
         self.elastic[self.rigid] = True
-        self.elastic[n.e_class["input"]] |= elastic
+        self.elastic[given] |= elastic
         self.mechanism = mechanism
         self.by_level = elastic  # the preload grows with the load steps
-        held = int(n.nxp[2] + n.nxp[3]) + self.rigid - n.e_class["input"].start  # among all degrees of freedom
+        held = int(n.nxp[2] + n.nxp[3]) + self.rigid - given.start  # among all degrees of freedom
         self.held, self.free = held, np.setdiff1d(np.arange(n.ndof), held)
         if len(ports.inputs) > (free := len(self.free)):
             report.add(
@@ -112,7 +110,7 @@ class NominalInputs:
         if not (self.ports.inputs or len(self.rigid)):
             return np.zeros(0), np.zeros(0)
         sweep = dynamics.sweep
-        given, e = slice(self.law.first, self.law.first + self.prescribed), frame.e.copy()
+        given, e = dynamics.numbering.e_class["input"], frame.e.copy()
         e[given] = dynamics.kinematics.e_given[given]  # exact; e of the frame has the error of the position
         law = self.law
         if self.by_level:

@@ -34,14 +34,13 @@ UNMOVED = 1e-9  # of the size: a fixed coordinate that a path names with the dig
 class Leg(NamedTuple):
     """One trajectory: its statements, when it starts and how long it takes [s], its output steps, what moves in it."""
 
-    number: int
     statements: tuple[Statement, ...]
     start: float
     duration: float
     steps: int
     x: Array  # prescribed coordinates at its start
     e: Array  # prescribed deformations at its start
-    moves: tuple[tuple[Profile, Path, bool], ...] = ()  # whether along deformations
+    moves: tuple[tuple[Profile, Path, bool], ...]  # whether along deformations
 
     def at(self, t: float) -> DriveState:
         x, e = np.zeros((3, len(self.x))), np.zeros((3, len(self.e)))
@@ -50,9 +49,6 @@ class Leg(NamedTuple):
             target = e if of_elements else x
             target[:, path.rows] = path.at(*profile.at(t))
         return DriveState(*x, *e)
-
-    def of(self, *keywords: str) -> list[Statement]:
-        return [s for s in self.statements if s.keyword in keywords]
 
 
 class TrajectoryDrive(NamedTuple):
@@ -128,6 +124,11 @@ def groups(deck: Deck) -> list[tuple[int, tuple[Statement, ...]]]:
     return [(number, tuple(statements)) for number, statements in found]
 
 
+def named(statements: tuple[Statement, ...], *keywords: str) -> list[Statement]:
+    """Those of a trajectory with these keywords."""
+    return [s for s in statements if s.keyword in keywords]
+
+
 def _user_drive(mechanism: Mechanism, statement: Statement, leg: Leg) -> Drive:
     from spacar.mechanism.user_functions import UserDrive
 
@@ -141,20 +142,19 @@ def _leg(
     mechanism: Mechanism, report: Report, number: int, statements: tuple[Statement, ...], begin: float, x: Array,
     e: Array,
 ) -> Leg:  # fmt: skip
-    values = next(s for s in statements if s.keyword == "TRTIME").values
+    values = named(statements, "TRTIME")[0].values
     duration, steps = float(values[0]), int(np.prod([int(v) for v in values[1:]]))
-    leg = Leg(number, statements, begin, duration, steps, x, e)
-    speeds = {(s.keyword, s.integer(0)): s for s in leg.of("TRVMAX", "TREPMAX")}
-    fronts = {s.integer(0): int(s.real(1)) for s in leg.of("TRFRONT")}
+    speeds = {(s.keyword, s.integer(0)): s for s in named(statements, "TRVMAX", "TREPMAX")}
+    fronts = {s.integer(0): int(s.real(1)) for s in named(statements, "TRFRONT")}
     moves = []
-    for s in leg.of(*PATHS):
+    for s in named(statements, *PATHS):
         path = _path(mechanism, s, x, e)
         given = speeds.get(("TREPMAX" if s.keyword == "TRE" else "TRVMAX", s.integer(0)))
         if path.length == 0.0 and given is not None:
             report.add(f"trajectory {number}: {s.subject} does not move, so {given.subject} is not used")
         profile = _profile(mechanism.deck, path.length, duration, s, given, fronts.get(s.integer(0), 0))
         moves.append((profile, path, s.keyword == "TRE"))
-    return leg._replace(moves=tuple(moves))
+    return Leg(statements, begin, duration, steps, x, e, tuple(moves))
 
 
 def _profile(
@@ -224,11 +224,11 @@ def _refused(deck: Deck, statement: Statement, text: str, code: str) -> InputErr
     return InputError([deck.message("error", statement, text, code=code)])
 
 
-def loaded(mechanism: Mechanism, leg: Leg) -> Mechanism:
+def loaded(mechanism: Mechanism, statements: tuple[Statement, ...]) -> Mechanism:
     """The mechanism with the extra masses and forces of a trajectory; the same object when there are none."""
     n = mechanism.numbering
     extra: list[Batch] = []
-    for s in leg.of("TRM"):
+    for s in named(statements, "TRM"):
         node = s.integer(0)
         rows = n.lnp[node - 1, : int(np.count_nonzero(n.lnp[node - 1]))] - 1
         family: Any
@@ -239,7 +239,7 @@ def loaded(mechanism: Mechanism, leg: Leg) -> Mechanism:
             family = LumpedMass(np.full(len(rows), node), np.full(len(rows), s.real(1)))
             extra.append(Batch(family, rows[None, :], np.zeros((0, len(rows)), np.int64)))
     force = np.zeros(n.nx)
-    for s in leg.of("TRF"):
+    for s in named(statements, "TRF"):
         for coordinate, value in enumerate(s.values[1:], 1):
             force[n.x_index(s.integer(0), coordinate)] += float(value)
     if not extra and not force.any():
