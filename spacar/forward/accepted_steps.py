@@ -6,6 +6,7 @@ points. Remembered are the steps from which outputs are placed and to which reje
 
 from collections import deque
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import NoReturn
 
 import numpy as np
@@ -42,13 +43,14 @@ def fail_at(t: float, error: AnalysisError) -> NoReturn:
     raise AnalysisError(f"at t = {t:.9g}: {error}", error.code, t=t, **error.data) from error
 
 
+@dataclass(frozen=True)
 class SingularityMonitor:
     """Half turns of nodes, the charts of those that may pass them, and the continuity of the motion at dead points."""
 
-    def __init__(
-        self, evaluator: Evaluator, half_turns: HalfTurns, continuity: Continuity | None, charts: ChartWatch | None
-    ) -> None:
-        self.evaluator, self.half_turns, self.continuity, self.charts = evaluator, half_turns, continuity, charts
+    evaluator: Evaluator
+    half_turns: HalfTurns
+    continuity: Continuity | None
+    charts: ChartWatch | None
 
     def __call__(self, t: float, y: Array) -> None:
         if self.charts is not None:
@@ -63,28 +65,6 @@ class SingularityMonitor:
                 Limits(self.evaluator, Report()).check(self.evaluator, at_time(self.evaluator, t, y))
                 self.half_turns.check(t, self.evaluator.placement().x, CAUSE)
                 fail_at(t, error)
-
-    @property
-    def look(self) -> int:
-        """Which of many steps are looked at closer, see `spacar.forward.continuity`."""
-        if self.half_turns.nodes or self.charts is not None:
-            return ALWAYS
-        if self.continuity is None:
-            return NEVER
-        return AT_DETERMINANTS if self.continuity.matrix.has_determinant else AT_VELOCITIES
-
-    def closer(
-        self, t: float, y: Array, peak: float, before: list[Accepted] | None
-    ) -> tuple[float, bool, Accepted | None]:
-        """Look at an accepted step after those `before` it, see `StepMonitor`."""
-        c = self.continuity
-        if c is not None and before is not None:
-            c.resume(before, peak)
-        self(t, y)
-        if c is None:
-            return peak, False, None
-        seen = c.steps[-1] if c.steps and not (before and c.steps[-1] is before[-1]) else None
-        return c.peak, c.entered is not None, seen
 
 
 def singularity_monitor(
@@ -136,12 +116,26 @@ class StepHistory:
 
     @property
     def look(self) -> int:
-        return NEVER if self.watch is None else self.watch.look
+        """Which of them are looked at closer, see `spacar.forward.continuity`."""
+        watch, c = self.watch, self.continuity
+        if watch is not None and (watch.half_turns.nodes or watch.charts is not None):
+            return ALWAYS
+        if c is None:
+            return NEVER
+        return AT_DETERMINANTS if c.matrix.has_determinant else AT_VELOCITIES
 
     def closer(
         self, t: float, y: Array, peak: float, before: list[Accepted] | None
     ) -> tuple[float, bool, Accepted | None]:
-        return (peak, False, None) if self.watch is None else self.watch.closer(t, y, peak, before)
+        c = self.continuity
+        if c is not None and before is not None:
+            c.resume(before, peak)
+        if self.watch is not None:
+            self.watch(t, y)
+        if c is None:
+            return peak, False, None
+        seen = c.steps[-1] if c.steps and not (before and c.steps[-1] is before[-1]) else None
+        return c.peak, c.entered is not None, seen
 
     def passed(self, last: Callable[[int], list[Accepted]]) -> None:
         """Steps have been made; `last(k)` gives the last k of them."""

@@ -59,7 +59,6 @@ from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spacar.arrays import EPS, Array
 from spacar.dynamics.array_evaluator import Dynamics
@@ -85,9 +84,8 @@ class Continuity:
     `resolved`: steps follow every vibration, so that accelerations tell what happens within them."""
 
     def __init__(
-        self, evaluator: Evaluator, matrix: PositionMatrix, report: Report, errors: tuple[float, float],
-        resolved: bool = True,
-    ) -> None:  # fmt: skip
+        self, evaluator: Evaluator, matrix: PositionMatrix, report: Report, errors: tuple[float, float], resolved: bool
+    ) -> None:
         self.evaluator, self.matrix, self.report, self.errors = evaluator, matrix, report, errors
         self.resolved = resolved
         self.scale = evaluator.model.mechanism.scale
@@ -155,7 +153,7 @@ class Continuity:
         assert self.entered is not None
         a, t = self.entered
         if closer.near(now):
-            if strayed(a.at, now.at, self.scale).any():
+            if strayed(a.at, now.at, self.scale):
                 raise _stopped(t, "the motion was stopped or turned instead of passing it")
             if closer.stands([*self.steps][-STANDING:]):
                 raise _stopped(t, "the motion comes to stand, where positions are not determined to rounding")
@@ -229,12 +227,13 @@ def goes_far(a: Moving, b: Moving, scale: Array) -> bool:
     return bool((b.t - a.t) * fastest > FAR_APART)
 
 
-def strayed(a: Moving, b: Moving, scale: Array) -> NDArray[np.bool_]:
-    """Coordinates whose way from a to b is not that of their velocity at a, even with MORE times their acceleration."""
+def strayed(a: Moving, b: Moving, scale: Array) -> bool:
+    """Is there a coordinate whose way from a to b is not that of its velocity at a, even with MORE times its
+    acceleration?"""
     h = b.t - a.t
     way = h * np.abs(a.xd)
     noise = NOISE * scale * (way / scale).max(initial=0.0)
-    return np.asarray(np.abs(b.x - a.x - h * a.xd) > MORE * h * h * np.abs(a.xdd) + 0.5 * way + noise)
+    return bool((np.abs(b.x - a.x - h * a.xd) > MORE * h * h * np.abs(a.xdd) + 0.5 * way + noise).any())
 
 
 class Fold(NamedTuple):
@@ -251,7 +250,7 @@ class Fold(NamedTuple):
 class Closer:
     """Looks at steps with a NumPy evaluator of its own. Its checks raise AnalysisError."""
 
-    def __init__(self, dynamics: Dynamics, atol: float, rtol: float, resolved: bool = True) -> None:
+    def __init__(self, dynamics: Dynamics, atol: float, rtol: float, resolved: bool) -> None:
         self.d, self.atol, self.rtol, self.resolved = dynamics, atol, rtol, resolved
         self.scale = dynamics.mechanism.scale
         self.found: dict[int, tuple[Accepted, Fold]] = {}

@@ -43,7 +43,8 @@ def displaced(evaluator: Evaluator) -> Array | None:
     n, k = mechanism.numbering, evaluator.numpy_evaluator().kinematics
     first = n.e_class["dynamic"].start
     g = np.ones(len(most))
-    known = _by_columns(k, first + columns) if len(columns) <= BLOCK else _by_rows(k, first + columns)
+    few = len(columns) <= BLOCK
+    known = _moved(k, first + columns).max(axis=0) if few else _by_rows(k, first + columns)
     g[columns] = np.clip(known, 1.0, most[columns])
     x = np.ones(int(n.nxp[3]))
     return np.concatenate((x, g, np.ones(n.nk), x, g))
@@ -55,10 +56,6 @@ def _moved(k: Kinematics, deformations: Index) -> Array:
     rate = np.zeros((n.ne, len(deformations)))
     rate[deformations, np.arange(len(deformations))] = 1.0
     return np.abs(k.dependent(np.zeros((n.nx, len(deformations))), rate)[n.positions.ravel()])
-
-
-def _by_columns(k: Kinematics, deformations: Index) -> Array:
-    return np.asarray(_moved(k, deformations).max(axis=0))
 
 
 def _by_rows(k: Kinematics, deformations: Index) -> Array:

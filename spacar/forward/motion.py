@@ -29,8 +29,7 @@ from spacar.stream import Run
 
 OWN = 1e-6  # |lambda0| of a node below which its degrees of freedom have no digits: eps/lambda0^2 = 2e-4
 DEGREES_LOSE = 1e-4  # below it what is linear in them is known to less than the usual ERROR, 2e-8
-LENGTHS, ROTATIONS = "lengths", "rotations"
-UNITS = {LENGTHS: "m", ROTATIONS: "rad"}
+UNITS = {"lengths": "m", "rotations": "rad"}
 LARGEST = 0.01  # ERROR over the largest motion of its kind, above which the run is warned of
 ROUNDED = 1e4 * EPS  # of the size of the model, or of a radian
 
@@ -228,7 +227,7 @@ class Extent:
         is_position[n.positions] = True
         found = {}
         for kind, size, own_x, own_e in (
-            (LENGTHS, mechanism.length, is_position, is_length), (ROTATIONS, 1.0, ~is_position, ~is_length),
+            ("lengths", mechanism.length, is_position, is_length), ("rotations", 1.0, ~is_position, ~is_length),
         ):  # fmt: skip
             if own_x[of_x:].any() or own_e.any():
                 most = max(float(x[own_x].max(initial=0.0)), float(e[own_e].max(initial=0.0)))
