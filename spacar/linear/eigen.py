@@ -21,7 +21,7 @@ from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
 from spacar.linear.graded import TEN_DIGITS, Factors, eigenvalues, graded_modes, keeps_digits
 from spacar.linear_systems import DENSE_LIMIT
-from spacar.linearization.matrices import MASSLESS, Linearization, assembled_state_matrix, require_mass, selected
+from spacar.linearization.matrices import MASSLESS, Linearization, assembled_state_matrix, require_mass, scaled_solution
 
 FindFactors = Callable[[], Factors | None]
 SYMMETRIC = 1e-9  # relative asymmetry below which a matrix counts as symmetric (rounding of assembled sums)
@@ -95,15 +95,13 @@ def vibration_modes(
     `static` are degrees of freedom that may have no inertia: those without mass and damping follow the others by
     K alone, and only the finite eigenvalues are returned (theory-warping.md section 1).
     """
-    M, C, K = selected(L.m0, q, q), selected(L.damping, q, q), selected(L.stiffness, q, s)
+    M, C, K, ak0, bk0 = L.chosen(q, s)
     if static is not None and len(static) and np.array_equal(q, s):
         still = np.isin(q, static) & ~M.any(axis=1) & ~C.any(axis=1) & ~C.any(axis=0)
         if still.any():
             return _condensed(M, C, K, still, report)
     require_mass(L, q)
-    return modes_of_matrices(
-        M, C, K, selected(L.ak0, s, q), selected(L.bk0, s, s), report, wanted, lambda: Factors.of_linearization(L, q)
-    )
+    return modes_of_matrices(M, C, K, ak0, bk0, report, wanted, lambda: Factors.of_linearization(L, q))
 
 
 def _condensed(M: Array, C: Array, K: Array, still: NDArray[np.bool_], report: Report) -> Modes:
@@ -163,7 +161,7 @@ def _with_low_modes_of_the_inverse(
     d = 1.0 / np.sqrt(np.abs(np.diag(K)) + low**2 * np.diag(M))
     inverse = np.zeros((2 * n, 2 * n))
     try:
-        inverse[:n] = -np.linalg.solve(K * np.outer(d, d), np.hstack((C, M)) * d[:, None]) * d[:, None]
+        inverse[:n] = -scaled_solution(K, np.hstack((C, M)), d)
     except np.linalg.LinAlgError:
         return values, vectors
     inverse[n:, :n] = np.eye(n)
@@ -353,7 +351,7 @@ def polished(K: Array, M: Array, squares: Array, shapes: Array) -> tuple[Array, 
     d = 1.0 / np.sqrt(np.maximum(np.abs(K.diagonal()) + s2 * M.diagonal(), 1e-300))
     F = M @ shapes[:, low]
     try:
-        Y = np.linalg.solve(Q * (d[:, None] * d), F * d[:, None]) * d[:, None]
+        Y = scaled_solution(Q, F, d)
         size = np.sqrt(np.abs(squares[low]) + s2)
         Y, F = Y * size, F * size
         energy, work = F.T @ Y, Y.T @ (M @ Y)

@@ -10,7 +10,6 @@ from spacar.arrays import EPS
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
 from spacar.dynamics.mass_check import linearized_doubt, require_regular_mass
-from spacar.dynamics.motion_equations import Accelerations
 from spacar.dynamics.saddle_point import SaddlePoint
 from spacar.errors import AnalysisError
 from spacar.forward.motion import motion
@@ -55,7 +54,6 @@ def forward(run: Run) -> Iterator[Sequence[Frame]]:
             yield (frame,)
             continue
         L = linearize(dynamics, frame.xdd, frame.sig, t=frame.t)
-        frame.lost = {**frame.lost, **_doubts(L)}
         _store_matrices(frame, L, dynamics)
         store.add(frame, L, dynamics)
         yield (output.add(frame, dynamics.kinematics, L.transfer),)
@@ -141,11 +139,10 @@ def stationary(
             run.header["condition"] = condition_number(dynamics.kinematics)
             say_lost_digits(run, reduced or descriptor)
         limits = limits or Limits(dynamics, run.report)
-        found = Accelerations(state.xdd, state.sigma, state.convective)
-        frame = dynamics.complete(float(stored), found, dynamics.forces.inertia(dynamics.sweep, dynamics.xd))
+        frame = solver.frame(stored)
         limits.check_elements(dynamics, frame)
         singular = _is_dead_point(run, solver, level, frame.t, store is None)
-        frame.statistics = {"iterations": iterations, "residual": state.norm}
+        frame.statistics = {"iterations": iterations, "residual": solver.residual}
         tangent = L = linear = None
         if reduced or singular or (descriptor and solver.sparse):
             tangent = solver.sparse_tangent()
@@ -167,7 +164,6 @@ def stationary(
             L = linearize(dynamics, state.xdd, state.sigma)
             if solver.moving and n.holonomic:
                 require_steady(L, dynamics, solver.y, level, run.report)
-            frame.lost = {**frame.lost, **_doubts(L)}
             _store_matrices(frame, L, dynamics)
             frame = output.add(frame, dynamics.kinematics, L.transfer)
         of_stiffness = solver if moving and not solver.resting else None
@@ -221,13 +217,11 @@ def _is_dead_point(run: Run, solver: StationarySolver, level: LoadLevel, t: floa
     return True
 
 
-def _doubts(L: Linearization) -> dict[int, str]:
-    """Sentences about derivatives that a user function states, for `Frame.lost`, where rows of e are not negative."""
-    return {-1 - i: sentence for i, sentence in enumerate(L.c.user.doubts if L.c.user else ())}
-
-
 def _store_matrices(frame: Frame, L: Linearization | None, dynamics: Dynamics) -> None:
-    """Of no L: nan."""
+    """Of no L: nan. And sentences about derivatives that a user function states, in `lost`, where rows of e are not
+    negative."""
+    if L is not None and L.c.user:
+        frame.lost = frame.lost | {-1 - i: sentence for i, sentence in enumerate(L.c.user.doubts)}
     q, s = chosen_rows(dynamics.numbering)
     if not len(q):
         return

@@ -89,14 +89,14 @@ def _unit(size: int, signals: Sequence[Signal], kind: str) -> Array:
     return E
 
 
-def _prescribed(dynamics: Dynamics, inputs: Sequence[Signal]) -> tuple[Array, Array, Array]:
-    """P0, P1, P2: (ndof, number of inputs) each."""
+def _prescribed(dynamics: Dynamics, inputs: Sequence[Signal]) -> Array:
+    """P0, P1, P2: (3, ndof, number of inputs)."""
     n = dynamics.numbering
-    P = tuple(np.zeros((n.ndof, len(inputs))) for _ in range(3))
+    P = np.zeros((3, n.ndof, len(inputs)))
     for j, signal in enumerate(inputs):
         if signal.kind in ORDER:
-            P[ORDER[signal.kind]][prescribed_row(n, signal), j] = 1.0
-    return P  # type: ignore[return-value]
+            P[ORDER[signal.kind], prescribed_row(n, signal), j] = 1.0
+    return P
 
 
 def _reactions(

@@ -107,7 +107,7 @@ def _later(dynamics: Dynamics, y: Array, t: float) -> tuple[Linearization, Array
     is missing there for the same degrees of freedom. Raises AnalysisError or SingularMatrixError out of reach."""
     n = dynamics.numbering
     drive = dynamics.drive.at(0.0)
-    x, xd, xdd = (np.zeros(n.nx) for _ in range(3))
+    x, xd, xdd = np.zeros((3, n.nx))
     places = n.x_class["input"]
     x[places], xd[places] = drive.x + t * drive.xd, drive.xd
     if len(n.turning):

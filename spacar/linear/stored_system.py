@@ -94,16 +94,15 @@ class StoredSystem:
         """A, B, C, D and the matrices of the same equations."""
         ss = state_space(dynamics, L, self.inputs, self.outputs)
         q, s = chosen_rows(dynamics.numbering)
+        M, C, K, *_ = L.chosen(q, s)
         if self.inputs and len(q):
-            n = dynamics.numbering
-            frame.matrices["b0"] = (L.m0[np.ix_(q, q)] @ ss.B[len(s) :]).reshape(n.nddof, len(self.inputs))
+            frame.matrices["b0"] = (M @ ss.B[len(s) :]).reshape(len(q), len(self.inputs))
         store = frame.state_space
         store["A"], store["B"], store["C"] = ss.A, ss.B, ss.C
         if has_feedthrough(self.inputs, self.outputs):
             store["D"] = ss.D
         if len(q):
-            store["m0"], store["c0b"] = L.m0[np.ix_(q, q)], L.damping[np.ix_(q, q)]
-            store["k0b"] = L.stiffness[np.ix_(q, s)]
+            store["m0"], store["c0b"], store["k0b"] = M, C, K
         self.idle.see(dynamics, L)
 
 

@@ -162,12 +162,10 @@ def coefficients(
         user_x = diagonal_matrix(user.force_k)
         load_x = load_x - user_x - (by.of("f", "x") + by.of("f", "e") @ V + by.of("f", "ed") @ rate_x)
         user_v = -(by.of("f", "xd") + by.of("f", "ed") @ V)
+    inertia_x, inertia_v, geometric = scatter(n.nx, by_x), scatter(n.nx, by_v), geometric_stiffness(sweep, stress)
     return Coefficients(
-        V=V, M=M, rate_x=rate_x, second_v=second_v, second_x=second_x,
-        inertia_x=scatter(n.nx, by_x), inertia_v=scatter(n.nx, by_v),
-        geometric=geometric_stiffness(sweep, stress), load_x=load_x,
-        user_x=user_x, user_v=user_v, S=S, Sd=Sd, deformation_inertia=Me, stress_x=stress_x, stress_v=stress_v,
-        sigma=sigma, moving=moving, user=by,
+        V, M, rate_x, second_v, second_x, inertia_x, inertia_v, geometric, load_x, user_x, user_v, S, Sd, Me, stress_x,
+        stress_v, sigma, moving, by,
     )  # fmt: skip
 
 

@@ -80,6 +80,11 @@ class Linearization:
     def damping(self) -> Array:
         return self.c0 + self.d0
 
+    def chosen(self, q: Index, s: Index) -> tuple[Array, Array, Array, Array, Array]:
+        """M, C (q, q), K (q, s), ak0 (s, q), bk0 (s, s) of these rows of q and s."""
+        M, C, K = selected(self.m0, q, q), selected(self.damping, q, q), selected(self.stiffness, q, s)
+        return M, C, K, selected(self.ak0, s, q), selected(self.bk0, s, s)
+
 
 def linearize(
     dynamics: Dynamics, xdd: Array, sigma: Array, *, law: StressLaw | None = None, t: float = 0.0
@@ -96,20 +101,16 @@ def linearize(
     Ge = We if G is W else c.V @ G
     M, Me = c.M, c.deformation_inertia
     Z, Ze, Y, Ye, Yv, Yev = _rates(dynamics, c, W, G)
-    ak0, bk0 = _kinematic(dynamics, W, We, Z, Ze)
     m0, c0 = _between((W, M, W), (We, Me, We)), _between((W, c.inertia_v, W))
     d0, n0 = _between((We, c.Sd, We), (We, c.stress_v, W), (W, c.user_v, W)), _between((W, c.inertia_x, G))
     if c.moving:
         c0 += W.T @ (M @ Yv) + _between((We, Me, Yev))
         n0 += W.T @ (M @ Y + c.inertia_v @ Z + c.user_v @ Z)
         n0 += _between((We, c.Sd, Ze), (We, c.stress_v, Z), (We, Me, Ye))
-    return Linearization(
-        m0=m0, c0=c0, d0=d0,
-        k0=_between((We, c.S, Ge), (We, c.stress_x, G), (W, c.user_x, G)),
-        n0=n0,
-        g0=_between((W, c.geometric + c.load_x, G)),
-        ak0=ak0, bk0=bk0, W=W, We=We, G=G, Ge=Ge, Z=Z, Ze=Ze, Y=Y, Ye=Ye, Yv=Yv, Yev=Yev, c=c,
-    )  # fmt: skip
+    k0 = _between((We, c.S, Ge), (We, c.stress_x, G), (W, c.user_x, G))
+    g0 = _between((W, c.geometric + c.load_x, G))
+    ak0, bk0 = _kinematic(dynamics, W, We, Z, Ze)
+    return Linearization(m0, c0, d0, k0, n0, g0, ak0, bk0, W, We, G, Ge, Z, Ze, Y, Ye, Yv, Yev, c)
 
 
 def _between(*terms: tuple[Array, Matrix, Array]) -> Array:
@@ -176,10 +177,7 @@ def require_mass(L: Linearization, q: Index) -> None:
 
 def state_matrix(L: Linearization, q: Index, s: Index) -> Array:
     """A of (15). Raises AnalysisError when the mass matrix of the rows q is singular."""
-    return assembled_state_matrix(
-        selected(L.m0, q, q), selected(L.damping, q, q), selected(L.stiffness, q, s),
-        selected(L.ak0, s, q), selected(L.bk0, s, s),
-    )  # fmt: skip
+    return assembled_state_matrix(*L.chosen(q, s))
 
 
 def assembled_state_matrix(M: Array, C: Array, K: Array, ak0: Array, bk0: Array) -> Array:
@@ -192,9 +190,12 @@ def solve_mass(M: Array, b: Array) -> Array:
     diagonal = np.diag(M)
     if np.any(diagonal <= 0.0):
         raise AnalysisError(MASSLESS, "dynamics.singular-mass")
-    scale = 1.0 / np.sqrt(diagonal)
     try:
-        solution = np.linalg.solve(M * np.outer(scale, scale), b * scale[:, None])
+        return scaled_solution(M, b, 1.0 / np.sqrt(diagonal))
     except np.linalg.LinAlgError:
         raise AnalysisError("singular mass matrix; add XM or EM", "dynamics.singular-mass") from None
-    return np.asarray(solution * scale[:, None])
+
+
+def scaled_solution(A: Array, b: Array, d: Array) -> Array:
+    """A^-1 b (n, k) with the rows and columns of A multiplied by d (n,). Raises LinAlgError."""
+    return np.asarray(np.linalg.solve(A * np.outer(d, d), b * d[:, None]) * d[:, None])

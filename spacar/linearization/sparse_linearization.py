@@ -82,9 +82,9 @@ class SparseLinearization:
         n = dynamics.numbering if free is None else dynamics.numbering.all_dynamic
         self.n, self.places = n, _Places(n)
         self.inputs, self.outputs = inputs, outputs
-        self.E, self.U, self.h, self.c = k.E, k.U, k.h, k.c
-        self.position_row = places_in(n.ne, self.h, self.places.x + self.c)
-        self.velocity_row = places_in(n.ne, self.E, self.places.v + self.U)
+        self.U, self.c = k.U, k.c
+        self.position_row = places_in(n.ne, k.h, self.places.x + k.c)
+        self.velocity_row = places_in(n.ne, k.E, self.places.v + k.U)
         self._constant = self._given()
         self.B = self.input_matrix(inputs)
         self._widest = partial(structure, dynamics, moving, free)

@@ -109,7 +109,7 @@ def user_derivatives(
     fixed = np.zeros(len(at), bool)
     for first, size_of_fixed in zip((0, *ends), 2 * (n.e_class["fixed"].stop, n.x_class["fixed"].stop), strict=True):
         fixed[first : first + size_of_fixed] = True
-    rows, columns, values = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros(0)]
+    entries = [(*np.zeros((2, 0), np.int64), np.zeros(0))]
     for k in _used(answer, at, step, np.flatnonzero(~fixed)):
         total: Array = np.zeros(ne + len(x))
         for steps, weight in ((-2, 1.0), (-1, -8.0), (1, 8.0), (2, -1.0)):
@@ -117,10 +117,9 @@ def user_derivatives(
             u[k] += steps * step[k]
             total += weight * answer(u)
         there = np.flatnonzero(total)
-        rows.append(there)
-        columns.append(np.full(len(there), k))
-        values.append(total[there] / (12.0 * step[k]))
-    return UserDerivatives(mechanism, (np.concatenate(rows), np.concatenate(columns), np.concatenate(values)))
+        entries.append((there, np.full(len(there), k), total[there] / (12.0 * step[k])))
+    rows, columns, values = (np.concatenate(part) for part in zip(*entries, strict=True))
+    return UserDerivatives(mechanism, (rows, columns, values))
 
 
 def _used(answer: Callable[[Array], Array], at: Array, step: Array, columns: Index) -> list[int]:

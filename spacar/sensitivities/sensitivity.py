@@ -24,7 +24,6 @@ from spacar.deck.directed import DirectedDeck, nothing_lost
 from spacar.deck.length_unit import shown_in
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.dynamics.limits import Limits
-from spacar.dynamics.motion_equations import Accelerations
 from spacar.errors import UsageError
 from spacar.expressions import Dimensions, unit_text
 from spacar.expressions.evaluation import Value
@@ -260,8 +259,7 @@ class _Analysis:
             here = [v for v, steps in self.needed.items() if stored in steps]
             if here:
                 d, state = solver.dynamics, solver.solution
-                convected = d.forces.inertia(d.sweep, d.xd)
-                frame = d.complete(float(stored), Accelerations(state.xdd, state.sigma, state.convective), convected)
+                frame = solver.frame(stored)
                 limits = limits or Limits(d, report)
                 limits.check_elements(d, frame)
                 states = state_derivatives(solver, level, self.directions)

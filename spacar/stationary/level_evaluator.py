@@ -7,6 +7,7 @@ The elements and matrices of NumPy are made when something asks for them: where 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from typing import Protocol
 
 from spacar.arrays import Array
@@ -109,17 +110,14 @@ class LevelEvaluator:
 
     def _forget(self) -> None:
         """What NumPy evaluates is made when it is asked for."""
-        self._equations_made: StationaryEquations | None = None
-        self._sparse: SparseTangent | None = None
+        for name in ("_equations", "sparse"):
+            vars(self).pop(name, None)
         self._tangent: Tangent | None = None
 
-    @property
+    @cached_property
     def _equations(self) -> StationaryEquations:
-        if self._equations_made is None:
-            d = self._dynamics
-            rates = self.y[d.n_positions :]
-            self._equations_made = StationaryEquations(d, Flexibility(d), self.moving, rates)
-        return self._equations_made
+        d = self._dynamics
+        return StationaryEquations(d, Flexibility(d), self.moving, self.y[d.n_positions :])
 
     # -- loads --------------------------------------------------------------------------------------------------
     def set_fading_force(self, force: Array | None, until: float = 1.0) -> None:
@@ -183,22 +181,17 @@ class LevelEvaluator:
         q.user_part = self.acting.initial
         return q
 
-    @property
+    @cached_property
     def sparse(self) -> SparseTangent:
         """The sparse tangent, of what is `plain`."""
-        if self._sparse is None:
-            self._sparse = SparseTangent(self._dynamics, self._equations.flexibility)
-        return self._sparse
+        return SparseTangent(self._dynamics, self._equations.flexibility)
 
     @property
     def tangent(self) -> Tangent:
         q = self.equations
         if self._tangent is None:
-            if self.plain:
-                self._tangent = RestingTangent(self.sparse)
-            else:
-                without_n0 = self.mechanism.settings.stationary_type in WITHOUT_N0
-                self._tangent = MovingTangent(q, without_n0)
+            without_n0 = self.mechanism.settings.stationary_type in WITHOUT_N0
+            self._tangent = RestingTangent(self.sparse) if self.plain else MovingTangent(q, without_n0)
         return self._tangent
 
     @property
@@ -213,18 +206,13 @@ class LevelEvaluator:
         return self._dynamics.arrays
 
     @property
-    def e(self) -> Array:
-        """The deformations that were evaluated last, (ne,)."""
-        return self.arrays.e
-
-    @property
     def branch(self) -> Array:
         """What the branch of the next state is chosen by, (ne,)."""
         return self.arrays.branch
 
     def follow(self, x: Array) -> None:
         """The next state is on the branch of the one at x (nx,), which was evaluated last."""
-        self.branch[:] = self.mechanism.layout.branch(x, self.e)
+        self.branch[:] = self.mechanism.layout.branch(x, self.arrays.e)
 
     @property
     def unknowns(self) -> int:

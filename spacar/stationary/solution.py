@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from spacar.arrays import Array
 from spacar.dynamics.array_evaluator import Dynamics
+from spacar.dynamics.motion_equations import Accelerations
 from spacar.errors import AnalysisError, Report
+from spacar.frame import Frame
 from spacar.linear_systems import SingularMatrixError
 from spacar.mechanism.mechanism import Mechanism
 from spacar.stationary.continuation import Continuation
@@ -25,35 +26,20 @@ from spacar.stationary.tangent import SparseTangent
 SINGULAR_SLIP = 1e-8  # relative: the stress of a slip that its law does not give
 
 
-@dataclass(frozen=True)
-class StationarySolution:
-    """The state of a level.
-
-    x (nx,);  xdd (nx,), convective (ne,)   of steady motion;  sigma  (ne,) all stresses
-    norm         largest out-of-balance force [N, N m]
-    """
-
-    x: Array
-    xdd: Array
-    convective: Array
-    sigma: Array
-    norm: float
-
-
-@dataclass
 class StationarySolver:
-    """Goes through load levels. At a level that is stored `dynamics` is placed at the solution and `solution`
-    describes it; `iterations` is their number at the last level.
+    """Goes through load levels. At a level that is stored `dynamics` is placed at the solution, `solution` says what
+    steady motion and stresses there are, `residual` is the largest out-of-balance force [N, N m]; `iterations` is their
+    number at the last level.
 
     Raises AnalysisError 'statics.no-convergence', 'statics.limit-point' or 'statics.no-solution'.
     """
 
-    mechanism: Mechanism
-    report: Report
-    solution: StationarySolution = field(init=False)
+    solution: Accelerations
+    residual: float
 
-    def __post_init__(self) -> None:
-        m, n = self.mechanism, self.mechanism.numbering
+    def __init__(self, mechanism: Mechanism, report: Report) -> None:
+        self.mechanism, self.report = mechanism, report
+        m, n = mechanism, mechanism.numbering
         start = m.drive.at(0.0) if n.ndof > n.nddof else None
         if start is not None and (start.xdd.any() or start.edd.any()):
             self.report.add("warning: prescribed accelerations are ignored in a stationary solution")
@@ -73,6 +59,11 @@ class StationarySolver:
     def dynamics(self) -> Dynamics:
         """The evaluator under the loads of the last level."""
         return self._evaluator.dynamics
+
+    def frame(self, step: int) -> Frame:
+        """Of the solution that was stored last, as that of a step (from 0)."""
+        d = self.dynamics
+        return d.complete(float(step), self.solution, d.forces.inertia(d.sweep, d.xd))
 
     @property
     def resting(self) -> bool:
@@ -252,7 +243,7 @@ class StationarySolver:
         d.xd, d.ed = m.v, m.ed
         if p.motion and d.coupling.present:
             sigma -= d.coupling.stress(m.edd)
-        self.solution = StationarySolution(p.x, m.a, m.convective, sigma, p.force)
+        self.solution, self.residual = Accelerations(m.a, sigma, m.convective), p.force
         if p.slip > SINGULAR_SLIP * p.work_size:
             text = f"no stationary solution at {level}: a slip that is a degree of freedom is not in equilibrium"
             raise AnalysisError(f"{text} with its rate", "statics.no-solution")

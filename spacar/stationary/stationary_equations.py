@@ -23,7 +23,6 @@ from the law).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import isfinite
 from typing import NamedTuple, Protocol
 
@@ -43,8 +42,7 @@ from spacar.stationary.loading import is_tube
 FLOOR = 8.0 * EPS  # of the sum of the sizes of all terms: a residual below it is rounding
 
 
-@dataclass(frozen=True)
-class Motion:
+class Motion(NamedTuple):
     """v, a (nx,) of steady motion; ed, edd, convective H(v, v) (ne,)."""
 
     v: Array
@@ -54,8 +52,7 @@ class Motion:
     convective: Array
 
 
-@dataclass(frozen=True)
-class Prescribed:
+class Prescribed(NamedTuple):
     """Prescribed values of a load level: x (nx,) at the prescribed coordinates, e (ne,) at prescribed deformations."""
 
     x: Array
