@@ -155,7 +155,7 @@ class Look:
 
 def look_of(scene: Scene, xs: Array, settings: PictureSettings) -> Look:
     """The look for drawing the configurations xs (steps, nx)."""
-    places = np.stack([positions(scene, x) for x in xs])
+    places = positions(scene, xs)
     rows = scene.position_nodes - 1
     ranges = np.stack((places.min(0), places.max(0)), axis=1)
     first = places[0][rows]

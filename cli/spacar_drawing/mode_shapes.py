@@ -67,8 +67,7 @@ def redundancy(scene: Scene, bigd: Array | csr_array, extent: float) -> Redundan
     """The constraint analysis of a configuration; bigd (ne, nx), dense or sparse, extent: size of the mechanism [m]."""
     nx, ne = int(scene.nxp.sum()), int(scene.nep.sum())
     column_scale, row_scale = np.ones(nx), np.ones(ne)
-    k = 2 if scene.planar else 3
-    column_scale[scene.lnp[scene.position_nodes - 1, :k] - 1] = extent
+    column_scale[scene.place_columns] = extent
     owner = np.full(ne, -1)
     for e in scene.elements:
         for mode, (_, unit) in enumerate(ELEMENT_TYPES[e.keyword].modes, 1):
@@ -236,12 +235,9 @@ def buckling_modes(source: PictureSource, matrices: Any, step: int) -> list[Mode
 def suitable_factor(scene: Scene, motion: NDArray, extent: float) -> float:
     """The factor at which a motion (nx,) moves at most SHARE of the extent [m] and no rotation exceeds MOST_TURN."""
     amplitude = np.abs(motion)
-    k = 2 if scene.planar else 3
-    rows = scene.position_nodes - 1
-    moves = float(np.max(amplitude[scene.lnp[rows, :k] - 1], initial=0.0)) if len(rows) else 0.0
-    turning = scene.orientation_nodes - 1
-    places = scene.lnp[turning, :1] if scene.planar else scene.lnp[turning]
-    turns = float(np.max(amplitude[places - 1], initial=0.0)) * (1.0 if scene.planar else 2.0) if len(turning) else 0.0
+    moves = float(np.max(amplitude[scene.place_columns], initial=0.0))
+    places = scene.lnp[scene.orientation_nodes - 1, : 1 if scene.planar else 4] - 1
+    turns = float(np.max(amplitude[places], initial=0.0)) * (1.0 if scene.planar else 2.0)
     bounds = [SHARE * extent / moves] if moves > 1e-12 * max(turns * extent, moves) and moves else []
     bounds += [MOST_TURN / turns] if turns else []
     return min(bounds, default=1.0)

@@ -80,11 +80,10 @@ def key_curves(source: PictureSource) -> list[Curve]:
             texts.append(text.replace("x[", "fxtot[") if text[0] == "x" else text.replace("e[", "sig["))
     if len(texts) < MOST_CURVES:
         x = source.x()
-        k = 2 if scene.planar else 3
         moves = [
             (float(np.ptp(x[:, scene.lnp[n - 1, i] - 1])), f"x[{n},{i + 1}]")
             for n in scene.position_nodes.tolist()
-            for i in range(k)
+            for i in range(scene.dimension)
         ]
         largest = max((m for m, _ in moves), default=0.0)
         ranked = sorted((m for m in moves if m[0] > 1e-9 * (1.0 + largest)), key=lambda m: -m[0])[:3]

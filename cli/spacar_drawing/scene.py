@@ -132,6 +132,20 @@ class Scene:
         full = self.lnp[:, 3] > 0 if not self.planar else (self.lnp[:, 0] > 0) & (self.lnp[:, 1] == 0)
         return np.flatnonzero(full) + 1
 
+    @property
+    def dimension(self) -> int:
+        return 2 if self.planar else 3
+
+    @cached_property
+    def place_columns(self) -> Index:
+        """(position nodes, dimension) where their coordinates are in x."""
+        return self.lnp[self.position_nodes - 1, : self.dimension] - 1
+
+    @cached_property
+    def held(self) -> Flags:
+        """(nx,) coordinates that are fixed or prescribed."""
+        return np.isin(self._x_class, (CLASSES.index("fixed"), CLASSES.index("input")))
+
     @cached_property
     def _x_class(self) -> Index:
         return np.repeat(np.arange(5), self.nxp)
@@ -196,17 +210,14 @@ class Scene:
     @cached_property
     def supported(self) -> tuple[int, ...]:
         """Position nodes with something that holds or drives them, or one of the orientations there."""
-        held = {n for n in self.orientation_nodes.tolist() if self.orientation_class(n)}
-        rows = self.position_nodes - 1
-        k = 2 if self.planar else 3
-        classes = self._x_class[self.lnp[rows, :k] - 1]
-        fixed = np.any((classes == CLASSES.index("fixed")) | (classes == CLASSES.index("input")), axis=1)
-        at_held = {e.p for e in self.elements if e.p_turn in held} | {e.q for e in self.elements if e.q_turn in held}
-        return tuple(n for n, yes in zip((rows + 1).tolist(), fixed.tolist(), strict=True) if yes or n in at_held)
+        turns = {n for n in self.orientation_nodes.tolist() if self.orientation_class(n)}
+        found = {n for e in self.elements for n, turn in ((e.p, e.p_turn), (e.q, e.q_turn)) if turn in turns}
+        found.update(self.position_nodes[self.held[self.place_columns].any(axis=1)].tolist())
+        return tuple(n for n in self.position_nodes.tolist() if n in found)
 
     def fixed_directions(self, node: int) -> tuple[int, ...]:
         """Coordinates (0, 1, 2) of a position node that are supported."""
-        return tuple(k for k in range(2 if self.planar else 3) if self.x_class(node, k + 1) == "fixed")
+        return tuple(k for k in range(self.dimension) if self.x_class(node, k + 1) == "fixed")
 
     def orientation_class(self, node: int) -> str:
         """fixed, input or "" of an orientation node: what keeps it from turning freely."""
@@ -215,11 +226,9 @@ class Scene:
 
 
 def positions(scene: Scene, x: Array) -> Array:
-    """(highest node, 3) places of the position nodes [m], zero for the others, from x (nx,)."""
-    place = np.zeros((len(scene.lnp), 3))
-    rows = scene.position_nodes - 1
-    k = 2 if scene.planar else 3
-    place[rows, :k] = np.ravel(x)[scene.lnp[rows, :k] - 1]
+    """(..., highest node, 3) places of the position nodes [m], zero for the others, from x (..., nx)."""
+    place = np.zeros((*x.shape[:-1], len(scene.lnp), 3))
+    place[..., scene.position_nodes - 1, : scene.dimension] = x[..., scene.place_columns]
     return place
 
 

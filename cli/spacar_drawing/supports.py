@@ -106,7 +106,7 @@ def _turning_drive(at: Array, s: float) -> list[Shape]:
 
 
 def _linear_drive(scene: Scene, pose: Pose, look: Look, node: int) -> list[Shape]:
-    at, s, n = pose.place[node - 1], look.size, 2 if scene.planar else 3
+    at, s, n = pose.place[node - 1], look.size, scene.dimension
     shapes: list[Shape] = []
     for k in range(n):
         if scene.x_class(node, k + 1) == "input":
@@ -177,9 +177,8 @@ def _label_places(scene: Scene, pose: Pose, look: Look, elements: Sequence[Eleme
 def trace_lines(scene: Scene, xs: Array, nodes: Sequence[int]) -> list[Shape]:
     """Paths of position nodes over the configurations xs (steps, nx)."""
     shapes: list[Shape] = []
-    k = 2 if scene.planar else 3
     for n in nodes:
         path = np.zeros((len(xs), 3))
-        path[:, :k] = xs[:, scene.lnp[n - 1, :k] - 1]
+        path[:, : scene.dimension] = xs[:, scene.lnp[n - 1, : scene.dimension] - 1]
         shapes.append(Line(path, paint.TRACE, 1.1, 4, dashes=(4, 2)))
     return shapes

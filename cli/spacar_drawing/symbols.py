@@ -25,7 +25,7 @@ from spacar_drawing.bodies import beam_lines, rows_of
 from spacar_drawing.drawn_shapes import Colour, Line, Mark, Shape, arrow_head, circle, normal_pair, unit
 from spacar_drawing.look import Look, attachments
 from spacar_drawing.picture_source import PictureSource
-from spacar_drawing.scene import CLASSES, Pose, Scene
+from spacar_drawing.scene import Pose, Scene, positions
 
 
 def start_of(source: PictureSource) -> Array:
@@ -165,12 +165,8 @@ def forces(source: PictureSource, kind: str, k: int) -> Forces:
     scene = source.scene
     f = np.ravel(source.get("fx" if kind == "loads" else "fxtot", k)).astype(float)
     if kind == "reactions":
-        held = np.isin(np.repeat(np.arange(5), scene.nxp), [CLASSES.index("fixed"), CLASSES.index("input")])
-        f = np.where(held, f, 0.0)
-    rows = scene.position_nodes - 1
-    n = 2 if scene.planar else 3
-    force = np.zeros((len(rows), 3))
-    force[:, :n] = f[scene.lnp[rows, :n] - 1]
+        f = np.where(scene.held, f, 0.0)
+    force = positions(scene, f)[scene.position_nodes - 1]
     where = {turn: places[0] for turn, places in attachments(scene, True).items() if places}
     nodes = [t for t in scene.orientation_nodes.tolist() if t in where]
     turn = scene.lnp[np.array(nodes, int) - 1]
@@ -273,5 +269,5 @@ def _axes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
                 at[i], frames[i] = points[3], (along / size, y[3], z[3])
     return [
         Line(np.stack((at, at + 2.2 * look.size * frames[:, k]), axis=1), AXES[k], 1.6, 6)
-        for k in range(2 if scene.planar else 3)
+        for k in range(scene.dimension)
     ]

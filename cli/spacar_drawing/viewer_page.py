@@ -160,7 +160,7 @@ def view_model(
     xs = np.stack([source.x(k) for k in chosen])
     mesh = first if chosen == [1] else mesh_of(scene, xs, look, more)
     rows = scene.position_nodes - 1
-    places = np.stack([positions(scene, x)[rows] for x in xs])
+    places = positions(scene, xs)[:, rows]
     low, high = series_bounds(scene, xs, look, Extras(), 12)
     centre = 0.5 * (low + high)
     azimuth, elevation = (-90.0, 90.0) if scene.planar else view_angles(view)
@@ -236,6 +236,6 @@ def _paths(source: PictureSource, centre: Array) -> tuple[Array, list[list[int]]
     nodes = [n for n in source.settings.traces if n in known]
     if not nodes:
         return np.zeros((0, 3)), []
-    every = np.stack([positions(source.scene, x) for x in source.x()])
+    every = positions(source.scene, source.x())
     spans = [[i * len(every), len(every)] for i in range(len(nodes))]
     return np.concatenate([every[:, n - 1] for n in nodes]) - centre, spans
