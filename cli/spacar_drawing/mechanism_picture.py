@@ -64,7 +64,7 @@ def mechanism_shapes(scene: Scene, x: Array, look: Look, extras: Extras) -> list
     return shapes
 
 
-def ghost_shapes(scene: Scene, x: Array, look: Look, strength: float = 0.35) -> list[Shape]:
+def ghost_shapes(scene: Scene, x: Array, look: Look, strength: float) -> list[Shape]:
     """The elements only, pale: other steps of a stroboscopic picture, or the undeformed state."""
     shapes = element_shapes(scene, Pose.of(scene, x), look)
     return [fade(s, strength) for s in shapes if not isinstance(s, Faces) or s.layer < 5]
@@ -109,24 +109,30 @@ def draw_steps(
     a dashed outline. `more` shapes come on top, `note` stands in the lower left corner.
     """
     look = look or look_of(scene, xs if every_step is None else every_step, settings)
-    camera = camera_of(scene, extras.view)
     shapes: list[Shape] = trace_lines(scene, every_step, traces) if traces and every_step is not None else []
     bounds = wider(series_bounds(scene, xs, look, extras), [*shapes, *more])
     if behind is not None:
         shapes += outline_shapes(scene, behind, look)
-    figure, axes = new_figure(bounds, camera, title_of(scene, extras))
-    n = len(xs)
-    for i, x in enumerate(xs[:-1]):
-        shapes += ghost_shapes(scene, x, look, 0.18 + 0.30 * (i + 1) / n)
+    for i, x in enumerate(xs[:-1], 1):
+        shapes += ghost_shapes(scene, x, look, 0.18 + 0.30 * i / len(xs))
     shapes += mechanism_shapes(scene, xs[-1], look, extras)
-    corner_note(axes, note)
-    paint(axes, camera, [*shapes, *more])
-    return figure
+    return painted(scene, extras, bounds, [*shapes, *more], note=note)
 
 
 def title_of(scene: Scene, extras: Extras, *texts: str) -> str:
     """The title that is asked for, or that of the scene with what the picture shows."""
     return "   ".join(filter(None, (scene.title, *texts))) if extras.title is None else extras.title
+
+
+def painted(
+    scene: Scene, extras: Extras, bounds: tuple[Array, Array], shapes: Sequence[Shape], *texts: str, note: str = ""
+) -> Figure:
+    """A figure of shapes in a box [m], with `texts` in the title and a note in the lower left corner."""
+    camera = camera_of(scene, extras.view)
+    figure, axes = new_figure(bounds, camera, title_of(scene, extras, *texts))
+    corner_note(axes, note)
+    paint(axes, camera, shapes)
+    return figure
 
 
 def corner_note(axes: Axes, text: str) -> None:
@@ -217,8 +223,6 @@ class _Placed:
 class Series:
     """The steps `numbers` to be shown one after the other in one view; `still` shapes stay in all of them."""
 
-    source: PictureSource
-    extras: Extras
     numbers: Sequence[int]
     camera: Camera
     bounds: tuple[Array, Array]
@@ -268,4 +272,4 @@ def series(
         x = place(source.x(k))
         return [*mechanism_shapes(scene, x, look, extras), *symbols.shapes(k, x, look)], title
 
-    return Series(source, extras, numbers, camera_of(scene, extras.view), bounds, still, show, symbols.legend)
+    return Series(numbers, camera_of(scene, extras.view), bounds, still, show, symbols.legend)

@@ -15,19 +15,17 @@ from spacar_drawing.files import Pictures
 from spacar_drawing.look import DRIVE, Look, extent_of, look_of
 from spacar_drawing.mechanism_picture import (
     Extras,
-    camera_of,
     ghost_shapes,
     mechanism_shapes,
     outline_shapes,
+    painted,
     series_bounds,
     title_of,
 )
 from spacar_drawing.mode_shapes import ModeShape, Redundancy, redundancy, stored_gradient, suitable_factor
-from spacar_drawing.paint import paint
 from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.scene import Scene, positions
 from spacar_drawing.settings import PictureSettings
-from spacar_drawing.stage import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,16 +58,13 @@ def mode_still(source: PictureSource, step: int, extras: Extras, mode: ModeShape
     scene, settings, x = source.scene, source.settings, source.x(step)
     whole = period(mode, x, factor, QUARTERS)
     look = mode_look(scene, x, settings, whole)
-    camera = camera_of(scene, extras.view)
     bounds = series_bounds(scene, np.concatenate((x[None], whole)), look, extras)
-    figure, axes = new_figure(bounds, camera, title_of(scene, extras, mode.label))
     shapes: list[Shape] = outline_shapes(scene, x, look) if rest else []
     phases = (np.pi / 2, np.pi) if mode.is_complex and mode.oscillates else (np.pi,) if mode.oscillates else ()
     for phase in phases:
         shapes += ghost_shapes(scene, swing(mode, x, factor, phase), look, 0.28)
     shapes += mechanism_shapes(scene, swing(mode, x, factor, 0.0 if mode.oscillates else np.pi), look, extras)
-    paint(axes, camera, shapes)
-    return figure
+    return painted(scene, extras, bounds, shapes, mode.label)
 
 
 def mode_pictures(
@@ -106,18 +101,15 @@ def constraint_still(source: PictureSource, step: int, extras: Extras, found: Re
             r, g, b = (1 - mix) * PALE + mix * RED
             tints[e.number] = (float(r), float(g), float(b))
     look = replace(look_of(scene, x[None], source.settings), tints=tints)
-    camera = camera_of(scene, extras.view)
     moved = [x + suitable_factor(scene, motion, extent) * motion for motion in found.under]
     bounds = series_bounds(scene, np.stack([x, *moved]), look, extras)
     counts = (len(found.over), "over", "red elements take part"), (len(found.under), "under", "free motion dashed")
     text = ", ".join(f"{n} {which}-constraint{'s' * (n > 1)} ({how})" for n, which, how in counts if n)
-    title = title_of(scene, extras, text or "no over- or under-constraints")
-    figure, axes = new_figure(bounds, camera, title)
     shapes: list[Shape] = []
     for y in moved:
         shapes += outline_shapes(scene, y, look, DRIVE)
         a, b = (positions(scene, at)[scene.position_nodes - 1] for at in (x, y))
         far = np.linalg.norm(b - a, axis=1) > 0.05 * look.size
         shapes += [Line(ends, DRIVE, 0.9, 5) for ends in np.stack((a, b), axis=1)[far]]  # where the motion takes nodes
-    paint(axes, camera, [*shapes, *mechanism_shapes(scene, x, look, extras)])
-    return figure
+    shapes += mechanism_shapes(scene, x, look, extras)
+    return painted(scene, extras, bounds, shapes, text or "no over- or under-constraints")

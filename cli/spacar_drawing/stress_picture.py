@@ -20,13 +20,12 @@ from spacar_drawing.defaults import plain
 from spacar_drawing.drawn_shapes import Faces, Label, Line, Shape, sweep, wider
 from spacar_drawing.history import COLOURS
 from spacar_drawing.look import SYMBOL, look_of
-from spacar_drawing.mechanism_picture import Extras, camera_of, mechanism_shapes, series_bounds, title_of
-from spacar_drawing.paint import paint
+from spacar_drawing.mechanism_picture import Extras, mechanism_shapes, painted, series_bounds
 from spacar_drawing.picture_source import PictureSource
 from spacar_drawing.scene import Element, Pose
 from spacar_drawing.sections import inside, moments, outline
 from spacar_drawing.settings import SectionShape
-from spacar_drawing.stage import INK, blank, dress, head, new_figure, widened
+from spacar_drawing.stage import INK, blank, dress, head, widened
 from spacar_drawing.stresses import QUANTITIES, STRESSES, Resultants, along, of_quantity, resultants, stress_field
 
 if TYPE_CHECKING:
@@ -168,11 +167,9 @@ def stress_still(
             shapes += slender(scene, pose, look, [element], n, rgb[None], 4.0, 0.45)
         else:
             shapes.append(Faces(quads, rgb, None, 1.0, 1, False))
-    camera, title = camera_of(scene, extras.view), title_of(scene, extras, note, name)
-    figure, axes = new_figure(series_bounds(scene, x[None], look, extras), camera, title)
-    paint(axes, camera, shapes)
+    figure = painted(scene, extras, series_bounds(scene, x[None], look, extras), shapes, note, name)
     unit = shown_in(QUANTITIES[quantity][1], scene.metre)[1]
-    _scale(figure, axes, ScalarMappable(norm, colours), f"{name} ({unit})")
+    _scale(figure, ScalarMappable(norm, colours), f"{name} ({unit})")
     return figure
 
 
@@ -235,7 +232,6 @@ def diagram_still(source: PictureSource, step: int, extras: Extras, quantity: st
     scene, x = source.scene, source.x(step)
     look = look_of(scene, x[None], source.settings)
     found = courses(source, step, quantity, max(look.points, 17))
-    camera = camera_of(scene, extras.view)
     largest = max(float(np.max(np.abs(values))) for _, values in found)
     factor = HEIGHT * look.size / SYMBOL / largest if largest else 0.0
     pose = Pose.of(scene, x)
@@ -259,9 +255,7 @@ def diagram_still(source: PictureSource, step: int, extras: Extras, quantity: st
     drawn = [s for s in shapes if not isinstance(s, Label)]
     bounds = wider(series_bounds(scene, x[None], look, extras), drawn)
     title = f"{QUANTITIES[quantity][0]} ({shown_in(QUANTITIES[quantity][1], scene.metre)[1]})"
-    figure, axes = new_figure(bounds, camera, title_of(scene, extras, note, title))
-    paint(axes, camera, shapes)
-    return figure
+    return painted(scene, extras, bounds, shapes, note, title)
 
 
 def _without_doubles(marks: list[tuple[float, Label]], size: float) -> list[Shape]:
@@ -283,9 +277,9 @@ def colour_range(values: Array, quantity: str) -> tuple[float, float, Colormap]:
     return -top, top, colormaps["coolwarm"]
 
 
-def _scale(figure: Figure, axes: Any, mappable: Any, label: str) -> None:
+def _scale(figure: Figure, mappable: Any, label: str) -> None:
     """A colour scale in a strip to the right, for which the figure is made wider."""
-    box, width = axes.get_position(), widened(figure, 1.05)
+    box, width = figure.axes[0].get_position(), widened(figure, 1.05)
     whole = width + 1.05
     strip = figure.add_axes(((width + 0.05) / whole, box.y0 + 0.08 * box.height, 0.16 / whole, 0.84 * box.height))
     bar = figure.colorbar(mappable, cax=strip)
