@@ -5,7 +5,6 @@ from __future__ import annotations
 from base64 import b64encode
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from io import BytesIO
 from os import PathLike
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -22,6 +21,7 @@ from spacar_drawing.defaults import plain
 from spacar_drawing.files import FILM_DPI, film, kept
 from spacar_drawing.history import history_figure
 from spacar_drawing.mechanism_picture import Extras, chosen_steps, picture, series
+from spacar_drawing.page_parts import png
 from spacar_drawing.picture_source import PictureSource, open_source, source_of_result
 
 if TYPE_CHECKING:
@@ -225,9 +225,6 @@ def inline_model(model: Source) -> str:
     return inline_picture(run(0, without_functions(deck_of(model, 0))))
 
 
-@plain
 def inline_picture(result: Result) -> str:
     """The first step, or the last load step, as an HTML image that holds its data."""
-    data = BytesIO()
-    draw(result).savefig(data, format="png", dpi=80)
-    return f'<img alt="mechanism" src="data:image/png;base64,{b64encode(data.getvalue()).decode()}">'
+    return f'<img alt="mechanism" src="data:image/png;base64,{b64encode(png(draw(result), 80)).decode()}">'

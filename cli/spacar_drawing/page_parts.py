@@ -5,10 +5,10 @@ Style sheet of the report: one column, readable on screen and paper.
 
 from __future__ import annotations
 
-import base64
-import io
+from base64 import b64encode
 from collections.abc import Sequence
 from html import escape
+from io import BytesIO
 from typing import TYPE_CHECKING
 
 import spacar
@@ -81,15 +81,16 @@ def folded(title: str, parts: Sequence[str]) -> str:
 
 
 @plain
+def png(figure: Figure, dpi: float) -> bytes:
+    data = BytesIO()
+    figure.savefig(data, format="png", dpi=dpi)
+    return data.getvalue()
+
+
 def html_figure(figure: Figure, caption: str, klass: str = "") -> str:
     """The picture as data inside the page, so that nothing else is needed."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    FigureCanvasAgg(figure)
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=DPI)
     width = round(figure.get_size_inches()[0] * 96)
-    data = base64.b64encode(buffer.getvalue()).decode("ascii")
+    data = b64encode(png(figure, DPI)).decode()
     text = escape(caption)
     image = f'<img width="{width}" alt="{text}" src="data:image/png;base64,{data}">'
     return f'<figure class="{klass}">{image}<figcaption>{text}</figcaption></figure>'
