@@ -67,7 +67,8 @@ def section_axes(points: Array, y_p: Array, y_q: Array, slopes: Array | None = N
         last, first = y[..., -1, :], (y[..., 0, :], z[..., 0, :])
         twist = np.arctan2(np.sum(last * first[1], axis=-1), np.sum(last * first[0], axis=-1))[..., None, None]
         p, q = slopes[..., 0, None, None], slopes[..., 1, None, None]
-        cubic = twist * (3 * xi**2 - 2 * xi**3) + p * (xi - 2 * xi**2 + xi**3) + q * (xi**3 - xi**2)
+        N = shape_functions(xi)[0]
+        cubic = twist * N[2] + p * N[1] + q * N[3]
         more = cubic - twist * xi
         y, z = np.cos(more) * y + np.sin(more) * z, np.cos(more) * z - np.sin(more) * y
     return y, z
@@ -201,8 +202,7 @@ def open_ends(scene: Scene, alike: Sequence[Element], points: Array) -> NDArray[
     np.add.at(total, nodes - 1, inward)
     np.add.at(count, nodes - 1, 1)
     smooth = (count == 2) & (np.linalg.norm(total, axis=1) < SMOOTH)
-    seen: NDArray[np.bool_] = ~smooth[nodes - 1]
-    return seen
+    return ~smooth[nodes - 1]
 
 
 def planar_bodies(

@@ -139,8 +139,7 @@ def _tree(text: str) -> ast.expr | None:
 def _with_columns(source: PictureSource, text: str, tree: ast.expr | None, columns: Array) -> Array:
     """(steps,) values of an expression that names columns (steps, n) as coordinates 1 of further nodes."""
     expression = expressions.parse(text if tree is None else ast.unparse(tree))
-    values, _ = expressions.evaluate(expression, _Variables(source, columns))
-    return np.broadcast_to(np.asarray(values, float), (source.steps,))
+    return expressions.evaluate(expression, _Variables(source, columns))[0]
 
 
 NAMED = re.compile(r"\s*([^\s:\[\]()*/+,]+?)\s*(?::\s*([-0-9,\s]+))?\s*")

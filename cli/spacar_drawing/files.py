@@ -66,6 +66,7 @@ class MovingFigure:
 
         for artist in self.artists:
             artist.remove()
+        quick = False
         if can_raster(self.figure.canvas):
             if self.raster is None:
                 self.raster = Raster(self.axes, self.camera)
@@ -74,9 +75,7 @@ class MovingFigure:
                     self.listens = True
             quick = self.camera.planar or all(s.alpha >= 1 for s in shapes if isinstance(s, Faces))
             self.raster.shapes = shapes if quick else ()
-            self.artists = (paint_labels if quick else paint)(self.axes, self.camera, shapes)
-        else:
-            self.artists = paint(self.axes, self.camera, shapes)
+        self.artists = (paint_labels if quick else paint)(self.axes, self.camera, shapes)
         named(self.axes, title)
 
     def place(self, axes: Axes, camera: Camera) -> None:

@@ -235,8 +235,8 @@ def _directed(scene: Scene, mechanism: Mechanism) -> Scene:
 
 def _sections(mechanism: Mechanism) -> dict[int, SectionShape]:
     """Cross-sections of BEAMSEC by element, with their directions."""
-    found = {}
+    found: dict[int, SectionShape] = {}
     for use in mechanism.deck.sections:
         if use.picture is not None:
-            found.update(dict.fromkeys(use.parts, SectionShape(*use.picture)))
+            found |= dict.fromkeys(use.parts, SectionShape(*use.picture))
     return {n: s for n, s in found.items() if moments(s) is not None}
