@@ -24,13 +24,12 @@ class Real(click.FloatRange):
     """A finite number, of a size between 1e-100 and 1e100 or zero, inside `min` ... `max`."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        number: float = click.FLOAT.convert(value, param, ctx)
+        number = click.FLOAT.convert(value, param, ctx)
         if not math.isfinite(number):
             self.fail(f"{value!r} is not a finite number", param, ctx)
         if number and not SMALLEST <= abs(number) <= LARGEST:
             self.fail(f"{value} is outside of {SMALLEST:g} ... {LARGEST:g}", param, ctx)
-        result: float = super().convert(number, param, ctx)
-        return result
+        return super().convert(number, param, ctx)
 
     def _describe_range(self) -> str:
         """The range in the help; nothing where there is none."""
@@ -46,11 +45,10 @@ class Whole(click.IntRange):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
         if isinstance(value, str) and len(value) > 40:
             self.fail(f"a whole number of at most 15 digits is needed, not {len(value)} characters", param, ctx)
-        number: int = click.INT.convert(value, param, ctx)
+        number = click.INT.convert(value, param, ctx)
         if abs(number) > MOST:
             self.fail(f"a whole number of at most 15 digits is needed, not {number}", param, ctx)
-        result: int = super().convert(number, param, ctx)
-        return result
+        return super().convert(number, param, ctx)
 
     def _describe_range(self) -> str:
         """The range in the help, without the limits that nobody meets."""

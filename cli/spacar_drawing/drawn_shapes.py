@@ -194,7 +194,7 @@ def solid(
             outer, inner = placed(outline, a, b, c), placed(hole, a, b, c)
             corners = np.stack((outer, np.roll(outer, -1, -2), np.roll(inner, -1, -2), inner), axis=-2)
             corners = corners.reshape(-1, 4, 3)
-        paint: Colour | Array = colour
+        paint = colour
         if isinstance(colour, np.ndarray):
             own = colour[..., end, :][chosen].reshape(-1, 3)
             paint = np.repeat(own, len(corners) // len(own), axis=0)

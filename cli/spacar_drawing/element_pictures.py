@@ -56,7 +56,7 @@ def spring(scene: Scene, ends: Array, look: Look, colour: Colour, l0: float) -> 
 def dashpot(ends: Array, look: Look, colour: Colour) -> list[Shape]:
     """Cylinder at p, piston at q."""
     s, d = look.size, ends[1] - ends[0]
-    half, v = min(1.2 * s, 0.2 * float(np.linalg.norm(d))) * unit(d), 0.75 * s * np.cross(Z, unit(d))
+    half, v = min(1.2 * s, 0.2 * np.linalg.norm(d)) * unit(d), 0.75 * s * np.cross(Z, unit(d))
     mid = ends.mean(0)
     a, b, piston = mid - half, mid + half, mid + 0.2 * half
     strokes = (ends[0], a), (b + v, a + v, a - v, b - v), (piston, ends[1])
@@ -99,7 +99,7 @@ def slider(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     s = look.size
     points = beam_lines(scene, pose, [e], 5)[0][0]
     along = points[3] - points[1]
-    length = float(np.linalg.norm(along))
+    length = np.linalg.norm(along)
     if not length:
         return []
     colour = look.colour(e.number, paint.DRIVE if scene.e_class(e.number, 1) == "input" else paint.HINGE)
@@ -119,8 +119,8 @@ def span(scene: Scene, pose: Pose, e: Element) -> tuple[Array, Array]:
     """
     radii = scene.data[e.number - 1, :2] if scene.data.shape[1] > 1 else np.zeros(2)
     ends = pose.place[[e.p - 1, e.q - 1]]
-    d = max(float(np.linalg.norm(ends[1] - ends[0])), 1e-300)
-    sine = float(np.clip((radii[1] - radii[0]) / d, -1.0, 1.0))
+    d = max(np.linalg.norm(ends[1] - ends[0]), 1e-300)
+    sine = np.clip((radii[1] - radii[0]) / d, -1.0, 1.0)
     u = (ends[1] - ends[0]) / d
     n_b = np.sqrt(1.0 - sine**2) * np.cross(Z, u) - sine * u
     return ends + radii[:, None] * n_b, radii
@@ -155,16 +155,16 @@ def wound_arcs(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
             if r_1[1] * r_2[0] <= 0:
                 continue
             centre = pose.place[first.q - 1]
-            a, b = (float(np.arctan2(*(p - centre)[1::-1])) for p in (enter, leave))
+            a, b = (np.arctan2(*(p - centre)[1::-1]) for p in (enter, leave))
             turn = (b - a) % (2 * np.pi) if r_1[1] < 0 else -((a - b) % (2 * np.pi))
-            arc = circle(centre, X, Y, abs(float(r_1[1])), 40, (a, a + turn))
+            arc = circle(centre, X, Y, abs(r_1[1]), 40, (a, a + turn))
             shapes.append(Line(arc, look.colour(first.number, paint.BELT), 1.5, 3))
     return shapes
 
 
 def planar_wheel(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     """A wheel seen from above: the tyre, and tread lines that run with its spin angle."""
-    r = float(scene.data[e.number - 1, 0]) or 3 * look.size
+    r = scene.data[e.number - 1, 0] or 3 * look.size
     heading, axle = pose.frame(scene, e)[:2]
     centre, half = pose.place[e.p - 1], 0.16 * r
     corners = [centre + a * r * heading + b * half * axle for a, b in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
@@ -185,8 +185,8 @@ def wheel(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     axis, spoke = frame[2], frame[0]
     if not axis.any():
         axis, spoke = Y, X
-    radius = float(scene.length[e.number - 1]) or float(np.linalg.norm(pose.place[e.q - 1] - centre)) or 3 * look.size
-    tread = float(scene.data[e.number - 1, 1]) if e.keyword == "TWHEEL" and scene.data.shape[1] > 1 else 0.055 * radius
+    radius = scene.length[e.number - 1] or float(np.linalg.norm(pose.place[e.q - 1] - centre)) or 3 * look.size
+    tread = scene.data[e.number - 1, 1] if e.keyword == "TWHEEL" and scene.data.shape[1] > 1 else 0.055 * radius
     colour = look.colour(e.number, paint.WHEEL)
     shapes = torus(centre, axis, spoke, radius - tread, tread, colour)
     rim = circle(centre, spoke, np.cross(axis, spoke), radius - 2 * tread, 7)
@@ -202,7 +202,7 @@ def screw(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     frame = pose.frame(scene, e)
     p, q = pose.place[e.p - 1], pose.place[e.q - 1]
     axis = frame[0]
-    reach = float((q - p) @ axis)
+    reach = (q - p) @ axis
     a, b = p + min(reach, 0.0) * axis - s * axis, p + max(reach, 0.0) * axis + 3 * s * axis
     colour = look.colour(e.number, paint.SCREW)
     shapes = cylinder(a, b, 0.32 * s, colour, light=look.settings.light)
@@ -245,7 +245,7 @@ def free_truss(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     ends = pose.place[[e.p - 1, e.q - 1]]
     i = e.number - 1
     if scene.stiffness[i, 0]:
-        return spring(scene, ends, look, look.colour(e.number, paint.SPRING), float(scene.length[i]))
+        return spring(scene, ends, look, look.colour(e.number, paint.SPRING), scene.length[i])
     if scene.damping[i, 0] and scene.planar:
         return dashpot(ends, look, look.colour(e.number, paint.SPRING))
     return [Line(ends, look.colour(e.number, paint.TRUSS), 0.9, 2, dashes=(1.5, 2.5))]

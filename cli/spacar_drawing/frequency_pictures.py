@@ -162,8 +162,8 @@ def margins(f: np.ndarray, decibels: np.ndarray, degrees: np.ndarray) -> str:
 def top_of(f: np.ndarray, decibels: np.ndarray) -> float:
     """The top of the axis: above the curve; where peaks without damping stand out by UNDAMPED, above their feet."""
     if len(f) < 2:
-        return float(decibels.max(initial=0.0)) + 1.0
+        return decibels.max(initial=0.0) + 1.0
     slope = np.abs(np.diff(decibels) / np.diff(np.log(f)))
-    feet, top = float(decibels[:-1][slope < STEEP].max(initial=-np.inf)), float(decibels.max())
+    feet, top = decibels[:-1][slope < STEEP].max(initial=-np.inf), decibels.max()
     top = feet + 0.5 * UNDAMPED if top > feet + UNDAMPED and np.isfinite(feet) else top
-    return top + 0.05 * float(np.ptp(np.minimum(decibels, top)))
+    return top + 0.05 * np.ptp(np.minimum(decibels, top))

@@ -82,8 +82,8 @@ def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", sta
     label = ("load step" if stationary else "time t (s)") if against.variable == "t" else axis_text(against)
     all_axes[-1].set_xlabel(label, fontsize=8.5, color=INK, parse_math=False)
     figure.align_ylabels(all_axes)
-    named = len(groups[0]) > 1 or bool(groups[0][0].group)
-    top = (0.15, 0.45, 0.62)[bool(title) + named] + 0.17 * rows[0]
+    named = len(groups[0]) > 1 or groups[0][0].group != ""
+    top = (0.15, 0.45, 0.62)[(title != "") + named] + 0.17 * rows[0]
     figure.subplots_adjust(
         left=0.12, right=0.965, bottom=0.52 / height, top=1 - top / height,
         hspace=(0.32 if any(len(g) > 1 or g[0].group for g in groups) else 0.16) + 0.1 * max(rows),

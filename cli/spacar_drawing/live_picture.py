@@ -79,7 +79,7 @@ def motion_model(source: PictureSource, x: Array, motion: Array, label: str) -> 
     """Pictures of one period of a small motion (nx,), real or complex, about x (nx,)."""
     mode = ModeShape(1, "buckling", 1.0 + 0j, np.zeros(0, complex), motion.astype(complex))
     scene, rows = source.scene, source.scene.position_nodes - 1
-    extent = float(np.max(np.ptp(Pose.of(scene, x).place[rows], axis=0), initial=0.0)) or 1.0
+    extent = np.max(np.ptp(Pose.of(scene, x).place[rows], axis=0), initial=0.0) or 1.0
     xs = period(mode, x, suitable_factor(scene, motion, extent), PHASES)
 
     def read(name: str, k: int | None) -> Array | None:

@@ -76,7 +76,7 @@ def _hinge_place(
         own = direct.get(e.p_turn) or direct.get(e.q_turn) or p or q
         return own[:1] if own else ()
     a, b = min(
-        ((a, b) for a in p for b in q), key=lambda ab: float(np.linalg.norm(place[ab[0] - 1] - place[ab[1] - 1]))
+        ((a, b) for a in p for b in q), key=lambda ab: np.linalg.norm(place[ab[0] - 1] - place[ab[1] - 1])
     )
     if e.p_turn in whole and e.q_turn in whole:
         return (a, b)
@@ -160,7 +160,7 @@ def look_of(scene: Scene, xs: Array, settings: PictureSettings) -> Look:
     ranges = np.stack((places.min(0), places.max(0)), axis=1)
     first = places[0][rows]
     extent = float(np.linalg.norm(np.ptp(first, axis=0))) if len(first) else 0.0
-    extent = extent or float(np.max(scene.length, initial=0.0)) or 1.0
+    extent = extent or np.max(scene.length, initial=0.0) or 1.0
     beams = sum(e.shape == "beam" for e in scene.elements)
     if settings.step_line is not None:
         points = int(np.clip(round(1.0 / settings.step_line) + 1, 3, 1001))

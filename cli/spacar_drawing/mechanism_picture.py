@@ -109,7 +109,7 @@ def draw_steps(
     a dashed outline. `more` shapes come on top, `note` stands in the lower left corner.
     """
     look = look or look_of(scene, xs if every_step is None else every_step, settings)
-    shapes: list[Shape] = trace_lines(scene, every_step, traces) if traces and every_step is not None else []
+    shapes = trace_lines(scene, every_step, traces) if traces and every_step is not None else []
     bounds = wider(series_bounds(scene, xs, look, extras), [*shapes, *more])
     if behind is not None:
         shapes += outline_shapes(scene, behind, look)
@@ -260,7 +260,7 @@ def series(
     symbols = Symbols.of(source, extras.symbols, numbers)
     for k, x in zip(some, sample, strict=True):
         bounds = wider(bounds, symbols.shapes(k, x, look))
-    still: list[Shape] = trace_lines(scene, np.stack([place(x) for x in source.x()]), nodes) if nodes else []
+    still = trace_lines(scene, np.stack([place(x) for x in source.x()]), nodes) if nodes else []
     still += place.undeformed(look)
     if initial:
         still += outline_shapes(scene, place(source.x(1)), look)

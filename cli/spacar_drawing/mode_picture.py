@@ -59,7 +59,7 @@ def mode_still(source: PictureSource, step: int, extras: Extras, mode: ModeShape
     whole = period(mode, x, factor, QUARTERS)
     look = mode_look(scene, x, settings, whole)
     bounds = series_bounds(scene, np.concatenate((x[None], whole)), look, extras)
-    shapes: list[Shape] = outline_shapes(scene, x, look) if rest else []
+    shapes = outline_shapes(scene, x, look) if rest else []
     phases = (np.pi / 2, np.pi) if mode.is_complex and mode.oscillates else (np.pi,) if mode.oscillates else ()
     for phase in phases:
         shapes += ghost_shapes(scene, swing(mode, x, factor, phase), look, 0.28)
@@ -93,13 +93,13 @@ def constraint_still(source: PictureSource, step: int, extras: Extras, found: Re
     """Elements that take part in over-constraints in red, by their share; motions of under-constraints dashed."""
     scene, x, extent = source.scene, source.x(step), extent_of(source, step)
     share = found.over.sum(0)
-    largest = float(share.max(initial=0.0))
+    largest = share.max(initial=0.0)
     tints: dict[int, Colour] = {}
     if largest > 1e-6:
         for e in scene.elements:
-            mix = float(np.sqrt(share[e.number - 1] / largest))
-            r, g, b = (1 - mix) * PALE + mix * RED
-            tints[e.number] = (float(r), float(g), float(b))
+            mix = np.sqrt(share[e.number - 1] / largest)
+            r, g, b = ((1 - mix) * PALE + mix * RED).tolist()
+            tints[e.number] = r, g, b
     look = replace(look_of(scene, x[None], source.settings), tints=tints)
     moved = [x + suitable_factor(scene, motion, extent) * motion for motion in found.under]
     bounds = series_bounds(scene, np.stack([x, *moved]), look, extras)

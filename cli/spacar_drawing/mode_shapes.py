@@ -113,7 +113,7 @@ class ModeShape:
     @property
     def is_complex(self) -> bool:
         """The points do not all move in phase."""
-        size = float(np.max(np.abs(self.motion), initial=0.0))
+        size = np.max(np.abs(self.motion), initial=0.0)
         return bool(np.max(np.abs(self.motion.imag), initial=0.0) > 1e-6 * size)
 
     @property
@@ -188,10 +188,10 @@ def vibration_modes(source: PictureSource, matrices: Any, step: int) -> list[Mod
         shapes = motion @ vectors[:n]
     modes: list[ModeShape] = []
     seen: list[tuple[complex, NDArray[np.complex128]]] = []
-    largest = float(np.max(np.abs(values), initial=0.0)) or 1.0
+    largest = np.max(np.abs(values), initial=0.0) or 1.0
     for i in shown_order(values):
         vector = vectors[:n, i].astype(complex)
-        size = float(np.linalg.norm(vector))
+        size = np.linalg.norm(vector)
         if size < 1e-9 * max(float(np.linalg.norm(vectors[:, i])), 1e-300):
             continue  # only a velocity: the other vector of a double zero eigenvalue
         pivot = vector[np.argmax(np.abs(vector))]
@@ -225,7 +225,7 @@ def buckling_modes(source: PictureSource, matrices: Any, step: int) -> list[Mode
     modes = []
     for i, multiplier in enumerate(multipliers):
         vector = vectors[:, i]
-        size = float(np.linalg.norm(vector))
+        size = np.linalg.norm(vector)
         if np.isfinite(multiplier) and np.isfinite(size) and size > 0:
             unit = (vector / size).astype(complex)
             modes.append(ModeShape(i + 1, "buckling", complex(multiplier), unit, (shapes[:, i] / size).astype(complex)))
@@ -235,9 +235,9 @@ def buckling_modes(source: PictureSource, matrices: Any, step: int) -> list[Mode
 def suitable_factor(scene: Scene, motion: NDArray, extent: float) -> float:
     """The factor at which a motion (nx,) moves at most SHARE of the extent [m] and no rotation exceeds MOST_TURN."""
     amplitude = np.abs(motion)
-    moves = float(np.max(amplitude[scene.place_columns], initial=0.0))
+    moves = np.max(amplitude[scene.place_columns], initial=0.0)
     places = scene.lnp[scene.orientation_nodes - 1, : 1 if scene.planar else 4] - 1
-    turns = float(np.max(amplitude[places], initial=0.0)) * (1.0 if scene.planar else 2.0)
+    turns = np.max(amplitude[places], initial=0.0) * (1.0 if scene.planar else 2.0)
     bounds = [SHARE * extent / moves] if moves > 1e-12 * max(turns * extent, moves) and moves else []
     bounds += [MOST_TURN / turns] if turns else []
     return min(bounds, default=1.0)

@@ -47,7 +47,7 @@ def place_labels(axes: Axes, camera: Camera, labels: Sequence[Label], shapes: Se
     covered = _samples(camera, shapes)
     sizes = [(0.62 * len(v.text) + (0.7 if v.boxed else 0.2)) * POINTS * scale for v in shown]
     h = 1.45 * POINTS * scale
-    reach = float(np.max(RINGS)) * 0.8 * POINTS * scale + max([h, *sizes])
+    reach = np.max(RINGS) * 0.8 * POINTS * scale + max([h, *sizes])
     dots = to_pixels(covered) if len(covered) else np.zeros((0, 2))
     x0, y0, x1, y1 = axes.bbox.extents
     others = np.array([text.get_window_extent().extents for text in axes.texts]).reshape(-1, 4)
@@ -109,7 +109,7 @@ DARKEST = 0.55
 
 def paint(axes: Axes, camera: Camera, shapes: Sequence[Shape]) -> list[Any]:
     """Add the shapes to the axes; returns the artists, to be removed before the next frame."""
-    artists: list[Any] = _planar(axes, camera, shapes) if camera.planar else _spatial(axes, camera, shapes)
+    artists = _planar(axes, camera, shapes) if camera.planar else _spatial(axes, camera, shapes)
     for first, places in marks_alike(shapes):
         artists += axes.plot(
             *camera.project(places).T, "o", scalex=False, scaley=False, ms=first.size, mfc=first.face, mec=first.edge,

@@ -189,18 +189,18 @@ class Scene:
     @cached_property
     def free(self) -> Flags:
         """(elements,) all deformations are calculable: the element holds nothing."""
-        return np.asarray(self._all_of("calculable") & np.any(self.le > 0, axis=1))
+        return self._all_of("calculable") & np.any(self.le > 0, axis=1)
 
     def _all_of(self, name: str) -> Flags:
         classes = np.append(self._e_class, CLASSES.index(name))[self.le - 1]  # what does not exist counts as the class
-        return np.asarray(np.all(classes == CLASSES.index(name), axis=1))
+        return np.all(classes == CLASSES.index(name), axis=1)
 
     @cached_property
     def doubled(self) -> Flags:
         """(elements,) another element ends in the same two position nodes."""
         pairs = np.sort(self.node_table[:, [0, 2]], axis=1)
         _, which, count = np.unique(pairs, axis=0, return_inverse=True, return_counts=True)
-        return np.asarray((count[which.ravel()] > 1) & (pairs[:, 0] > 0))
+        return (count[which.ravel()] > 1) & (pairs[:, 0] > 0)
 
     @cached_property
     def warping_rows(self) -> Index:

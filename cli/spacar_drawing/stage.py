@@ -117,7 +117,7 @@ def new_figure(bounds: tuple[Array, Array], camera: Camera, title: str = "") -> 
     """A figure whose axes show the box `bounds` (lower, upper corner) [m] completely, with equal scales."""
     left, right, bottom, top = _margins(camera, title)
     a, b, _, _ = _window(bounds, camera)
-    h = float(np.clip((WIDTH - left - right) * (b - a)[1] / (b - a)[0], LEAST, MOST))
+    h = np.clip((WIDTH - left - right) * (b - a)[1] / (b - a)[0], LEAST, MOST)
     figure = blank(WIDTH, h + bottom + top)
     return figure, furnish(figure, bounds, camera, title)
 
@@ -156,7 +156,7 @@ def _window(bounds: tuple[Array, Array], camera: Camera) -> tuple[Array, Array, 
     box = camera.project(corners(low, high))
     a, b = box.min(0), box.max(0)
     if not camera.planar:
-        margin = 0.06 * float(np.max(b - a))
+        margin = 0.06 * np.max(b - a)
         a, b = a - margin * np.array([1.4, 1.3]), b + margin * np.array([1.0, 0.5])
     return a, b, low, high
 
@@ -164,7 +164,7 @@ def _window(bounds: tuple[Array, Array], camera: Camera) -> tuple[Array, Array, 
 def padded(bounds: tuple[Array, Array], camera: Camera) -> tuple[Array, Array]:
     """The box with some room; spatial boxes get at least a quarter of the largest side in every direction."""
     low, high = (np.array(v, float) for v in bounds)
-    size = float(np.max(high - low)) or 1.0
+    size = np.max(high - low) or 1.0
     if camera.planar:
         return low - 0.04 * size, high + 0.04 * size
     middle = 0.5 * (low + high)

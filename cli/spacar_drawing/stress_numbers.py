@@ -168,7 +168,7 @@ def stress_results(
             value, point = (np.concatenate([part[j][i] for part in parts]) for i in range(2))
             values[name][:, m] = value.reshape(len(chosen), points)
             places[name][:, m] = np.stack((y[point], z[point]), axis=-1).reshape(len(chosen), points, 2)
-    t = np.array([float(np.ravel(source.get("t", k))[0]) for k in chosen])
+    t = np.array([source.time(k) for k in chosen])
     numbers = np.array([element.number for element in wanted])
     return StressResults(np.array(chosen), t, numbers, np.linspace(0.0, 1.0, points), values, places)
 

@@ -87,7 +87,7 @@ def section_figure(found: SectionStress, quantity: str, metre: float, title: str
     y, z = (np.linspace(-0.5 * s, 0.5 * s, max(41, round(s / step) + 1)) for s in (w, h))
     grid = np.meshgrid(y, z)
     field = factor * found.at(quantity, grid[0].ravel(), grid[1].ravel()).reshape(grid[0].shape)
-    top = float(np.nanmax(np.abs(field))) or 1.0
+    top = np.nanmax(np.abs(field)) or 1.0
     signed = quantity == "normal"
     figure = blank(8.4, 4.4, layout="constrained")
     left, right = figure.subplots(1, 2)
@@ -160,7 +160,7 @@ def stress_still(
     low, high, colours = colour_range(np.concatenate([values for _, values, _, _ in parts]), quantity)
     norm = Normalize(low, high)
     hidden = settings.hidden | {element.number for element, *_ in parts}
-    shapes: list[Shape] = mechanism_shapes(scene, x, look_of(scene, x[None], replace(settings, hidden=hidden)), extras)
+    shapes = mechanism_shapes(scene, x, look_of(scene, x[None], replace(settings, hidden=hidden)), extras)
     for element, _, shown, quads in parts:
         rgb = np.asarray(colours(norm(shown)))[:, :3]
         if quads is None:
@@ -211,7 +211,7 @@ def _nowhere(quantity: str) -> NoReturn:
 def _finer(contour: Array) -> Array:
     """The outline (k, 2) with points between its corners, none further apart than a sixteenth of the larger side."""
     after = np.roll(contour, -1, axis=0)
-    most = float(np.max(np.ptp(contour, axis=0))) / 16
+    most = np.max(np.ptp(contour, axis=0)) / 16
     pieces = [
         a + np.arange(m)[:, None] / m * (b - a)
         for a, b in zip(contour, after, strict=True)
@@ -232,7 +232,7 @@ def diagram_still(source: PictureSource, step: int, extras: Extras, quantity: st
     scene, x = source.scene, source.x(step)
     look = look_of(scene, x[None], source.settings)
     found = courses(source, step, quantity, max(look.points, 17))
-    largest = max(float(np.max(np.abs(values))) for _, values in found)
+    largest = max(np.max(np.abs(values)) for _, values in found)
     factor = HEIGHT * look.size / SYMBOL / largest if largest else 0.0
     pose = Pose.of(scene, x)
     shapes: list[Shape] = []

@@ -117,7 +117,7 @@ def matters(study: Flexure, column: Column) -> bool:
     kind = column.name[: column.name.rfind("_")]
     group = [c for c in study.motion_columns() if c.name[: c.name.rfind("_")] == kind]
     length = study.result.mechanism.length if column.unit == "m" else 1.0
-    largest = max(float(np.nanmax(np.abs(c.values), initial=0.0)) for c in group)
+    largest = max(np.nanmax(np.abs(c.values), initial=0.0) for c in group)
     return bool(np.nanmax(np.abs(column.values), initial=0.0) > max(NOTHING * length, TRACE * largest))
 
 
@@ -201,7 +201,7 @@ def _smooth(axes: Axes) -> None:
     named = list(axes.lines) if legend is None else legend.get_lines()
     for line, sample in zip(list(axes.lines), named, strict=True):
         x, y = (np.asarray(v, float) for v in line.get_data())
-        span = float(np.ptp(y[np.isfinite(y)])) if np.isfinite(y).any() else 0.0
+        span = np.ptp(y[np.isfinite(y)]) if np.isfinite(y).any() else 0.0
         hidden = sum(np.allclose(y, other, rtol=0.0, atol=HIDDEN * span, equal_nan=True) for other in shown)
         shown.append(y)
         if hidden:

@@ -65,7 +65,7 @@ def five_numbers(study: Flexure, body: bool) -> list[tuple[str, str]]:
         shown = [shown_column(study, c) for c in known]
         sizes = [np.where(np.isfinite(v), v if lowest else np.abs(v), np.inf if lowest else -np.inf) for _, v in shown]
         best = min if lowest else max
-        k = best(range(len(known)), key=lambda i: float(best(sizes[i])))
+        k = best(range(len(known)), key=lambda i: best(sizes[i]))
         at = int(sizes[k].argmin() if lowest else sizes[k].argmax())
         of = f", {known[k].title.partition(', ')[2]}" if len(names) > 1 else ""
         value = f"{cell_text(shown[k][1][at], 4)} {unit_text(symbols(shown[k][0]))}"

@@ -68,7 +68,7 @@ def planar_support(scene: Scene, pose: Pose, look: Look, node: int) -> list[Shap
         k = fixed[0]
         along, away = (X, -Y) if k == 1 else (Y, -X)
         low, high = look.ranges[node - 1]
-        a, b = float((low - at) @ along) - 2.2 * s, float((high - at) @ along) + 2.2 * s
+        a, b = (low - at) @ along - 2.2 * s, (high - at) @ along + 2.2 * s
         ground = at + 0.75 * s * away
         block = placed(SQUARE * [1.1 * s, 0.75 * s], at, along, away)
         shapes += _wall(ground + 0.5 * (a + b) * along, along, away, 0.5 * (b - a), s)

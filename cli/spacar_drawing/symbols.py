@@ -102,7 +102,7 @@ class Symbols:
             if kind in kinds:
                 found = [forces(source, kind, k) for k in steps]
                 most = [
-                    [float(np.max(np.linalg.norm(v, axis=1), initial=0.0)) for v in (f.force, f.moment)] for f in found
+                    [np.max(np.linalg.norm(v, axis=1), initial=0.0) for v in (f.force, f.moment)] for f in found
                 ]
                 largest[kind] = (max(force for force, _ in most), max(moment for _, moment in most))
         return cls(source, tuple(dict.fromkeys(kinds)), largest)
@@ -128,7 +128,7 @@ class Symbols:
         shapes: list[Shape] = []
         force, moment = self.largest[kind]
         for node, value in zip(found.nodes, found.force, strict=True):
-            size = float(np.linalg.norm(value))
+            size = np.linalg.norm(value)
             if size > LEAST * force:
                 along = ARROW * look.size / force * value
                 at = pose.place[node - 1]
@@ -151,7 +151,7 @@ class Symbols:
             masses = node_masses(self.source.scene, stored(self.source, *STORED["masses"]))
             parts.append(f"masses: largest {max(masses.values()):.4g} kg" if masses else "no lumped masses")
         if "gravity" in self.kinds:
-            size = float(np.linalg.norm(stored(self.source, *STORED["gravity"])))
+            size = np.linalg.norm(stored(self.source, *STORED["gravity"]))
             parts.append(f"gravity {size:.4g} m/s\N{SUPERSCRIPT TWO}" if size else "no gravity")
         if "axes" in self.kinds:
             few = "" if len(_framed(self.source.scene)) <= MOST_AXES else " of some elements"
@@ -207,11 +207,11 @@ def double_arrow(at: Array, share: Array, size: float, colour: Colour) -> list[S
 
 def turning(at: Array, share: Array, size: float, colour: Colour) -> list[Shape]:
     """A moment in the plane: an arc with a head; its length is the share of the largest one."""
-    value = float(share[2])
+    value = share[2]
     r = ARROW / 3 * size
     end = 0.5 + np.sign(value) * (0.4 + 4.4 * abs(value))
     x, y, _ = np.eye(3)
-    arc = circle(at, x, y, r, 40, (0.5, float(end)))
+    arc = circle(at, x, y, r, 40, (0.5, end))
     radial = (arc[-1] - at) / r
     before = arc[-1] - np.sign(value) * 1.1 * size * np.cross((0.0, 0.0, 1.0), radial)
     return [Line(arc, colour, 1.6, 6), arrow_head(arc[-1], before, 0.4 * size * radial, colour)]
@@ -227,14 +227,14 @@ def _masses(scene: Scene, pose: Pose, look: Look, xm: Array) -> list[Shape]:
     found = node_masses(scene, xm)
     top = max(found.values(), default=1.0)
     return [
-        Mark(pose.place[n - 1], 4.0 + 10.0 * float(np.cbrt(mass / top)), MASS, "#ffffff", 5)
+        Mark(pose.place[n - 1], 4.0 + 10.0 * np.cbrt(mass / top), MASS, "#ffffff", 5)
         for n, mass in found.items()
     ]
 
 
 def _gravity(scene: Scene, pose: Pose, look: Look, g: Array) -> list[Shape]:
     """An arrow beside the mechanism."""
-    size = float(np.linalg.norm(g))
+    size = np.linalg.norm(g)
     if not size:
         return []
     places = pose.place[scene.position_nodes - 1]
@@ -264,7 +264,7 @@ def _axes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
         if e.shape == "beam" and e.q:
             points, y, z = (part[0] for part in beam_lines(scene, pose, [e], 11))
             along = points[4] - points[2]
-            size = float(np.linalg.norm(along))
+            size = np.linalg.norm(along)
             if size > 0.0:
                 at[i], frames[i] = points[3], (along / size, y[3], z[3])
     return [

@@ -214,7 +214,7 @@ def _values(source: PictureSource, chosen: Sequence[int]) -> tuple[Array | None,
     if 4 * columns * len(chosen) > MOST_VALUES:
         return None, 0
     rows = [np.concatenate([np.ravel(source.get(name, k)) for name in ("e", "sig")]) for k in chosen]
-    largest = float(np.finfo(np.float32).max)
+    largest = np.finfo(np.float32).max
     return np.clip(np.nan_to_num(np.array(rows)), -largest, largest), columns
 
 

@@ -208,7 +208,7 @@ class LivePlot:
         """
         old, shown = self._seen or box, self._bounds
         low, high = self._seen = np.minimum(old[0], box[0]), np.maximum(old[1], box[1])
-        room = ROOM * float(np.max(high - low)) * (np.array([1, 1, 0]) if self._scene.planar else np.ones(3))
+        room = ROOM * np.max(high - low) * (np.array([1, 1, 0]) if self._scene.planar else np.ones(3))
         if shown is not None:
             low = np.where(low < shown[0], low - room, shown[0])
             high = np.where(high > shown[1], high + room, shown[1])

@@ -81,7 +81,7 @@ def as_json(check: SbfCheck) -> dict[str, object]:
         for records in (check.header, check.step_variables)
     )
     header = [row | {"value": value} for row, value in zip(header, check.values, strict=True)]
-    found: dict[str, object] = {"file": check.path, "kind": check.kind, "state": check.state, "steps": check.steps}
+    found = {"file": check.path, "kind": check.kind, "state": check.state, "steps": check.steps}
     return found | {"header": header, "step_variables": steps, "damage": list(check.damage), "notes": list(check.notes)}
 
 

@@ -83,7 +83,7 @@ def _pictures(
     output: tuple[Path, ...],
 ) -> None:  # fmt: skip
     check_stills(output)
-    across: np.ndarray = np.array([s.t for s in steps])
+    across = np.array([s.t for s in steps])
     text = "load step" if np.array_equal(across, np.round(across)) else "time (s)"
     if against is not None:
         source = open_source(file)

@@ -42,7 +42,7 @@ def command_of_mode(word: str) -> click.Command:
     mode = find_mode(int(word))
     accurate = mode.integrated or mode.stationary
     needed = mode.forces and not accurate  # else the word may have gone to an option
-    params: list[click.Parameter] = [
+    params = [
         click.Argument(["file"], type=click.Path(path_type=Path), required=needed),
         words.parameter("output_dir", ": the log and the results"),
         words.parameter(
