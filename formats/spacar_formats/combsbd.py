@@ -44,7 +44,7 @@ def combsbd(
         files = [stack.enter_context(open_result(name, "sbd")) for name in names]
         for other in files[1:]:
             _check_same(files[0], other)
-        head = bytearray(files[0].head())
+        head = bytearray(files[0].head)
         total = sum(file.steps for file in files)
         at = files[0].directory.tdef_offset + COUNT_IN_RECORD
         head[at : at + COUNT.size] = COUNT.pack(total)

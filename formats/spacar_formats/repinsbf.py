@@ -14,7 +14,7 @@ from spacar.errors import UsageError
 from spacar_formats.locate import open_result
 from spacar_formats.safety import replacing
 from spacar_formats.sbf import Record
-from spacar_formats.sbf.record_layout import DTYPES, PREAMBLE, TEXT, encode_text, padded, preamble
+from spacar_formats.sbf.record_layout import DTYPES, PREAMBLE, REAL, TEXT, encode_text, padded, preamble
 
 
 def repinsbf(
@@ -34,7 +34,7 @@ def repinsbf(
             raise UsageError(f"{record.id} in {file.path} {need}", "files.step")
         path, where = file.path.resolve(), file.directory
         if step is None:
-            head = bytearray(file.head())
+            head = bytearray(file.head)
             head[record.offset : record.offset + len(payload)] = payload
             body = bytes(head[PREAMBLE.size :])
             at, new = 0, preamble(file.kind, file.state, where.tdef_offset, where.stride, body) + body
@@ -78,6 +78,6 @@ def _payload(record: Record, value: np.ndarray | float | str | Sequence, file: s
         raise UsageError(text, "files.size")
     with np.errstate(all="ignore"):
         stored = array.astype(DTYPES[record.type])
-    if array.dtype.kind == "f" and record.type != 2 and not np.array_equal(stored, array):
+    if array.dtype.kind == "f" and record.type != REAL and not np.array_equal(stored, array):
         raise UsageError(f"{record.id} in {file} holds integers, the new value has a fraction", "files.size")
     return stored.tobytes(order="F")

@@ -175,8 +175,8 @@ KINDS: dict[str, tuple[Header, Callable[[Frame], dict[str, Any]]]] = {
 
 def _shape(value: Any) -> tuple[int, int]:
     """Rows and columns as stored: a number 1 x 1, a vector as a column."""
-    shape = np.shape(value)
-    return (1, 1) if not shape else (shape[0], 1) if len(shape) == 1 else (shape[0], shape[1])
+    rows, cols = (*np.shape(value), 1, 1)[:2]
+    return rows, cols
 
 
 LTV_COUNTS = ("NNOM", "NX", "NU", "NY", "NRBM", "NYS", "NYSI", "DFT", "X0")

@@ -119,8 +119,8 @@ def encode(value: Value) -> tuple[int, int, int, bytes]:
     if array.ndim > 2 or array.dtype.kind not in "biuf":
         raise ValueError(f"cannot store an array of type {array.dtype} with {array.ndim} dimensions")
     kind = REAL if array.dtype.kind == "f" else INTEGER
-    matrix = array.reshape(1, 1) if array.ndim == 0 else array.reshape(-1, 1) if array.ndim == 1 else array
-    return kind, matrix.shape[0], matrix.shape[1], matrix.astype(DTYPES[kind]).tobytes(order="F")
+    matrix = array if array.ndim == 2 else array.reshape(-1, 1)
+    return kind, *matrix.shape, matrix.astype(DTYPES[kind]).tobytes(order="F")
 
 
 def encode_text(lines: Sequence[str], cols: int | None = None) -> tuple[int, int, int, bytes]:

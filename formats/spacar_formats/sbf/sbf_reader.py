@@ -12,7 +12,6 @@ import os
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from types import TracebackType
 
 import numpy as np
 
@@ -80,7 +79,7 @@ class SbfFile:
             raise UsageError(f"cannot open {name}: {err.strerror}", "files.open") from None
         except ValueError as err:  # the file shrank between the two looks at its size
             raise SbfError(f"{name} is damaged: {err}") from None
-        self._head = head
+        self.head = head  # the bytes in front of the step blocks
         self.header_records: dict[str, Record] = {r.id: r for r in self.directory.header}
         self.step_records: dict[str, Record] = {r.id: r for r in self.directory.steps}
         self._good = np.zeros(self.steps, dtype=bool)
@@ -130,7 +129,7 @@ class SbfFile:
     def header_value(self, ident: str) -> np.ndarray | list[str]:
         """Value of a header variable under its exact identifier, as `get` gives it."""
         record = self.header_records[ident]
-        return decode(record, self._head[record.offset : record.offset + record.length], str(self.path))
+        return decode(record, self.head[record.offset : record.offset + record.length], str(self.path))
 
     def get(self, name: str, steps: int | Iterable[int] | None = None) -> np.ndarray | list[str]:
         """Value of a variable, for step variables at all steps or at the given ones (1, 2, ...).
@@ -189,12 +188,11 @@ class SbfFile:
         wanted = list(steps) if isinstance(steps, Iterable) else [steps]
         if isinstance(steps, (int, np.integer)) and -self.steps <= steps < 0:
             wanted = [self.steps + 1 + int(steps)]
-        chosen = np.array(wanted, dtype=object)
-        if any(not isinstance(k, (int, np.integer)) or not 1 <= k <= self.steps for k in chosen):
-            wrong = next(k for k in chosen if not isinstance(k, (int, np.integer)) or not 1 <= k <= self.steps)
+        wrong = [k for k in wanted if not isinstance(k, (int, np.integer)) or not 1 <= k <= self.steps]
+        if wrong:
             there = f"steps 1 to {self.steps}" if self.steps else "no steps"
-            raise UsageError(f"step {wrong} does not exist: {self.path} has {there}", "files.step")
-        return chosen.astype(np.intp) - 1
+            raise UsageError(f"step {wrong[0]} does not exist: {self.path} has {there}", "files.step")
+        return np.array(wanted, np.intp) - 1
 
     def damaged_steps(self, chosen: np.ndarray | None = None) -> np.ndarray:
         """Numbers (1, 2, ...) of the steps whose checksum or number is wrong, among the zero-based indices given."""
@@ -225,10 +223,6 @@ class SbfFile:
         """A copy of the bytes of step block k (1, 2, ...)."""
         return self._blocks[self.step_indices(k)[0]].tobytes()
 
-    def head(self) -> bytes:
-        """The bytes in front of the step blocks."""
-        return self._head
-
     def close(self) -> None:
         """Release the map; arrays returned by `get` stay valid."""
         self._blocks = np.zeros((0, self.directory.stride), np.uint8)
@@ -238,7 +232,5 @@ class SbfFile:
     def __enter__(self) -> SbfFile:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()

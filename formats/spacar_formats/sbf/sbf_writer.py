@@ -10,7 +10,6 @@ import os
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
-from types import TracebackType
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -107,9 +106,7 @@ class SbfWriter:
     def __enter__(self) -> SbfWriter:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, kind: object, *_: object) -> None:
         self.close(complete=kind is None)
 
     def _write(self, at: int, data: bytes | bytearray) -> None:
