@@ -11,7 +11,6 @@ from spacar_formats.consistency import check_tables
 from spacar_formats.safety import part_path
 from spacar_formats.sbf import SbfFile
 
-KINDS = ("sbd", "sbm", "ltv")
 _WRITTEN_BY = {
     "sbd": "any mode writes it", "sbm": "modes 3, 4, 7, 8, 9 and 10 write it", "ltv": "modes 2, 3, 4 and 9 write it",
 }  # fmt: skip
@@ -25,9 +24,8 @@ def result_path(name: str | os.PathLike[str], kind: str | None = None) -> Path:
     path = Path(name)
     if not path.name or "\0" in str(path):
         raise UsageError(f"'{name}' is not the name of a result file", "files.not-found")
-    kinds = KINDS if kind is None else (kind,)
-    with_kind = [path.with_name(f"{path.name}.{k}") for k in kinds]
-    named = path.suffix.lower() in {f".{k}" for k in KINDS} | {".part", ".bak"}
+    with_kind = [path.with_name(f"{path.name}.{k}") for k in (_WRITTEN_BY if kind is None else (kind,))]
+    named = path.suffix[1:].lower() in (*_WRITTEN_BY, "part", "bak")
     candidates = [path, *with_kind] if named else [*with_kind, path]
     for candidate in candidates:
         if candidate.is_file():

@@ -204,8 +204,7 @@ def export_signals(arrays: Mapping[str, np.ndarray], target: Path) -> None:
     table: dict[str, np.ndarray] = {}
     for name, value in arrays.items():
         columns = np.asarray(value)
-        many = {name: columns} if columns.ndim == 1 else {f"{name}_{k}": c for k, c in enumerate(columns.T, 1)}
-        table |= many
+        table |= {name: columns} if columns.ndim == 1 else {f"{name}_{k}": c for k, c in enumerate(columns.T, 1)}
     export_to(target, {".npz": lambda: to_npz(plain, target), ".mat": lambda: to_mat(plain, target),
                        ".csv": lambda: to_csv(table, target)})  # fmt: skip
 

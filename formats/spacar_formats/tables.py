@@ -40,14 +40,14 @@ def to_pandas(result: Result, expressions: Sequence[str] = ()) -> pandas.DataFra
     units = Dimensions.of(result.mechanism.numbering, find_mode(result.mode).stationary)
     if expressions:
         found = {text: evaluate(parse(text), result, units) for text in texts("an expression", expressions)}
-        columns = {text: np.broadcast_to(np.asarray(value), len(result.frames)) for text, (value, _) in found.items()}
-        names = {text: unit_text(unit) for text, (_, unit) in found.items()}
     else:
-        columns, names = {}, {}
-        for variable, labels, values in variables(result):
-            for k, (a, b) in enumerate(labels):
-                columns[f"{variable}[{a},{b}]"] = values[:, k]
-                names[f"{variable}[{a},{b}]"] = unit_text(units(variable, (a, b)))
+        found = {
+            f"{variable}[{a},{b}]": (column, units(variable, (a, b)))
+            for variable, labels, values in variables(result)
+            for (a, b), column in zip(labels, values.T, strict=True)
+        }
+    columns = {text: np.broadcast_to(np.asarray(value), len(result.frames)) for text, (value, _) in found.items()}
+    names = {text: unit_text(unit) for text, (_, unit) in found.items()}
     timed = find_mode(result.mode).timed
     table = pandas.DataFrame(columns, index=pandas.Index(result.t, name="t" if timed else "load step"))
     table.attrs["units"] = {**names, "t": "s" if timed else ""}

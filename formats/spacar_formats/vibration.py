@@ -46,16 +46,15 @@ class Vibration:
         return [names[int(k)] for k in rows]
 
 
-def zero_size(values: np.ndarray) -> float:
-    """Modulus below which an eigenvalue is a zero mode: sqrt(n eps) of the largest. The squares of eigenvalues are
-    those of M^-1 K, whose backward error is n eps of the largest one; what is smaller cannot be told from zero."""
-    return float(np.sqrt(len(values) * EPS) * np.max(np.abs(values), initial=0.0))
-
-
 def shown_order(values: np.ndarray) -> list[int]:
     """Indices of eigenvalues as they are shown: growing ones first (the fastest as mode 1), then by rising modulus,
-    zero modes last; of a pair the one with positive imaginary part, or the growing one."""
-    zero, largest = zero_size(values), float(np.max(np.abs(values), initial=0.0)) or 1.0
+    zero modes last; of a pair the one with positive imaginary part, or the growing one.
+
+    A modulus below sqrt(n eps) of the largest is a zero mode. The squares of eigenvalues are those of M^-1 K, whose
+    backward error is n eps of the largest one; what is smaller cannot be told from zero.
+    """
+    largest = np.max(np.abs(values), initial=0.0)
+    zero = np.sqrt(len(values) * EPS) * largest
 
     def key(i: int) -> tuple[float, ...]:
         v = values[i]
@@ -103,12 +102,14 @@ def read_vibrations(name: str | os.PathLike[str], lowest: int = WANTED) -> tuple
         steps = []
         for k in range(1, file.steps + 1):
             if stored:
-                steps.append(_stored(file, k))
-                continue
-            modes = (
-                modes_of_sparse_system(file, k, report, lowest) if sparse else modes_of_stored_matrices(file, k, report)
-            )
-            steps.append(Vibration(file.time(k), modes.values, modes.vectors))
+                parts = file.array("eigval", k)
+                values = parts[:, 0] + 1j * parts[:, 1]
+                vectors = file.array("eigvre", k) + 1j * file.array("eigvim", k)
+            elif sparse:
+                values, vectors, *_ = modes_of_sparse_system(file, k, report, lowest)
+            else:
+                values, vectors, *_ = modes_of_stored_matrices(file, k, report)
+            steps.append(Vibration(file.time(k), values, vectors))
         if sparse:
             report.add(f"the {lowest} lowest modes of the sparse equations; --lowest N asks for N of them")
         told = [line.removeprefix("warning: ") for line in report.lines]
@@ -156,12 +157,6 @@ def _deformation(le: np.ndarray, keywords: list[str], i: int) -> str:
     known = keyword in ELEMENT_TYPES and k < len(ELEMENT_TYPES[keyword].modes)
     what = f" {ELEMENT_TYPES[keyword].modes[k][0]}" if known else ""
     return f"element {element + 1} ({keyword}) e{k + 1}{what}"
-
-
-def _stored(file: SbfFile, step: int) -> Vibration:
-    values = file.array("eigval", step)
-    vectors = file.array("eigvre", step) + 1j * file.array("eigvim", step)
-    return Vibration(file.time(step), values[:, 0] + 1j * values[:, 1], vectors)
 
 
 def modes_of_stored_matrices(file: SbfFile, step: int, report: Report) -> Modes:

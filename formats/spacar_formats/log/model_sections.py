@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import astuple
 
 from spacar.deck import ELEMENT_TYPES, Deck, Statement
-from spacar.deck.cross_section import SHAPES
+from spacar.deck.cross_section import SHAPES, BeamSection
 from spacar.deck.findings import ranges
 from spacar.deck.keyword_table import KEYWORDS
 from spacar.deck.length_unit import shown_in
@@ -137,11 +137,10 @@ def total_mass(mechanism: Mechanism) -> list[str]:
     length = {int(i): float(l) for b in mechanism.batches if b.family.keyword in ELEMENT_TYPES
               for i, l in zip(b.family.numbers, b.family.length, strict=True)}  # fmt: skip
     lumped = sum(s.real(1) for s in mechanism.deck.of("XM", block=2) if n.kind[s.integer(0)] == "position")
-    distributed = 0.0
-    for s in mechanism.deck.of("EM", block=2):
-        element = s.integer(0)
-        per_length = s.real(1) + (s.real(2) if ELEMENT_TYPES[n.keyword[element]].carries_flow else 0.0)
-        distributed += per_length * length[element]
+    distributed = sum(
+        (s.real(1) + (s.real(2) if ELEMENT_TYPES[n.keyword[s.integer(0)]].carries_flow else 0.0)) * length[s.integer(0)]
+        for s in mechanism.deck.of("EM", block=2)
+    )
     parts = [f"  in nodes {real(lumped)} kg, distributed over elements {real(distributed)} kg"] if distributed else []
     return [f"Total mass: {real(lumped + distributed)} kg", *parts]
 
@@ -198,23 +197,21 @@ def beam_sections(deck: Deck) -> list[str]:
         ]
     if not deck.sections:
         return lines
-    groups: dict[tuple[str, str], list[int]] = {}
-    of = {}
+    groups: dict[tuple[str, str], list[BeamSection]] = {}
     for use in deck.sections:
-        key = use.section.casefold(), use.material_name.casefold()
-        groups.setdefault(key, []).extend(use.parts)
-        of[key] = use
+        groups.setdefault((use.section.casefold(), use.material_name.casefold()), []).append(use)
     sections, materials = [], {}
-    for key, numbers in groups.items():
-        use = of[key]
+    for (_, material), uses in groups.items():
+        use = uses[-1]
         dims = ", ".join(
             f"{what} {real(v / deck.metre**power)}"
             for v, (what, power) in zip(use.dims, SHAPES[use.shape].dims, strict=True)
         )
-        row = [use.section, use.material_name, ranges(set(numbers), 20), f"{use.shape}: {dims}"]
+        numbers = ranges({number for each in uses for number in each.parts}, 20)
+        row = [use.section, use.material_name, numbers, f"{use.shape}: {dims}"]
         sections.append([*row, *_in_units(astuple(use.constants), CONSTANTS, deck.metre)])
         m = use.material
-        materials[key[1]] = [use.material_name, *_in_units((m.E, m.G, m.nu, m.rho), PROPERTIES, deck.metre)]
+        materials[material] = [use.material_name, *_in_units((m.E, m.G, m.nu, m.rho), PROPERTIES, deck.metre)]
     lines += ["Sections of beams, from which ESTIFF and EM follow", ""]
     heads = ["section", "material", "elements", f"shape ({shown_in('m', deck.metre)[1]})"]
     lines += [*table([*heads, *_heads(CONSTANTS, deck.metre)], sections), ""]

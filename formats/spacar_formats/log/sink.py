@@ -79,7 +79,8 @@ class LogSink:
         if self._frames > 1:
             title = f"Solution {self._frames}, load step {real(frame.t)}"
             self._write([*heading(title), *step_sections.state(n, frame, metre=run.mechanism.deck.metre)])
-        self._write(_statistics(frame))
+        rows = [[step_sections.COUNTERS.get(k, k.replace("_", " ")), float(v)] for k, v in frame.statistics.items()]
+        self._write([*table(["of the solution", "value"], rows), ""] if rows else [])
         self._write(step_sections.transfer_functions(run, frame))
         self._write(linear_sections.eigenvalues(n, frame))
         self._write(linear_sections.buckling(n, frame))
@@ -177,8 +178,3 @@ def _settings(run: Run) -> list[str]:
         name = getattr(run.nominal, "name", None) or run.nominal.mechanism.deck.source
         lines += [f"Nominal motion: the mode {run.nominal.mode} result {name}", ""]
     return lines
-
-
-def _statistics(frame: Frame) -> list[str]:
-    rows = [[step_sections.COUNTERS.get(k, k.replace("_", " ")), float(v)] for k, v in frame.statistics.items()]
-    return [*table(["of the solution", "value"], rows), ""] if rows else []
