@@ -52,6 +52,10 @@ def spread(s: Section, key: str) -> Any:
     return found[0] if len(found) == 1 else found
 
 
+def optional(s: Section, key: str) -> Any:
+    return s.value(key) if s.has(key) else None
+
+
 def sampling_of(s: Section) -> tuple[float, float] | None:
     """Period and offset, or None for a continuous block. Raises UsageError for what only a sampled block has."""
     if not s.has("period"):
@@ -83,15 +87,14 @@ def transfer_function(s: Section) -> Block:
 def state_space(s: Section) -> Block:
     A, B, C = (np.atleast_2d(s.matrix(key)) for key in "ABC")
     D = np.atleast_2d(s.matrix("D")) if s.has("D") else None
-    x0 = s.numbers("initial") if s.has("initial") else None
-    sampling = sampling_of(s)
+    x0, sampling = optional(s, "initial"), sampling_of(s)
     if sampling is None:
         return blocks.Linear(s.name, A, B, C, D, x0)
     return sampled_blocks.sampled_linear(s.name, sampling[0], A, B, C, D, x0, sampling[1])
 
 
 def rate_limiter(s: Section) -> Block:
-    up, down = s.numbers("rising"), s.numbers("falling") if s.has("falling") else None
+    up, down = s.numbers("rising"), optional(s, "falling")
     sampling, size, initial = sampling_of(s), s.integer("size"), s.numbers("initial")
     if sampling is not None:
         return sampled_blocks.sampled_rate_limiter(s.name, sampling[0], up, down, initial, size, sampling[1])
@@ -103,10 +106,9 @@ def rate_limiter(s: Section) -> Block:
 def pid(s: Section) -> Block:
     gains = [s.numbers(key) for key in ("kp", "ki", "kd")]
     options: dict[str, Any] = {
-        "filter": s.number("filter") if s.has("filter") else None,
+        "filter": optional(s, "filter"), "tracking_time": optional(s, "tracking_time"),
         "lower": s.numbers("lower"), "upper": s.numbers("upper"), "size": s.integer("size"),
         "anti_windup": s.choice("anti_windup", control_blocks.ANTI_WINDUP),
-        "tracking_time": s.number("tracking_time") if s.has("tracking_time") else None,
     }  # fmt: skip
     sampling = sampling_of(s)
     if sampling is None:

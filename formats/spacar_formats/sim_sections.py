@@ -56,8 +56,7 @@ class Section:
         self.lines: dict[str, int] = {}
         self.wires: list[tuple[int, str]] = []
         self.warnings: list[str] = []
-        self._defaults: dict[str, str] = {}
-        self._kinds: dict[str, str] = {}
+        self._keys: dict[str, SimKey] = {}
 
     def error(self, text: str, key: str | None = None) -> UsageError:
         line = self.lines.get(key or "", self.line)
@@ -65,14 +64,13 @@ class Section:
 
     def expect(self, keys: Sequence[SimKey]) -> None:
         """Raises UsageError for a key that is not among these, and for one that is needed but missing."""
-        known = {key.name: key for key in keys}
+        self._keys = known = {key.name: key for key in keys}
         for name in self.values:
             if name != "block" and name not in known:
                 raise self.error(f"unknown key '{name}'; the keys are {', '.join(known) or 'none'}", name)
         for name, key in known.items():
             if key.default is None and not self.given(name):
                 raise self.error(f"'{name}' is missing: {key.text}")
-            self._defaults[name], self._kinds[name] = key.default or "", key.kind
 
     def given(self, key: str) -> bool:
         """Does the file say something for this key?"""
@@ -83,7 +81,7 @@ class Section:
         return bool(self.text(key))
 
     def text(self, key: str) -> str:
-        return self.values.get(key) or self._defaults[key]
+        return self.values.get(key) or self._keys[key].default or ""
 
     def wrong(self, key: str, expected: str) -> UsageError:
         return self.error(f"{key} = {self.text(key)} {expected}", key)
@@ -133,7 +131,7 @@ class Section:
             "number": self.number, "numbers": self.numbers, "matrix": self.matrix, "integer": self.integer,
             "flag": self.flag, "text": self.text, "file": self.path,
         }  # fmt: skip
-        return read[self._kinds[key]](key)
+        return read[self._keys[key].kind](key)
 
     def path(self, key: str) -> Path:
         return self.file.parent / self.text(key)
