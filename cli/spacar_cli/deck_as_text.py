@@ -11,19 +11,14 @@ from typing import Any
 import numpy as np
 
 from spacar.arrays import Array
+from spacar.deck import ELEMENT_TYPES
 from spacar.errors import UsageError
 from spacar.mechanism import Mechanism
 
 MARK = "# made by spacar symbolic export"
 
 UNKNOWN = ("USERSIG", "USERINP", "MEE", "XGYRO")
-# the places of p, its orientation, q, its orientation among the nodes of an element
-PLANAR: dict[str, tuple[int | None, ...]] = {
-    "PLBEAM": (0, 1, 2, 3), "PLRBEAM": (0, 1, 2, None), "PLTRUSS": (0, None, 1, None), "PLTOR": (None, 0, None, 1),
-}  # fmt: skip
-SPATIAL: dict[str, tuple[int | None, ...]] = {
-    "BEAM": (0, 1, 2, 3), "RBEAM": (0, 1, 2, None), "TRUSS": (0, None, 1, None), "HINGE": (None, 0, None, 1),
-}  # fmt: skip
+EXPORTED = {2: ("PLBEAM", "PLRBEAM", "PLTRUSS", "PLTOR"), 3: ("BEAM", "RBEAM", "TRUSS", "HINGE")}  # by dimension
 
 
 @dataclass
@@ -73,12 +68,12 @@ class DeckText:
         return UsageError(f"{self.deck.source}: {part} cannot be exported: {why}", "export")
 
     def _part(self, number: int, keyword: str, _: Any) -> Part:
-        ends = PLANAR if self.numbering.planar else SPATIAL
         row = self.numbering.ln[number - 1]
         classes = tuple(_class_at(i - 1, self.numbering.e_class) for i in self.numbering.le[number - 1] if i)
-        if keyword not in ends:
-            raise self.cannot(Part(number, keyword, (0, 0, 0, 0), ()), f"only {', '.join(ends)} can")
-        p, turn_p, q, turn_q = (0 if k is None else int(row[k]) for k in ends[keyword])
+        known = EXPORTED[self.dimension]
+        if keyword not in known:
+            raise self.cannot(Part(number, keyword, (0, 0, 0, 0), ()), f"only {', '.join(known)} can")
+        p, turn_p, q, turn_q = (0 if k is None else int(row[k]) for k in ELEMENT_TYPES[keyword].ends)
         part = Part(number, keyword, (p, turn_p, q, turn_q), classes)
         if not self.kind(part):
             raise self.cannot(part, f"deformations that are {', '.join(classes)} are no link, joint, spring or beam")

@@ -162,8 +162,8 @@ class SpatialModel(DeckModel):
             raise UsageError(f"{where}: prescribed Euler parameters (node {node}) cannot be exported", "export")
 
     def turning_loads(self, node: int) -> None:
-        xx, xy, xz, yy, yz, zz = self.values("XM", node, 6)
-        if any((xx, xy, xz, yy, yz, zz)):
+        xx, xy, xz, yy, yz, zz = values = self.values("XM", node, 6)
+        if any(values):
             pairs = zip(TENSOR, (xx, yy, zz, xy, yz, xz), strict=True)
             self.inertia(f"inertia{node}", node, [self.parameter(f"J{pair}{node}", v) for (*_, pair), v in pairs])
         loads, row = self.mechanism.loads, self.row(node)
