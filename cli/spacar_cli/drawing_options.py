@@ -6,7 +6,7 @@ from pathlib import Path
 
 from spacar_drawing.mechanism_picture import Extras
 from spacar_drawing.picture_source import PictureSource, open_source
-from spacar_drawing.settings import ALL, DIMENSIONS, PictureSettings, SectionShape, statement_section
+from spacar_drawing.settings import ALL, DIMENSIONS, SectionShape, statement_section
 from spacar_drawing.symbols import KINDS
 
 from spacar.errors import UsageError
@@ -50,23 +50,20 @@ class Choices:
         """A result, with the settings of the file and of the command line. Raises UsageError."""
         source = open_source(file, self.stale_ok)
         check_elements(self.hide, [e.number for e in source.scene.elements], "--hide: element")
-        return replace(source, settings=self.overridden(source.settings))
-
-    def extras(self) -> Extras:
-        return Extras(
-            self.numbers or self.node_numbers, self.numbers or self.element_numbers, self.supports, self.view,
-            self.title,
-        )  # fmt: skip
-
-    def overridden(self, settings: PictureSettings) -> PictureSettings:
-        """The settings of the file with those of the command line in their place. Raises UsageError."""
+        settings = source.settings
         if self.sections:
             settings = replace(settings, beams=settings.beams | sections_of(self.sections))
         if self.opacity is not None:
             settings = replace(settings, opacity=self.opacity, opacities={})
         if self.light is not None:
             settings = replace(settings, light=self.light)
-        return replace(settings, hidden=settings.hidden | set(self.hide))
+        return replace(source, settings=replace(settings, hidden=settings.hidden | set(self.hide)))
+
+    def extras(self) -> Extras:
+        return Extras(
+            self.numbers or self.node_numbers, self.numbers or self.element_numbers, self.supports, self.view,
+            self.title,
+        )  # fmt: skip
 
 
 def symbol_kinds(text: str | None) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from enum import IntEnum
+from pathlib import Path
 from typing import Any, TextIO
 
 from click import Abort
@@ -180,6 +181,15 @@ def tell(environment: Environment, severity: str, text: str) -> None:
 def tell_notes(environment: Environment, notes: Iterable[str]) -> None:
     for note in notes:
         tell(environment, "warning", note)
+
+
+def told_path(environment: Environment, name: str, kind: str | None = None) -> Path:
+    """Where a result file is; its warnings are told. Raises UsageError."""
+    from spacar_formats.locate import notes, open_result
+
+    with open_result(name, kind) as file:
+        tell_notes(environment, notes(file))
+        return file.path
 
 
 def _chain(error: BaseException) -> list[BaseException]:

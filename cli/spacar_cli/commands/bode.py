@@ -5,7 +5,7 @@ from pathlib import Path
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
 from spacar_cli.drawing_options import PICTURES
-from spacar_cli.environment import Environment, tell_notes
+from spacar_cli.environment import Environment, told_path
 from spacar_cli.row_output import put_figure, put_rows
 
 
@@ -30,11 +30,8 @@ def command(
     """
     import numpy as np
     from spacar_formats.getss import frequencies, frequency_response, linear_system
-    from spacar_formats.locate import notes, open_result
 
-    with open_result(file, "ltv") as result:
-        path = result.path
-        tell_notes(environment, notes(result))
+    path = told_path(environment, file, "ltv")
     system = linear_system(file, at)
     if low is not None and high is not None and low >= high:
         raise UsageError(f"--low {low:g} is not below --high {high:g}", "bode.range")

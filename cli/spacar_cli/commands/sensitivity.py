@@ -47,12 +47,11 @@ def command(
         raise UsageError(text, "usage.sensitivity")
     options: dict[str, Any] = {} if beams is None else {"beams": beams}
     names, values = _given(parameters)
+    at = None
     if any(v is not None for v in values):
         now = sensitivity(source, names, [], **options).parameter_values.tolist()
         at = [n if v is None else v for n, v in zip(now, values, strict=True)]
-        found = sensitivity(source, names, of, at=at, **options)
-    else:
-        found = sensitivity(source, names, of, **options)
+    found = sensitivity(source, names, of, at=at, **options)
     for note in found.notes:
         severity, _, text = note.partition(": ") if note.startswith("warning: ") else ("information", "", note)
         tell(environment, severity, text)

@@ -10,7 +10,7 @@ import click
 
 from spacar.errors import AnalysisError, UsageError
 from spacar_cli import vocabulary as words
-from spacar_cli.environment import Environment, tell_notes
+from spacar_cli.environment import Environment, tell_notes, told_path
 from spacar_cli.vocabulary import StepNumber
 
 EXPORT_HELP = """Export all variables of an .{kind} file, or only those named, under their MATLAB names.
@@ -77,17 +77,13 @@ def repinsbf(environment: Environment, /, file: str, ident: str, value: str, at:
     VALUE is JSON: a number, a list such as [1,2,3], a list of rows such as [[1,2],[3,4]], or text in
     quotation marks; - reads it from standard input.
     """
-    from spacar_formats.locate import notes, open_result
     from spacar_formats.repinsbf import repinsbf
 
     try:
         new = json.loads(environment.stdin.read() if value == "-" else value, parse_constant=_refuse)
     except (ValueError, RecursionError):
         raise UsageError(f"VALUE is not JSON: {value}; write for example 2.5 or [1,2] or '\"text\"'") from None
-    with open_result(file) as result:
-        path = result.path
-        tell_notes(environment, notes(result))
-    repinsbf(path, ident, new, at)
+    repinsbf(told_path(environment, file), ident, new, at)
 
 
 def _export_command(kind: str) -> click.Command:
@@ -139,13 +135,11 @@ def getss(
     """Print or export the state space matrices A, B, C, D of one step (default the first) of an .ltv file."""
     from spacar_formats import getss
     from spacar_formats.getfrsbf import as_lines
-    from spacar_formats.locate import notes, open_result
 
     if step is not None and at is not None:
         raise UsageError("the step is given twice, as argument and by --at", "usage.step")
     step = step or at or 1
-    with open_result(file, "ltv") as result:
-        tell_notes(environment, notes(result))
+    told_path(environment, file, "ltv")
     system = getss.getss(file, step)
     if output is not None:
         getss.export_getss(system, output)
