@@ -14,8 +14,10 @@ from spacar.deck.rewrite.references import NODE, named
 from spacar.errors import Message
 from spacar_drawing.settings import DIMENSIONS, KINDS, RULES, Rule, setting_of, words_of
 
+Known = dict[str, Collection[int]]  # numbers of elements and of nodes that exist; without them they are not checked
 
-def check_settings(source: Path, deck: Deck | None, text: str | None = None) -> list[Message]:
+
+def check_settings(source: Path, deck: Deck | None, text: str | None) -> list[Message]:
     """Warnings about the settings of an input file or of the NAME.spv beside it, with the lines of that file.
 
     deck   gives the element and node numbers that exist; None: they are not checked
@@ -32,23 +34,20 @@ def check_settings(source: Path, deck: Deck | None, text: str | None = None) -> 
             if line.strip().upper() == "VISUALIZATION":
                 lines, first = lines[i + 1 :], i + 2
                 break
-    elements, nodes = _numbers(deck)
     return [
         Message("warning", file, first + i, keyword, problem, "input.visualization")
-        for i, keyword, problem in _problems(lines, elements, nodes)
+        for i, keyword, problem in _problems(lines, _numbers(deck))
     ]
 
 
-def _numbers(deck: Deck | None) -> tuple[Collection[int] | None, Collection[int] | None]:
+def _numbers(deck: Deck | None) -> Known:
     if deck is None:
-        return None, None
+        return {}
     found = deck.of(*ELEMENT_TYPES, block=1)
-    return {s.integer(0) for s in found}, {n for s in found for n in named(s, NODE)}
+    return {"element": {s.integer(0) for s in found}, "node": {n for s in found for n in named(s, NODE)}}
 
 
-def _problems(
-    lines: Sequence[str], elements: Collection[int] | None, nodes: Collection[int] | None
-) -> Iterator[tuple[int, str, str]]:
+def _problems(lines: Sequence[str], known: Known) -> Iterator[tuple[int, str, str]]:
     """(index of the line, setting, what is wrong), at most one for a line."""
     group, shape = "", "RECT"
     for i, line in enumerate(lines):
@@ -69,7 +68,7 @@ def _problems(
             continue
         problem = f"stands behind {group or 'no heading'}; it belongs behind a line {' or '.join(rule.groups)}"
         if not rule.groups or group in rule.groups:
-            problem = _wrong(rule, values, shape if key == "CROSSDIM" else "", elements, nodes)
+            problem = _wrong(rule, values, shape if key == "CROSSDIM" else "", known)
         if problem:
             yield i, given, problem
         elif key == "CROSSTYPE":
@@ -84,9 +83,7 @@ def _unknown(word: str) -> str:
     return f"unknown setting '{word}' of VISUALIZATION, not read{hint}"
 
 
-def _wrong(
-    rule: Rule, values: Sequence[str], shape: str, elements: Collection[int] | None, nodes: Collection[int] | None
-) -> str:
+def _wrong(rule: Rule, values: Sequence[str], shape: str, known: Known) -> str:
     """What is wrong with the values of a setting, "" when nothing is."""
     if rule.kind == "shape":
         if len(values) == 1 and values[0].upper() in DIMENSIONS:
@@ -94,7 +91,7 @@ def _wrong(
         found = " ".join(values) or "nothing"
         return f"'{found}' is no shape of a cross-section; expected {', '.join(DIMENSIONS)}"
     if rule.kind == "section":
-        return _wrong_section(values, elements)
+        return _wrong_section(values, known)
     count, what = KINDS[rule.kind]
     bad = next((v for v in values if number_of(v) is None), None)
     if bad is not None:
@@ -107,13 +104,13 @@ def _wrong(
     if rule.kind == "node" and not values:
         return f"no number is given; expected {what}"
     if rule.kind in ("element", "node"):
-        return _missing(values, rule.kind, elements if rule.kind == "element" else nodes)
+        return _missing(values, rule.kind, known)
     if rule.kind == "hinge":
-        return _missing(values[:1], "element", elements) or _out_of_range("positive", values[1:])
+        return _missing(values[:1], "element", known) or _out_of_range("positive", values[1:])
     return _out_of_range(rule.kind, values)
 
 
-def _wrong_section(values: Sequence[str], elements: Collection[int] | None) -> str:
+def _wrong_section(values: Sequence[str], known: Known) -> str:
     named = bool(values) and number_of(values[0]) is None
     if named and values[0].upper() not in DIMENSIONS:
         return f"'{values[0]}' is no shape of a cross-section; expected {', '.join(DIMENSIONS)}"
@@ -125,15 +122,15 @@ def _wrong_section(values: Sequence[str], elements: Collection[int] | None) -> s
     if len(rest) < n:
         return f"{len(rest)} numbers are given; {shape} needs {n} dimensions"
     split = len(rest) - n
-    return _missing(rest[:split], "element", elements) or _out_of_range("positive", rest[split:])
+    return _missing(rest[:split], "element", known) or _out_of_range("positive", rest[split:])
 
 
-def _missing(values: Sequence[str], noun: str, known: Collection[int] | None) -> str:
+def _missing(values: Sequence[str], noun: str, known: Known) -> str:
     for word in values:
         number = integer_of(word)
         if number is None or number < 1:
             return f"'{word}' is no {noun} number"
-        if known is not None and number not in known:
+        if number not in known.get(noun, (number,)):
             return f"{noun} {number} does not exist"
     return ""
 
