@@ -41,34 +41,26 @@ class Raster(Artist):
 
     def draw(self, renderer: Any) -> None:
         assert self.axes is not None
-        to_pixels = self.axes.transData.get_affine().get_matrix()
-        draw = _Drawing(self.camera, to_pixels, renderer.points_to_pixels(1.0))
-        calls = draw.planar(self.shapes) if self.camera.planar else draw.spatial(self.shapes)
+        matrix = self.axes.transData.get_affine().get_matrix()
+        self.turn, self.shift, self.point = matrix[:2, :2].T, matrix[:2, 2], renderer.points_to_pixels(1.0)
         gc = renderer.new_gc()
         gc.set_clip_rectangle(self.axes.bbox)
-        for _, call in sorted(calls, key=lambda pair: pair[0]):
+        for _, call in sorted(self.planar() if self.camera.planar else self.spatial(), key=lambda pair: pair[0]):
             call(renderer, gc)
         gc.restore()
-
-
-class _Drawing:
-    """Shapes as calls of a renderer with the height at which they lie."""
-
-    def __init__(self, camera: Camera, matrix: Array, point: float) -> None:
-        self.camera, self.point = camera, point
-        self.turn, self.shift = matrix[:2, :2].T, matrix[:2, 2]
 
     def pixels(self, points: Array) -> Array:
         return self.camera.project(points) @ self.turn + self.shift
 
-    def planar(self, shapes: Sequence[Shape]) -> list[tuple[float, Call]]:
-        calls = [(10.0 + s.layer, self.areas(s)) for s in shapes if isinstance(s, Faces)]
-        return calls + self.lines([s for s in shapes if isinstance(s, Line)], None) + self.marks(shapes)
+    def planar(self) -> list[tuple[float, Call]]:
+        """The shapes as calls of a renderer with the height at which they lie."""
+        calls = [(10.0 + s.layer, self.areas(s)) for s in self.shapes if isinstance(s, Faces)]
+        return calls + self.lines([s for s in self.shapes if isinstance(s, Line)], None) + self.marks()
 
-    def spatial(self, shapes: Sequence[Shape]) -> list[tuple[float, Call]]:
-        front, behind = in_front(shapes)
+    def spatial(self) -> list[tuple[float, Call]]:
+        front, behind = in_front(self.shapes)
         calls = [(10.0, self.solids(behind))] if behind else []
-        return calls + self.lines(front, 15.0) + self.marks(shapes)
+        return calls + self.lines(front, 15.0) + self.marks()
 
     def lines(self, lines: Sequence[Line], height: float | None) -> list[tuple[float, Call]]:
         """Those that look alike as one path: nothing is drawn twice where pale ones meet."""
@@ -116,8 +108,8 @@ class _Drawing:
 
         return call
 
-    def marks(self, shapes: Sequence[Shape]) -> list[tuple[float, Call]]:
-        return [(10.0 + look.layer, self._dots(look, places)) for look, places in marks_alike(shapes)]
+    def marks(self) -> list[tuple[float, Call]]:
+        return [(10.0 + look.layer, self._dots(look, places)) for look, places in marks_alike(self.shapes)]
 
     def _dots(self, look: Mark, at: Array) -> Call:
         places = Path(self.pixels(at))
