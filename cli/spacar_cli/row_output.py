@@ -118,7 +118,7 @@ def counted(environment: Environment, items: Iterable[Item], total: int, what: s
 
 
 def say_table(
-    environment: Environment, header: Sequence[str], rows: Sequence[Sequence[str]], marked: int | None = None
+    environment: Environment, header: Sequence[str], rows: Sequence[Sequence[str]], marked: int | None
 ) -> None:
     """A table: aligned columns, on terminals in lines and with the marked row in bold."""
     if environment.output_is_terminal:

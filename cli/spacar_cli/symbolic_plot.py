@@ -35,7 +35,7 @@ def default_names(run: SimulatedMotion) -> list[str]:
     return [*(name for name in coordinates if not name.startswith("phi")), *run.outputs]
 
 
-def save_plots(run: SimulatedMotion, stem: Path, names: Iterable[str] | None = None) -> list[Path]:
+def save_plots(run: SimulatedMotion, stem: Path, names: Iterable[str] | None) -> list[Path]:
     """Write STEM-NAME.png for every quantity; returns the paths."""
     chosen = list(names) if names is not None else default_names(run)
     paths = []

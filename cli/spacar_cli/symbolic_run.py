@@ -26,7 +26,7 @@ DEFAULTS: dict[str, Any] = {"time": 1.0, "steps": 1000, "integrator": "lsoda", "
 
 def simulate_model(
     model: SymbolicModel, strategy: str, changes: dict[str, float], wishes: dict[str, Any], compiled: bool,
-    plot: tuple[str, ...], show: bool, wait: bool = False,
+    plot: tuple[str, ...], show: bool, wait: bool,
 ) -> list[str]:  # fmt: skip
     """Derive, integrate, write; the lines of the summary.
 

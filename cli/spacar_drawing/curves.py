@@ -65,8 +65,8 @@ class _Variables:
 class _Names(ast.NodeTransformer):
     """Names of quantities as the coordinate that the language knows: the i-th one is x[before + i,1]."""
 
-    def __init__(self, text: str, names: Sequence[str], before: int) -> None:
-        self.text, self.names, self.before = text, list(names), before
+    def __init__(self, text: str, names: list[str], before: int) -> None:
+        self.text, self.names, self.before = text, names, before
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
         node.args = [self.visit(a) for a in node.args]
@@ -103,18 +103,6 @@ class _Signals(ast.NodeTransformer):
 
 def _coordinate(i: int) -> ast.expr:
     return ast.parse(f"x[{i + 1},1]", mode="eval").body
-
-
-def named_values(source: PictureSource, text: str) -> tuple[Array, str]:
-    """(steps,) values of an expression of named quantities, or of a name that is none (`T + V`), and the name if it is
-    a single one. Units are those of the model, which nobody stated. Raises UsageError."""
-    text, names = text.strip(), list(source.named)
-    if text in source.named:
-        return source.named[text], text
-    tree = _tree(text)
-    if tree is not None:
-        tree = _Names(text, names, len(source.scene.lnp)).visit(tree)
-    return _with_columns(source, text, tree, np.column_stack(list(source.named.values()))), "t" if text == "t" else ""
 
 
 def expression_of_signals(source: PictureSource, table: SignalTable, text: str) -> Array | None:
@@ -204,9 +192,15 @@ def evaluate(source: PictureSource, text: str) -> Curve:
                 return _shown(source, Curve("t", np.ravel(source.get("t")), NONE, "t"))
             known = ", ".join(dict.fromkeys(source.signals.blocks))
             raise UsageError(f"'{text}': what is plotted here is t, and BLOCK:NUMBER of {known}", "plot.signal")
-    if source.named:
-        values, name = named_values(source, text)
-        return _shown(source, Curve(text.strip(), values, NONE, name))
+    if source.named:  # units are those of the model, which nobody stated
+        text = text.strip()
+        if text in source.named:
+            return _shown(source, Curve(text, source.named[text], NONE, text))
+        tree = _tree(text)
+        if tree is not None:
+            tree = _Names(text, list(source.named), len(source.scene.lnp)).visit(tree)
+        values = _with_columns(source, text, tree, np.column_stack(list(source.named.values())))
+        return _shown(source, Curve(text, values, NONE, "t" if text == "t" else ""))
     scene = source.scene
     dimensions = Dimensions(scene.planar, scene.analysis.stationary, frozenset(scene.position_nodes), scene.keywords)
     expression = expressions.parse(text)

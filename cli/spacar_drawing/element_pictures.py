@@ -220,7 +220,13 @@ def divided(scene: Scene, look: Look) -> tuple[list[Element], list[tuple[DrawOne
     that draws it. Beams that slide are among both. Those that the settings hide are left out."""
     seen = [e for e in scene.elements if e.number not in look.settings.hidden]
     along = [e for shape in ALONG_LINES for e in seen if e.shape == shape]
-    free = dict.fromkeys(e for e in along if e.shape == "truss" and not is_bar(scene, look, e))
+
+    def is_bar(e: Element) -> bool:
+        """A truss that is drawn as a bar, because it has a cross-section or keeps its length."""
+        shown = outline(look.settings.section(e.number, e.shape)) is not None
+        return shown or scene.e_class(e.number, 1) in ("fixed", "input")
+
+    free = dict.fromkeys(e for e in along if e.shape == "truss" and not is_bar(e))
     single: list[tuple[DrawOne, Element]] = [(free_truss, e) for e in free]
     single += [(PARTS.get(e.shape, plain), e) for e in seen if e.shape not in ALONG_LINES]
     return [e for e in along if e not in free], single + [(slider, e) for e in seen if slides(scene, e)]
@@ -232,12 +238,6 @@ def element_shapes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
     for draw, e in single:
         shapes += draw(scene, pose, look, e)
     return shapes + wound_arcs(scene, pose, look)
-
-
-def is_bar(scene: Scene, look: Look, e: Element) -> bool:
-    """A truss that is drawn as a bar, because it has a cross-section or keeps its length."""
-    shown = outline(look.settings.section(e.number, e.shape)) is not None
-    return shown or scene.e_class(e.number, 1) in ("fixed", "input")
 
 
 def free_truss(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:

@@ -6,7 +6,7 @@ The scopes of a simulation: as a figure of their own, and beside the mechanism w
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from spacar_formats.signal_tables import Panel, SignalTable
@@ -126,7 +126,17 @@ class TimeLine:
         for i, panel in enumerate(shown):
             bottom, last = 0.45 + (len(shown) - 1 - i) * each, i == len(shown) - 1
             axes = figure.add_axes((x, bottom / height, wide, (each - 0.36) / height))
-            _fill(axes, table, t, panel, last)
+            for n, (k, label) in enumerate(zip(panel.columns, panel.labels, strict=True)):
+                axes.plot(t, table.values[:, k], color=COLOURS[n % len(COLOURS)], lw=1.1, label=escaped(label))
+            axes.set_title(escaped(panel_title(panel)), fontsize=8, color=INK, loc="left", pad=3, parse_math=False)
+            dress(axes, numbers=7.0)
+            _powers(axes, 7.0)
+            axes.tick_params(labelbottom=last)
+            axes.margins(x=0.0)
+            if len(panel.columns) > 1 and max(map(len, panel.labels)) < 16:
+                axes.legend(fontsize=6.5, frameon=False, loc="best", handlelength=1.2, borderpad=0.1, labelspacing=0.2)
+            if last:
+                axes.set_xlabel("time t (s)", fontsize=8, color=INK)
             self.lines.append(axes.axvline(float(t[0]), color=INK, lw=0.9))
 
     def show(self, time: float) -> None:
@@ -138,17 +148,3 @@ class TimeLine:
 def beside(figure: Figure, table: SignalTable, t: Array) -> TimeLine:
     """Scopes to the right of what a figure shows; the figure becomes wider."""
     return TimeLine(figure, table, t, widened(figure, WIDTH))
-
-
-def _fill(axes: Any, table: SignalTable, t: Array, panel: Panel, last: bool) -> None:
-    for i, (k, label) in enumerate(zip(panel.columns, panel.labels, strict=True)):
-        axes.plot(t, table.values[:, k], color=COLOURS[i % len(COLOURS)], lw=1.1, label=escaped(label))
-    axes.set_title(escaped(panel_title(panel)), fontsize=8, color=INK, loc="left", pad=3, parse_math=False)
-    dress(axes, numbers=7.0)
-    _powers(axes, 7.0)
-    axes.tick_params(labelbottom=last)
-    axes.margins(x=0.0)
-    if len(panel.columns) > 1 and max(map(len, panel.labels)) < 16:
-        axes.legend(fontsize=6.5, frameon=False, loc="best", handlelength=1.2, borderpad=0.1, labelspacing=0.2)
-    if last:
-        axes.set_xlabel("time t (s)", fontsize=8, color=INK)

@@ -148,11 +148,9 @@ def chosen_steps(source: PictureSource, steps: str | int | None, strobe: int | N
     """Step numbers from 1. Raises UsageError for steps that do not exist."""
     if strobe:
         return evenly(1, source.steps, strobe)
-    if steps is None:
-        if moving:
-            return list(range(1, source.steps + 1))
+    if steps is None and not moving:
         return [source.steps if source.scene.analysis.stationary else 1]
-    steps = str(steps)
+    steps = "all" if steps is None else str(steps)
     if steps.strip().lower() == "all":
         return list(range(1, source.steps + 1))
     found = step_numbers(steps, source.steps)

@@ -24,8 +24,7 @@ from spacar_drawing.mechanism_picture import (
 )
 from spacar_drawing.mode_shapes import ModeShape, Redundancy, redundancy, stored_gradient, suitable_factor
 from spacar_drawing.picture_source import PictureSource
-from spacar_drawing.scene import Scene, positions
-from spacar_drawing.settings import PictureSettings
+from spacar_drawing.scene import positions
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -47,18 +46,20 @@ def period(mode: ModeShape, x: Array, factor: float, count: int) -> Array:
     return np.stack([swing(mode, x, factor, p) for p in np.linspace(0.0, 2 * np.pi, count, endpoint=False)])
 
 
-def mode_look(scene: Scene, x: Array, settings: PictureSettings, whole_period: Array) -> Look:
-    """A look with the symbol size of the configuration at rest and the guides of the whole period."""
-    return replace(look_of(scene, x[None], settings), ranges=look_of(scene, whole_period, settings).ranges)
+def around(
+    source: PictureSource, x: Array, extras: Extras, whole: Array, most: int
+) -> tuple[Look, tuple[Array, Array]]:
+    """A look with the symbol size of the configuration at rest and the guides of the whole period, and the box."""
+    scene, settings = source.scene, source.settings
+    look = replace(look_of(scene, x[None], settings), ranges=look_of(scene, whole, settings).ranges)
+    return look, series_bounds(scene, np.concatenate((x[None], whole)), look, extras, most)
 
 
 @plain
 def mode_still(source: PictureSource, step: int, extras: Extras, mode: ModeShape, factor: float, rest: bool) -> Figure:
     """The mode at its extreme, the opposite extreme pale, and the position at rest dashed (when `rest`)."""
-    scene, settings, x = source.scene, source.settings, source.x(step)
-    whole = period(mode, x, factor, QUARTERS)
-    look = mode_look(scene, x, settings, whole)
-    bounds = series_bounds(scene, np.concatenate((x[None], whole)), look, extras)
+    scene, x = source.scene, source.x(step)
+    look, bounds = around(source, x, extras, period(mode, x, factor, QUARTERS), 24)
     shapes = outline_shapes(scene, x, look) if rest else []
     phases = (np.pi / 2, np.pi) if mode.is_complex and mode.oscillates else (np.pi,) if mode.oscillates else ()
     for phase in phases:
@@ -71,10 +72,9 @@ def mode_pictures(
     source: PictureSource, step: int, extras: Extras, mode: ModeShape, factor: float, rest: bool
 ) -> tuple[Pictures, tuple[Array, Array]]:
     """The pictures of one period (PHASES of them) and the box around them."""
-    scene, settings, x = source.scene, source.settings, source.x(step)
+    scene, x = source.scene, source.x(step)
     whole = period(mode, x, factor, PHASES)
-    look = mode_look(scene, x, settings, whole)
-    bounds = series_bounds(scene, np.concatenate((x[None], whole)), look, extras, QUARTERS)
+    look, bounds = around(source, x, extras, whole, QUARTERS)
     behind = outline_shapes(scene, x, look) if rest else []
 
     def picture(k: int) -> tuple[Sequence[Shape], str]:

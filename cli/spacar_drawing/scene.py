@@ -77,7 +77,7 @@ class Scene:
         return find_mode(self.mode)
 
     @classmethod
-    def of_header(cls, header: Mapping[str, Any], title: str = "", metre: float = 1.0) -> Scene:
+    def of_header(cls, header: Mapping[str, Any], title: str, metre: float = 1.0) -> Scene:
         """The scene of the header variables of a `.sbd` file (identifiers in capitals)."""
 
         def table(name: str, dtype: type = float) -> Any:

@@ -22,16 +22,12 @@ def outline(section: SectionShape | None, n: int = 20) -> Array | None:
     if section.shape in ("CIRC", "CIRCHOL"):
         return disc_outline(0.5 * section.dims[0], n)
     if section.shape == "I":
-        return _i_outline(*section.dims)
+        b, h, tw, tf = section.dims
+        inner = h - 2 * tf  # counter-clockwise from the upper right corner
+        y = np.array([b, -b, -b, -tw, -tw, -b, -b, b, b, tw, tw, b])
+        z = np.array([h, h, inner, inner, -inner, -inner, -h, -h, -inner, -inner, inner, inner])
+        return 0.5 * np.stack((y, z), axis=1)
     return None
-
-
-def _i_outline(b: float, h: float, tw: float, tf: float) -> Array:
-    """(12, 2) around an I section, counter-clockwise from its upper right corner."""
-    inner = h - 2 * tf
-    y = np.array([b, -b, -b, -tw, -tw, -b, -b, b, b, tw, tw, b])
-    z = np.array([h, h, inner, inner, -inner, -inner, -h, -h, -inner, -inner, inner, inner])
-    return 0.5 * np.stack((y, z), axis=1)
 
 
 def hole(section: SectionShape) -> Array | None:
@@ -121,8 +117,9 @@ def rectangle_twist_stress(w: float, h: float, y: Array, z: Array) -> tuple[Arra
     zz = side * z.ravel()
     zz = np.where(zz.real > b.real, b, zz)
     decay = np.exp(k * (zz - b))
-    ratio_c = decay * (1 + np.exp(-2 * k * zz)) / (1 + np.exp(-2 * k * b))
-    ratio_s = decay * (1 - np.exp(-2 * k * zz)) / (1 + np.exp(-2 * k * b)) * side
+    near, far = np.exp(-2 * k * zz), 1 + np.exp(-2 * k * b)
+    ratio_c = decay * (1 + near) / far
+    ratio_s = decay * (1 - near) / far * side
     yy = y.ravel()
     factor = 16 * a / np.pi**2  # per G theta
     t_xy = -factor * np.sum(sign / n**2 * np.cos(k * yy) * ratio_s, axis=0)

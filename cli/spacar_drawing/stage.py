@@ -122,7 +122,7 @@ def new_figure(bounds: tuple[Array, Array], camera: Camera, title: str = "") -> 
     return figure, furnish(figure, bounds, camera, title)
 
 
-def furnish(figure: Figure, bounds: tuple[Array, Array], camera: Camera, title: str = "", foot: float = 0.0) -> Axes:
+def furnish(figure: Figure, bounds: tuple[Array, Array], camera: Camera, title: str, foot: float = 0.0) -> Axes:
     """Axes with grid on an empty figure of given size; `foot` inches at the bottom stay free for buttons."""
     left, right, bottom, top = _margins(camera, title)
     bottom += foot
@@ -136,7 +136,11 @@ def furnish(figure: Figure, bounds: tuple[Array, Array], camera: Camera, title: 
     axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
     axes.set_aspect("equal")
     if camera.planar:
-        _plane_grid(axes, camera.metre)
+        axes.set_facecolor("white")
+        unit = shown_in("m", camera.metre)[1]
+        dress(axes, f"x ({unit})", f"y ({unit})")
+        for axis in (axes.xaxis, axes.yaxis) if camera.metre != 1.0 else ():
+            axis.set_major_formatter(lambda value, _: _length(value, camera.metre))
     else:
         _space_grid(axes, camera, low, high)
     if title:
@@ -174,21 +178,11 @@ def padded(bounds: tuple[Array, Array], camera: Camera) -> tuple[Array, Array]:
 
 def corners(low: Array, high: Array) -> Array:
     """(8, 3) corners of a box."""
-    pick = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
-    return np.where(pick, high, low)
+    return np.where(np.indices((2, 2, 2)).reshape(3, 8).T, high, low)
 
 
 def _length(value: float, metre: float) -> str:
     return f"{value / metre:g}".replace("-", "\N{MINUS SIGN}")
-
-
-def _plane_grid(axes: Axes, metre: float) -> None:
-    axes.set_facecolor("white")
-    unit = shown_in("m", metre)[1]
-    dress(axes, f"x ({unit})", f"y ({unit})")
-    if metre != 1.0:
-        for axis in (axes.xaxis, axes.yaxis):
-            axis.set_major_formatter(lambda value, _: _length(value, metre))
 
 
 def ticks(low: float, high: float, most: int) -> Array:

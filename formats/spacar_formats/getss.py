@@ -132,7 +132,7 @@ class SparseStep:
     outputs: tuple[str, ...]
 
 
-def linear_system(name: str | os.PathLike[str], step: int = 1) -> StateSpaceStep | SparseStep:
+def linear_system(name: str | os.PathLike[str], step: int) -> StateSpaceStep | SparseStep:
     """As `getss`, but of a large model the sparse form, which nobody has to eliminate for a frequency response."""
     with open_result(name, "ltv") as file:
         if is_sparse(file):

@@ -25,7 +25,7 @@ def loadsbm(name: str | os.PathLike[str], ids: Sequence[str] | None = None) -> d
         return named_arrays(file, ids)
 
 
-def named_arrays(file: SbfFile, ids: Sequence[str] | None = None) -> dict[str, np.ndarray]:
+def named_arrays(file: SbfFile, ids: Sequence[str] | None) -> dict[str, np.ndarray]:
     """The variables of an open file of any kind under their MATLAB names."""
     wanted = file.ids if ids is None else [file.variable(ident).id for ident in ids]
     return {matlab_name(ident, file.kind): np.asarray(file.get(ident)) for ident in wanted}

@@ -90,7 +90,7 @@ class CheckedDeck:
     error: InputError | None = None
 
 
-def checked_deck(read: Callable[[], Deck], source: Path, mode: int | None, text: str | None = None) -> CheckedDeck:
+def checked_deck(read: Callable[[], Deck], source: Path, mode: int | None, text: str | None) -> CheckedDeck:
     """Read a deck for a mode (None: all blocks) and build it without its user functions, which are listed.
 
     source  where it stands, for the settings of pictures beside it;  text  of a file that is not there. Raises

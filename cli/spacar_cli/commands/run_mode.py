@@ -248,7 +248,7 @@ def _status(environment: Environment, outcome: Outcome, results: list[ResultSink
 
 def _as_json(
     mode: Mode, source: Path, outcome: Outcome, status: ExitStatus, log: LogSink, results: list[ResultSink],
-    run: Run | None, done: releasing.Done | None = None,
+    run: Run | None, done: releasing.Done | None,
 ) -> str:  # fmt: skip
     import json
 

@@ -74,7 +74,7 @@ def buckling(n: Numbering, frame: Frame) -> list[str]:
     return [*lines, "Buckling modes, Euclidean norm 1", "", *matrix(modes[:, known], n.dynamic_names, heads)]
 
 
-def compliances(n: Numbering, frame: Frame, metre: float = 1.0) -> list[str]:
+def compliances(n: Numbering, frame: Frame, metre: float) -> list[str]:
     """Directional nodal compliance of every coordinate, in the unit of length of the input."""
     if frame.xcompl is None:
         return []

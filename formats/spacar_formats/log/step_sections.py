@@ -84,7 +84,7 @@ def transfer_functions(run: Run, frame: Frame) -> list[str]:
     return lines
 
 
-def integration(mechanism: Mechanism, evaluated_by: tuple[str, str] | None = None) -> list[str]:
+def integration(mechanism: Mechanism, evaluated_by: tuple[str, str] | None) -> list[str]:
     s = mechanism.settings
     method = METHODS.get(s.integrator)
     lines = [f"Integrator: INTEGRAT {s.integrator}, {method.name if method else 'unknown'}"]

@@ -178,7 +178,7 @@ class SbfFile:
         """t of a step [s], or its load step; nan where the file has none."""
         return float(np.ravel(self.get("T", step))[0]) if self.has("T") else float("nan")
 
-    def step_indices(self, steps: int | Iterable[int] | None = None) -> np.ndarray:
+    def step_indices(self, steps: int | Iterable[int] | None) -> np.ndarray:
         """Zero-based indices of the given steps; one that is negative counts from the end.
 
         Raises UsageError for steps that the file does not have.
