@@ -59,42 +59,33 @@ def places_of_hinges(scene: Scene, place: Array) -> dict[int, tuple[int, ...]]:
     for e in hinges:
         neighbours[e.p_turn].append(e.q_turn)
         neighbours[e.q_turn].append(e.p_turn)
-    return {e.number: _hinge_place(e, direct, whole, neighbours, place) for e in hinges}
 
+    def reach(start: int, away_from: int) -> tuple[int, ...]:
+        """Position nodes of the nearest orientation node that has some, going through hinges away from `away_from`."""
+        seen, level = {away_from, start}, [start]
+        while level:
+            for node in level:
+                if whole.get(node):
+                    return whole[node]
+            level = [m for node in level for m in neighbours[node] if m not in seen]
+            seen.update(level)
+        return ()
 
-def _hinge_place(
-    e: Element, direct: dict[int, tuple[int, ...]], whole: dict[int, tuple[int, ...]], neighbours: dict[int, list[int]],
-    place: Array,
-) -> tuple[int, ...]:  # fmt: skip
-    for table in (direct, whole):
-        common = [n for n in table.get(e.p_turn, ()) if n in table.get(e.q_turn, ())]
-        if common:
-            return (common[0],)
-    p = _reach(e.p_turn, e.q_turn, whole, neighbours)
-    q = _reach(e.q_turn, e.p_turn, whole, neighbours)
-    if not p or not q:
-        own = direct.get(e.p_turn) or direct.get(e.q_turn) or p or q
-        return own[:1] if own else ()
-    a, b = min(
-        ((a, b) for a in p for b in q), key=lambda ab: np.linalg.norm(place[ab[0] - 1] - place[ab[1] - 1])
-    )
-    if e.p_turn in whole and e.q_turn in whole:
-        return (a, b)
-    return (a,) if e.p_turn in whole else (b,) if e.q_turn in whole else (a, b)
+    def places(e: Element) -> tuple[int, ...]:
+        for table in (direct, whole):
+            common = [n for n in table.get(e.p_turn, ()) if n in table.get(e.q_turn, ())]
+            if common:
+                return (common[0],)
+        p, q = reach(e.p_turn, e.q_turn), reach(e.q_turn, e.p_turn)
+        if not p or not q:
+            return (direct.get(e.p_turn) or direct.get(e.q_turn) or p or q)[:1]
+        pairs = ((a, b) for a in p for b in q)
+        a, b = min(pairs, key=lambda ab: np.linalg.norm(place[ab[0] - 1] - place[ab[1] - 1]))
+        if (e.p_turn in whole) == (e.q_turn in whole):
+            return (a, b)
+        return (a,) if e.p_turn in whole else (b,)
 
-
-def _reach(
-    start: int, away_from: int, table: dict[int, tuple[int, ...]], neighbours: dict[int, list[int]]
-) -> tuple[int, ...]:
-    """Position nodes of the nearest orientation node that has some, going through hinges away from `away_from`."""
-    seen, level = {away_from, start}, [start]
-    while level:
-        for node in level:
-            if table.get(node):
-                return table[node]
-        level = [m for node in level for m in neighbours[node] if m not in seen]
-        seen.update(level)
-    return ()
+    return {e.number: places(e) for e in hinges}
 
 
 def pin_joints(scene: Scene) -> tuple[int, ...]:
