@@ -178,12 +178,21 @@ def slender(
 
     colour  of all, or (m, n - 1, 3), one for every piece of the lines;  width [points] of a line
     radius  of a rod, of the symbol size
+
+    In the plane strips of the width of the section, or lines when it has none.
     """
     settings, first = look.settings, alike[0]
     section, alpha = settings.section(first.number, first.shape), settings.opacity_of(first.number)
     points, y, z = beam_lines(scene, pose, alike, n)
     if scene.planar:
-        return planar_bodies(points, y, breadth(section), colour, width, alpha)
+        if not breadth(section):
+            return _pieces(points, colour, width, alpha)
+        half = 0.5 * breadth(section) * y
+        left, right = points + half, points - half
+        if isinstance(colour, np.ndarray):
+            quads = np.stack((left[:, :-1], left[:, 1:], right[:, 1:], right[:, :-1]), axis=2)
+            return [Faces(quads.reshape(-1, 4, 3), colour.reshape(-1, 3), None, alpha, 1, False)]
+        return bordered(np.concatenate((left, right[:, ::-1]), axis=1), colour, colour, 0.8, (1, 2), 0.75 * alpha)
     ends = open_ends(scene, alike, points) if len(alike) > 1 and alpha >= 1 else None
     contour = outline(section)
     if contour is not None and section is not None:
@@ -203,19 +212,6 @@ def open_ends(scene: Scene, alike: Sequence[Element], points: Array) -> NDArray[
     np.add.at(count, nodes - 1, 1)
     smooth = (count == 2) & (np.linalg.norm(total, axis=1) < SMOOTH)
     return ~smooth[nodes - 1]
-
-
-def planar_bodies(
-    points: Array, y: Array, width: float, colour: Colour | Array, line: float, alpha: float
-) -> list[Shape]:
-    """Strips of a width [m] along points (m, n, 3), or lines [points] when there is no width."""
-    if not width:
-        return _pieces(points, colour, line, alpha)
-    left, right = points + 0.5 * width * y, points - 0.5 * width * y
-    if isinstance(colour, np.ndarray):
-        quads = np.stack((left[:, :-1], left[:, 1:], right[:, 1:], right[:, :-1]), axis=2)
-        return [Faces(quads.reshape(-1, 4, 3), colour.reshape(-1, 3), None, alpha, 1, False)]
-    return bordered(np.concatenate((left, right[:, ::-1]), axis=1), colour, colour, 0.8, (1, 2), 0.75 * alpha)
 
 
 def _pieces(points: Array, colour: Colour | Array, width: float, alpha: float) -> list[Shape]:

@@ -136,12 +136,6 @@ def sweep(outline: Array, centre: Array, y: Array, z: Array) -> Array:
     return np.stack(corners, axis=-2).reshape(-1, 4, 3)
 
 
-def cap(outline: Array, centre: Array, y: Array, z: Array) -> Array:
-    """(... pieces, k, 3) the outline (k, 2) at places (..., 3), in convex pieces."""
-    pieces = convex_pieces(outline)
-    return placed(outline, centre, y, z)[..., pieces, :].reshape(-1, pieces.shape[1], 3)
-
-
 def convex_pieces(outline: Array) -> Index:
     """Corners of the convex pieces of a simple polygon (k, 2), counter-clockwise: itself, or triangles."""
     corners = list(range(len(outline)))
@@ -188,7 +182,8 @@ def solid(
         if not a.size:
             continue
         if hole is None:
-            corners = cap(outline, a, b, c)
+            pieces = convex_pieces(outline)
+            corners = placed(outline, a, b, c)[..., pieces, :].reshape(-1, pieces.shape[1], 3)
             corners = corners[:, ::-1] if end == 0 else corners
         else:
             outer, inner = placed(outline, a, b, c), placed(hole, a, b, c)

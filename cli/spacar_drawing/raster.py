@@ -126,9 +126,16 @@ class Raster(Artist):
 
     def solids(self, shapes: Sequence[Line | Faces]) -> Call:
         """Triangles of all faces and lines, the far ones first."""
-        found = [t for s in shapes for t in (self._faces(s) if isinstance(s, Faces) else self._ribbons(s))]
-        corners, depth, colours = (np.concatenate([t[i] for t in found]) for i in range(3))
-        order = np.argsort(depth, kind="stable")
+        found: list[tuple[Array, Array, Array]] = []
+        for s in shapes:
+            if isinstance(s, Faces):
+                found += self._faces(s)
+            else:
+                pieces = s.pieces
+                depth = self.camera.depth(pieces).mean(axis=1)
+                found += self._bands(pieces, depth, s.width, rgba(s.colour, s.alpha, len(pieces)))
+        corners, depths, colours = (np.concatenate([t[i] for t in found]) for i in range(3))
+        order = np.argsort(depths, kind="stable")
         triangles = np.ascontiguousarray(corners[order])
         shades = np.ascontiguousarray(np.repeat(colours[order, None], 3, axis=1))
 
@@ -156,11 +163,6 @@ class Raster(Artist):
             around = np.stack((faces, np.roll(faces, -1, axis=1)), axis=2).reshape(-1, 2, 3)
             parts += self._bands(around, np.repeat(depth, k), s.width, rgba(s.edge, 1.0, k * len(faces)))
         return parts
-
-    def _ribbons(self, s: Line) -> list[tuple[Array, Array, Array]]:
-        pieces = s.pieces
-        depth = self.camera.depth(pieces).mean(axis=1)
-        return self._bands(pieces, depth, s.width, rgba(s.colour, s.alpha, len(pieces)))
 
     def _bands(self, pieces: Array, depth: Array, width: float, colour: Array) -> list[tuple[Array, Array, Array]]:
         """Straight pieces (n, 2, 3) as bands of a width [points]."""

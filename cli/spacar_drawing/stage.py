@@ -221,7 +221,10 @@ def _space_grid(axes: Axes, camera: Camera, low: Array, high: Array) -> None:
     for k, name in enumerate("xyz"):
         if abs(camera.near[k]) > 0.985:
             continue  # the axis points at the viewer
-        edge = _edge_for_numbers(camera, k, low, high, far, near)
+        i, j = (m for m in range(3) if m != k)
+        candidates = np.tile(0.5 * (low + high), (2, 1))  # an edge between a near and a far side is on the outline
+        candidates[:, i], candidates[:, j] = (far[i], near[i]), (near[j], far[j])
+        edge = candidates[np.argmin(camera.project(candidates)[:, 0 if k == 2 else 1])]  # the left or the lower one
         line = np.tile(edge, (len(lists[k]), 1))
         line[:, k] = lists[k]
         places = camera.project(line)
@@ -244,11 +247,3 @@ def _space_grid(axes: Axes, camera: Camera, low: Array, high: Array) -> None:
             xytext=tuple((40 if beside else 34 if behind else 27) * out), textcoords="offset points", ha="center",
             va="center", rotation=upright, fontsize=8.5, color=INK, zorder=3, annotation_clip=False,
         )  # fmt: skip
-
-
-def _edge_for_numbers(camera: Camera, k: int, low: Array, high: Array, far: Array, near: Array) -> Array:
-    """A point of the edge along axis k on the outline of the box: of x and y the lower near one, of z the left one."""
-    i, j = (m for m in range(3) if m != k)
-    candidates = np.tile(0.5 * (low + high), (2, 1))  # an edge between a near and a far side is part of the outline
-    candidates[:, i], candidates[:, j] = (far[i], near[i]), (near[j], far[j])
-    return candidates[int(np.argmin(camera.project(candidates)[:, 0 if k == 2 else 1]))]

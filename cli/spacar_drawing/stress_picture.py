@@ -250,21 +250,16 @@ def diagram_still(source: PictureSource, step: int, extras: Extras, quantity: st
             if abs(values[i]) > 0.02 * largest:
                 text = f"{values[i]:.4g}".replace("-", "\N{MINUS SIGN}")
                 marks.append((abs(values[i]), Label(tips[i], text, "#33414d")))
-    shapes += _without_doubles(marks, look.size)
+    kept: list[Label] = []  # one where neighbouring elements have the same value at the same place
+    for _, label in sorted(marks, key=lambda m: -m[0]):
+        if all(np.linalg.norm(label.at - other.at) > 0.8 * look.size for other in kept):
+            kept.append(label)
+    shapes += kept
     shapes += mechanism_shapes(scene, x, look, extras)
     drawn = [s for s in shapes if not isinstance(s, Label)]
     bounds = wider(series_bounds(scene, x[None], look, extras), drawn)
     title = f"{QUANTITIES[quantity][0]} ({shown_in(QUANTITIES[quantity][1], scene.metre)[1]})"
     return painted(scene, extras, bounds, shapes, note, title)
-
-
-def _without_doubles(marks: list[tuple[float, Label]], size: float) -> list[Shape]:
-    """One label where neighbouring elements have the same value at the same place."""
-    kept: list[Label] = []
-    for _, label in sorted(marks, key=lambda m: -m[0]):
-        if all(np.linalg.norm(label.at - other.at) > 0.8 * size for other in kept):
-            kept.append(label)
-    return list(kept)
 
 
 def colour_range(values: Array, quantity: str) -> tuple[float, float, Colormap]:

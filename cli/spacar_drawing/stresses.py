@@ -174,18 +174,14 @@ def section_points(section: SectionShape) -> tuple[Array, Array]:
             inner = (np.abs(y.real) < 0.5 * section.dims[2].real) & (np.abs(z.real) < 0.5 * section.dims[3].real)
             y, z = y[~inner], z[~inner]
         return y, z
-    if section.shape == "I":
-        return _i_points(*section.dims)
+    if section.shape == "I":  # both flanges and the web
+        b, h, tw, tf = section.dims
+        y, z = _grid(np.linspace(-0.5, 0.5, GRID) * b, 0.5 * h - np.linspace(0.0, 1.0, 5) * tf)
+        web = _grid(np.linspace(-0.5, 0.5, 5) * tw, np.linspace(-0.5, 0.5, GRID)[1:-1] * (h - 2 * tf))
+        return np.concatenate((y, y, web[0])), np.concatenate((z, -z, web[1]))
     inside = 0.5 * section.dims[1] if section.shape == "CIRCHOL" else 0.0
     r, a = _grid(np.linspace(inside, 0.5 * section.dims[0], 6), np.linspace(0, 2 * np.pi, 24, endpoint=False))
     return r * np.cos(a), r * np.sin(a)
-
-
-def _i_points(b: float, h: float, tw: float, tf: float) -> tuple[Array, Array]:
-    """Places over both flanges and the web."""
-    y, z = _grid(np.linspace(-0.5, 0.5, GRID) * b, 0.5 * h - np.linspace(0.0, 1.0, 5) * tf)
-    web = _grid(np.linspace(-0.5, 0.5, 5) * tw, np.linspace(-0.5, 0.5, GRID)[1:-1] * (h - 2 * tf))
-    return np.concatenate((y, y, web[0])), np.concatenate((z, -z, web[1]))
 
 
 def _grid(y: Array, z: Array) -> tuple[Array, Array]:

@@ -22,7 +22,7 @@ from spacar_drawing.drawn_shapes import (
 )
 from spacar_drawing.element_pictures import span
 from spacar_drawing.look import Look, middle, node_names
-from spacar_drawing.scene import ROUND, Element, Pose, Scene
+from spacar_drawing.scene import ROUND, Pose, Scene
 
 X, Y, Z = np.eye(3)
 SQUARE = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
@@ -33,7 +33,12 @@ def support_shapes(scene: Scene, pose: Pose, look: Look) -> list[Shape]:
     shapes: list[Shape] = []
     for node in scene.supported:
         shapes += (planar_support if scene.planar else spatial_support)(scene, pose, look, node)
-        shapes += _linear_drive(scene, pose, look, node)
+        for k in range(scene.dimension):
+            if scene.x_class(node, k + 1) == "input":  # driven along an axis
+                at, along = pose.place[node - 1], look.size * np.eye(3)[k]
+                side = 0.32 * look.size * np.eye(3)[(k + 1) % scene.dimension]
+                shapes.append(Line(at + np.outer((0.8, 3.1), along), paint.DRIVE, 1.5, 6))
+                shapes.append(arrow_head(at + 3.6 * along, at + 2.8 * along, side, paint.DRIVE))
     if look.pins:
         rings = circle(pose.place[np.array(look.pins) - 1, None], X, Y, 0.38 * look.size, 24)[:, :-1]
         shapes += bordered(rings, "#ffffff", paint.INK, 1.1, (5, 5))
@@ -105,17 +110,6 @@ def _turning_drive(at: Array, s: float) -> list[Shape]:
     return [Line(arc, paint.DRIVE, 1.5, 6), arrow_head(tip, base, 0.32 * s * (tip - at) / r, paint.DRIVE)]
 
 
-def _linear_drive(scene: Scene, pose: Pose, look: Look, node: int) -> list[Shape]:
-    at, s, n = pose.place[node - 1], look.size, scene.dimension
-    shapes: list[Shape] = []
-    for k in range(n):
-        if scene.x_class(node, k + 1) == "input":
-            along, side = s * np.eye(3)[k], 0.32 * s * np.eye(3)[(k + 1) % n]
-            shapes.append(Line(at + np.outer((0.8, 3.1), along), paint.DRIVE, 1.5, 6))
-            shapes.append(arrow_head(at + 3.6 * along, at + 2.8 * along, side, paint.DRIVE))
-    return shapes
-
-
 def spatial_support(scene: Scene, pose: Pose, look: Look, node: int) -> list[Shape]:
     """Clamp: a plate across the element; held place: a pyramid below it; single directions: a small pyramid each."""
     fixed = scene.fixed_directions(node)
@@ -153,25 +147,18 @@ def number_labels(scene: Scene, pose: Pose, look: Look, nodes: bool, elements: b
         shapes += [Label(pose.place[n - 1], text, "#33414d") for n, text in node_names(scene).items()]
     if elements:
         shown = [e for e in scene.elements if e.number not in look.settings.hidden]
-        at = _label_places(scene, pose, look, shown)
+        at: dict[int, Array] = {}  # half-way along the line that is drawn of it
+        for warping in (False, True):
+            beams = [e for e in shown if e.shape == "beam" and e.p and e.q and bool(e.warping) == warping]
+            if beams:
+                at |= dict(zip((e.number for e in beams), beam_lines(scene, pose, beams, 3)[0][:, 1], strict=True))
+        for e in shown:
+            if e.shape == "belt" and e.p and e.q:
+                at[e.number] = span(scene, pose, e)[0].mean(0)
+            elif e.number not in at:
+                at[e.number] = middle(pose, tuple(n for n in (e.p, e.q) if n) or look.hinges.get(e.number, ()))
         shapes += [Label(at[e.number], str(e.number), "#7a3b12", True) for e in shown]
     return shapes
-
-
-def _label_places(scene: Scene, pose: Pose, look: Look, elements: Sequence[Element]) -> dict[int, Array]:
-    """Where the number of each element stands: half-way along the line that is drawn of it."""
-    places: dict[int, Array] = {}
-    for warping in (False, True):
-        beams = [e for e in elements if e.shape == "beam" and e.p and e.q and bool(e.warping) == warping]
-        if beams:
-            middles = beam_lines(scene, pose, beams, 3)[0][:, 1]
-            places |= {e.number: at for e, at in zip(beams, middles, strict=True)}
-    for e in elements:
-        if e.shape == "belt" and e.p and e.q:
-            places[e.number] = span(scene, pose, e)[0].mean(0)
-        elif e.number not in places:
-            places[e.number] = middle(pose, tuple(n for n in (e.p, e.q) if n) or look.hinges.get(e.number, ()))
-    return places
 
 
 def trace_lines(scene: Scene, xs: Array, nodes: Sequence[int]) -> list[Shape]:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacar.arrays import Array
-from spacar_drawing.bodies import Alike, alike_bodies, beam_lines, open_ends
+from spacar_drawing.bodies import alike_bodies, beam_lines, open_ends
 from spacar_drawing.drawn_shapes import Faces, Line, Mark, Shape, convex_pieces, disc_outline, placed, unit
 from spacar_drawing.element_pictures import divided, wound_arcs
 from spacar_drawing.look import SYMBOL, Look
@@ -139,7 +139,18 @@ def mesh_of(scene: Scene, xs: Array, look: Look, more: Sequence[Draw] = ()) -> T
     groups = alike_bodies(scene, look, lines)
     few = sum(len(g.elements) for g in groups) < MANY
     for group in groups:
-        _slender(mesh, scene, poses, look, group, SIDES if few else SIDES // 2)
+        first = group.elements[0]
+        section = look.settings.section(first.number, first.shape)
+        contour = outline(section)
+        round_ = contour is None or (section is not None and section.shape.startswith("CIRC"))
+        if contour is None:
+            contour = disc_outline(group.radius * mesh.size, SIDES if few else SIDES // 2)
+        parts = [beam_lines(scene, pose, group.elements, group.n) for pose in poses]
+        points, y, z = (np.stack(part) for part in zip(*parts, strict=True))
+        numbers = np.array([e.number for e in group.elements])
+        mesh.lines.append((mesh.frames, numbers.tolist(), group.n))
+        ends = open_ends(scene, group.elements, points[0])
+        mesh.tubes(points, y, z, contour, rgba(group.colour, 1.0)[0, :3], numbers, round_, ends)
     for draw, e in single:
         _shapes(mesh, [draw(scene, pose, look, e) for pose in poses], e.number)
     for what in (wound_arcs, support_shapes):
@@ -147,21 +158,6 @@ def mesh_of(scene: Scene, xs: Array, look: Look, more: Sequence[Draw] = ()) -> T
     for extra in more:
         _shapes(mesh, [extra(pose) for pose in poses], 0)
     return mesh
-
-
-def _slender(mesh: TriangleMesh, scene: Scene, poses: Sequence[Pose], look: Look, group: Alike, sides: int) -> None:
-    first = group.elements[0]
-    section = look.settings.section(first.number, first.shape)
-    contour = outline(section)
-    round_ = contour is None or (section is not None and section.shape.startswith("CIRC"))
-    if contour is None:
-        contour = disc_outline(group.radius * mesh.size, sides)
-    lines = [beam_lines(scene, pose, group.elements, group.n) for pose in poses]
-    points, y, z = (np.stack([line[i] for line in lines]) for i in range(3))
-    numbers = np.array([e.number for e in group.elements])
-    ends = open_ends(scene, group.elements, points[0])
-    mesh.lines.append((mesh.frames, numbers.tolist(), group.n))
-    mesh.tubes(points, y, z, contour, rgba(group.colour, 1.0)[0, :3], numbers, round_, ends)
 
 
 def _shapes(mesh: TriangleMesh, every: Sequence[Sequence[Shape]], element: int) -> None:
