@@ -3,8 +3,6 @@
 The page has lines that end with \\n; the file keeps its line ends, its byte order mark and bytes that are no UTF-8.
 """
 
-from __future__ import annotations
-
 from hashlib import sha256
 from pathlib import Path
 from typing import Any

@@ -4,8 +4,6 @@ They run in a process of their own (`task_process`). Nothing of the user's Pytho
 listed; runs execute them.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from functools import lru_cache

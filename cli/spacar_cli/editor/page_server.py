@@ -7,8 +7,6 @@ our own scripts only; `style` of the editor component has a nonce. What the page
 `model_tasks`, runs.
 """
 
-from __future__ import annotations
-
 import json
 import secrets
 import signal

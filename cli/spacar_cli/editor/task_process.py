@@ -3,8 +3,6 @@
 What it is asked may take long, or more memory than there is. A pipe carries the questions and the answers.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal
