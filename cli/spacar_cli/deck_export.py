@@ -127,17 +127,11 @@ def compare(made: DeckModel, result: Result, run: SimulatedMotion) -> Compared:
         k = int(np.argmax(turn))
         angle = max(angle, (float(turn[k]), node, float(times[k])))
     for part in made.parts:
-        if made.kind(part) == "beam":
-            deflection = max(deflection, _deflection(made, part.number, x))
+        if made.kind(part) == "beam":  # the largest distance of the end at q from the tangent at p
+            p, turned, q, _ = part.nodes
+            now = x[:, lnp[q - 1, : made.dimension] - 1] - x[:, lnp[p - 1, : made.dimension] - 1]
+            tangent = made.turned(made.span(part), x[:, lnp[turned - 1] - 1])
+            along = np.sum(now * tangent, axis=1)
+            deflection = max(deflection, float(np.linalg.norm(now - along[:, None] * tangent, axis=1).max()))
     size = max(result.mechanism.length, 1e-300)
     return Compared(position, angle, deflection, size, times)
-
-
-def _deflection(made: DeckModel, number: int, x: np.ndarray) -> float:
-    """Largest distance of the end at q from the tangent at p, over all steps."""
-    p, turn, q, _ = made.numbering.ln[number - 1]
-    lnp, d = made.numbering.lnp, made.dimension
-    now = x[:, lnp[q - 1, :d] - 1] - x[:, lnp[p - 1, :d] - 1]
-    tangent = made.turned(made.place(q) - made.place(p), x[:, lnp[turn - 1] - 1])
-    along = np.sum(now * tangent, axis=1)
-    return float(np.max(np.linalg.norm(now - along[:, None] * tangent, axis=1)))

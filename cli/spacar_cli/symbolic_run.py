@@ -4,7 +4,6 @@ What `spacar symbolic check` and `derive` print.
 """
 
 import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -61,7 +60,16 @@ def simulate_model(
             raise kind(f"{model.path.name}: {error}", error.code) from None
         summary = _summary(eq, program, run, note, str(checked))
         write_sbd(claim, model, run, picture(model.system, run, values))
-    _write_log(log, model, eq, values, start, summary, show)
+    lines = [f"spacar {spacar.__version__}, symbolic", "", *description(model), "", "parameters (SI units):"]
+    lines += [f"  {name} = {value:.17g}" for name, value in values.items()]
+    lines += ["", "start (states that are not listed: 0):"]
+    lines += [f"  {name} = {value:.17g}" for name, value in start.items()]
+    lines += ["", *summary, "", "model file:"]
+    lines += [f"  {line}" for line in model.path.read_text(encoding="utf-8").splitlines()]
+    if show:
+        held = eq if eq.strategy == "held" else model.system.derive("held")
+        lines += ["", "equations in vector notation:", "", equations_text(model, held, "held", "text")]
+    write_text(log, "\n".join(lines) + "\n")
     written = [log, sbd]
     if plot:
         from spacar_cli.symbolic_plot import save_plots
@@ -132,22 +140,6 @@ def write_sbd(claim: Claim, model: SymbolicModel, run: SimulatedMotion, seen: Pi
             columns[letter] = rows
     steps = ({name: rows[k] for name, rows in columns.items()} for k in range(len(run.time)))
     write_steps(claim, header, steps)
-
-
-def _write_log(
-    path: Path, model: SymbolicModel, eq: SymbolicEquations, values: dict[str, float], start: dict[str, float],
-    summary: list[str], show: bool,
-) -> None:  # fmt: skip
-    lines = [f"spacar {spacar.__version__}, symbolic", "", *description(model), "", "parameters (SI units):"]
-    lines += [f"  {name} = {value:.17g}" for name, value in values.items()]
-    lines += ["", "start (states that are not listed: 0):"]
-    lines += [f"  {name} = {value:.17g}" for name, value in start.items()]
-    lines += ["", *summary, "", "model file:"]
-    lines += [f"  {line}" for line in model.path.read_text(encoding="utf-8").splitlines()]
-    if show:
-        held = eq if eq.strategy == "held" else model.system.derive("held")
-        lines += ["", "equations in vector notation:", "", equations_text(model, held, "held", "text")]
-    write_text(path, "\n".join(lines) + "\n")
 
 
 def description(model: SymbolicModel) -> list[str]:

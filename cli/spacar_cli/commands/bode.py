@@ -19,7 +19,7 @@ from spacar_cli.row_output import put_figure, put_rows
 @words.option("csv_file", ": frequency, amplitude and phase; no picture then, unless --output is given.")
 @words.option("output", PICTURES, multiple=True)
 def command(
-    environment: Environment, /, file: str, at: int, inputs: tuple[str, ...], of: tuple[str, ...], low: float | None,
+    environment: Environment, file: str, at: int, inputs: tuple[str, ...], of: tuple[str, ...], low: float | None,
     high: float | None, points: int, csv_file: Path | None, output: tuple[Path, ...],
 ) -> None:  # fmt: skip
     """Bode diagram of the state space matrices of a result (NAME.ltv) of mode 3, 4 or 9.

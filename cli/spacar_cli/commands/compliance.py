@@ -15,7 +15,7 @@ from spacar_cli.vocabulary import Whole
 @click.argument("orientation", type=Whole(), required=False)
 @words.option("at", default=1)
 @words.option("as_json")
-def command(environment: Environment, /, file: str, node: int, orientation: int | None, at: int, as_json: bool) -> None:
+def command(environment: Environment, file: str, node: int, orientation: int | None, at: int, as_json: bool) -> None:
     """Compliance of a position node and its orientation node in a result of mode 7, 8, 9 or 10.
 
     The displacements and small rotations (6, planar 3) by unit forces and moments at the loaded state, along the global

@@ -31,7 +31,7 @@ from spacar_cli.progress import frame_progress
 @words.option("symbols")
 @words.option("scopes", default=True)
 def command(
-    environment: Environment, /, file: str, at: str | None, strobe: int | None, trace: tuple[int, ...], no_trace: bool,
+    environment: Environment, file: str, at: str | None, strobe: int | None, trace: tuple[int, ...], no_trace: bool,
     initial: bool, frames: int, scale: float, symbols: str | None, scopes: bool, **common_options: Any,
 ) -> None:  # fmt: skip
     """Draw the mechanism of a result file (NAME.sbd) at one or more steps.

@@ -34,7 +34,7 @@ HEADS = (
 @words.option("csv_file")
 @words.option("output", PICTURES, multiple=True)
 def command(
-    environment: Environment, /, file: str, at: int | None, lowest: int | None, against: str | None, as_json: bool,
+    environment: Environment, file: str, at: int | None, lowest: int | None, against: str | None, as_json: bool,
     csv_file: Path | None, output: tuple[Path, ...],
 ) -> None:  # fmt: skip
     """Frequencies of a result (NAME.sbm) of mode 7 or 10, or of the matrices of mode 3, 4 or 9.
@@ -61,8 +61,17 @@ def command(
         exact = [complex(clean[row[0]][row[8] - 1]) for row in rows]
         printed = [(*row[:2], v.real, v.imag, *row[4:8]) for row, v in zip(rows, exact, strict=True)]
         environment.say(*table(HEADS[:8], printed))
-    if output:
-        _pictures(environment, file, [found[k - 1] for k in chosen], chosen, against, output)
+    if not output:
+        return
+    check_stills(output)
+    steps = [found[k - 1] for k in chosen]
+    across = np.array([s.t for s in steps])
+    text = "load step" if np.array_equal(across, np.round(across)) else "time (s)"
+    if against is not None:
+        source = open_source(file)
+        curve = in_units(evaluate(source, against), source.scene.metre)
+        across, text = np.ravel(curve.values)[np.array(chosen) - 1], axis_text(curve)
+    put_figure(environment, root_figure(steps, across, text, Path(file).stem), output)
 
 
 def _rows(step: int, vibration: Vibration, names: list[str], lowest: int | None) -> list[tuple]:
@@ -76,17 +85,3 @@ def _rows(step: int, vibration: Vibration, names: list[str], lowest: int | None)
         dof = dominant[i] if dominant else ""
         rows.append((step, number, re, im, size, size / (2 * math.pi), float(damping[i]), dof, i + 1))
     return rows
-
-
-def _pictures(
-    environment: Environment, file: str, steps: list[Vibration], numbers: list[int], against: str | None,
-    output: tuple[Path, ...],
-) -> None:  # fmt: skip
-    check_stills(output)
-    across = np.array([s.t for s in steps])
-    text = "load step" if np.array_equal(across, np.round(across)) else "time (s)"
-    if against is not None:
-        source = open_source(file)
-        curve = in_units(evaluate(source, against), source.scene.metre)
-        across, text = np.ravel(curve.values)[np.array(numbers) - 1], axis_text(curve)
-    put_figure(environment, root_figure(steps, across, text, Path(file).stem), output)

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 @words.option("csv_file", ": a row for every state")
 @words.option("as_json", ": all columns")
 def command(
-    environment: Environment, /, file: Path, orientation: int | None, pivot: str | None, axes: str, releases: bool,
+    environment: Environment, file: Path, orientation: int | None, pivot: str | None, axes: str, releases: bool,
     n_steps: int, output: tuple[Path, ...], view: str | None, csv_file: Path | None, as_json: bool, **asked: Any,
 ) -> None:  # fmt: skip
     """Stiffness, errors, frequencies, buckling, force, energy and stress of a flexure over its range of motion.
@@ -72,7 +72,15 @@ def command(
     body = axes == "body"
     tell_notes(environment, study.warnings)
     for path in output:
-        _write(study, path, view, body)
+        ending = path.suffix.lower()
+        if ending == ".html":
+            study.report(path, view=view, body=body)
+        elif ending == ".npz":
+            from spacar_formats.exports import to_npz
+
+            to_npz(study.arrays(), path)
+        else:
+            study.plot(path, body=body)
         environment.wrote(path)
     if csv_file is not None:
         put_columns(environment, csv_file, study.table(body))
@@ -80,19 +88,6 @@ def command(
         environment.say(_json(study, body))
     elif csv_file is None or str(csv_file) != "-":
         environment.wrote(*_lines(study, body))
-
-
-def _write(study: Flexure, path: Path, view: str | None, body: bool) -> None:
-    """The page, the arrays or the curves, by the ending of the name."""
-    ending = path.suffix.lower()
-    if ending == ".html":
-        study.report(path, view=view, body=body)
-    elif ending == ".npz":
-        from spacar_formats.exports import to_npz
-
-        to_npz(study.arrays(), path)
-    else:
-        study.plot(path, body=body)
 
 
 def _pivot(text: str) -> list[float]:

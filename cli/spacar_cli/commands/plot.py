@@ -25,7 +25,7 @@ from spacar_cli.row_output import put_figure, put_rows
 @words.option("show")
 @words.option("stale_ok")
 def command(
-    environment: Environment, /, file: str, expressions: tuple[str, ...], output: tuple[Path, ...], against: str,
+    environment: Environment, file: str, expressions: tuple[str, ...], output: tuple[Path, ...], against: str,
     csv_file: Path | None, title: str | None, dpi: float, show: bool, stale_ok: bool,
 ) -> None:  # fmt: skip
     """Plot expressions of the variables of a result file (NAME.sbd) over time.

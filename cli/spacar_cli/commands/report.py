@@ -16,7 +16,7 @@ from spacar_cli.environment import Environment
 @words.option("symbols")
 @words.option("stale_ok")
 def command(
-    environment: Environment, /, file: str, output: Path | None, plot: tuple[str, ...], log_lines: int, view: str,
+    environment: Environment, file: str, output: Path | None, plot: tuple[str, ...], log_lines: int, view: str,
     viewer: bool, symbols: str | None, stale_ok: bool,
 ) -> None:  # fmt: skip
     """Write one HTML page about a run: picture of the model, degrees of freedom, key results, plots, log.

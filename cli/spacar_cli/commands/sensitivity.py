@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 @words.option("csv_file", ": a row for every quantity and parameter.")
 @words.option("as_json", ": values and derivatives")
 def command(
-    environment: Environment, /, file: Path, parameters: tuple[str, ...], of: tuple[str, ...], beams: str | None,
+    environment: Environment, file: Path, parameters: tuple[str, ...], of: tuple[str, ...], beams: str | None,
     csv_file: Path | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Derivatives of positions, reactions, stresses, frequencies and load multipliers of the stationary states of FILE.

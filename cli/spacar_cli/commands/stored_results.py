@@ -71,7 +71,7 @@ def _refuse(word: str) -> None:
 @click.argument("ident", metavar="ID")
 @click.argument("value")
 @words.option("at", "; required for variables that have one value a step.")
-def repinsbf(environment: Environment, /, file: str, ident: str, value: str, at: int | None) -> None:
+def repinsbf(environment: Environment, file: str, ident: str, value: str, at: int | None) -> None:
     """Replace the value of one variable of a result file; the size must be the stored one.
 
     VALUE is JSON: a number, a list such as [1,2,3], a list of rows such as [[1,2],[3,4]], or text in

@@ -15,7 +15,6 @@ from spacar_cli.row_output import finite, put_columns
 from spacar_cli.vocabulary import Whole
 
 if TYPE_CHECKING:
-    from spacar_drawing.picture_source import PictureSource
     from spacar_drawing.stress_numbers import StressResults
 
 
@@ -36,7 +35,7 @@ if TYPE_CHECKING:
 @words.option("as_json", ": the largest values")
 @words.option("stale_ok")
 def command(
-    environment: Environment, /, file: str, at: int | None, element: tuple[int, ...], points: int,
+    environment: Environment, file: str, at: int | None, element: tuple[int, ...], points: int,
     csv_file: Path | None, output: tuple[Path, ...], place: float, of: str, as_json: bool, stale_ok: bool,
 ) -> None:  # fmt: skip
     """Normal force, shear forces, torque, moments, bimoment and stresses along the beams of a result (NAME.sbd).
@@ -51,8 +50,16 @@ def command(
     source = open_source(file, stale_ok=stale_ok)
     steps = None if at is None else [source.steps + 1 + at if at < 0 else at]
     pictures = [path for path in output if path.suffix.lower() != ".npz"]
-    for path in pictures:
-        _picture(source, path, steps, element, place, of)
+    for path in pictures:  # the stresses over one section, of the last step unless one is given
+        from spacar_drawing.files import check_name, save
+        from spacar_drawing.stress_picture import section_figure, section_stress
+
+        check_name(path, film=False)
+        if len(element) != 1:
+            raise UsageError(f"-o {path}: a picture is of one element: give one -e, not {len(element)}")
+        drawn = section_stress(source, (steps or [source.steps])[0], element[0], place)
+        title = f"{source.scene.title}   element {drawn.element} at {drawn.xi:.4g}, step {drawn.step}"
+        save(section_figure(drawn, of, source.scene.metre, title), path)
         environment.wrote(path)
     if pictures and len(pictures) == len(output) and csv_file is None and not as_json:
         return
@@ -76,21 +83,6 @@ def command(
     if not any(one.quantity == "mises" for one in largest):
         tell(environment, "information", "no element has a cross-section: no stresses (BEAMSEC, BEAMVIS, CROSSTYPE)")
     environment.say(*_lines(found, source.scene.metre))
-
-
-def _picture(
-    source: PictureSource, path: Path, steps: list[int] | None, elements: tuple[int, ...], place: float, quantity: str
-) -> None:
-    """The stresses over one section; of the last step unless one is given. Raises UsageError."""
-    from spacar_drawing.files import check_name, save
-    from spacar_drawing.stress_picture import section_figure, section_stress
-
-    check_name(path, film=False)
-    if len(elements) != 1:
-        raise UsageError(f"-o {path}: a picture is of one element: give one -e, not {len(elements)}")
-    found = section_stress(source, (steps or [source.steps])[0], elements[0], place)
-    title = f"{source.scene.title}   element {found.element} at {found.xi:.4g}, step {found.step}"
-    save(section_figure(found, quantity, source.scene.metre, title), path)
 
 
 def _largest(found: StressResults) -> list:

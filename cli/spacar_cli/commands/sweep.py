@@ -39,7 +39,7 @@ FEWEST = 256
 @words.option("compiled", default=None)
 @of_studies
 def command(
-    environment: Environment, /, file: Path, assignments: tuple[str, ...], table_file: Path | None, together: bool,
+    environment: Environment, file: Path, assignments: tuple[str, ...], table_file: Path | None, together: bool,
     mode: int | None, results: tuple[str, ...], output: Path | None, scheduler: str | None, regardless: bool,
     retry_failed: bool, batch: bool | None, jobs: int | None, as_json: bool, **options: Any,
 ) -> ExitStatus:  # fmt: skip

@@ -40,7 +40,7 @@ HEADER = ("model", "integration", "error", "processor time [s]", "right-hand sid
 )  # fmt: skip
 @of_studies
 def command(
-    environment: Environment, /, file: Path, mode: int | None, integrators: str | None, tolerances: str | None,
+    environment: Environment, file: Path, mode: int | None, integrators: str | None, tolerances: str | None,
     grids: str, meshes: str | None, budget: float, rigid: bool, linear: bool, perturbation: bool,
     variables: tuple[str, ...], target: float, repeats: int, judges: str | None, compiled: bool | None,
     output: tuple[Path, ...], jobs: int | None, as_json: bool, duration: float | None, n_steps: int | None,

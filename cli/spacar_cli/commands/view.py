@@ -20,7 +20,7 @@ from spacar_cli.environment import Environment
 @words.option("watch", ": the start position of the input file, and its result where it has one")
 @words.option("no_browser", ", with --watch")
 def command(
-    environment: Environment, /, file: str, output: Path | None, frames: int, view: str, fps: float, stress: str | None,
+    environment: Environment, file: str, output: Path | None, frames: int, view: str, fps: float, stress: str | None,
     show: bool, stale_ok: bool, watch: bool, no_browser: bool,
 ) -> None:  # fmt: skip
     """Write one HTML page with the moving mechanism: turn it, zoom, play, click a node or an element for its numbers.

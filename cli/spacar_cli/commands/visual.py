@@ -45,7 +45,7 @@ QUANTITY = click.Choice(tuple(QUANTITIES), case_sensitive=False)
 @words.option("over_section", "; with --stress mises, normal or shear.")
 @words.option("as_list")
 def command(
-    environment: Environment, /, file: str, mode: int | None, mode_numbers: str | None, factor: float | None, at: int,
+    environment: Environment, file: str, mode: int | None, mode_numbers: str | None, factor: float | None, at: int,
     rest: bool, stress: str | None, diagram: str | None, over_section: bool, as_list: bool, **common_options: Any,
 ) -> None:  # fmt: skip
     """Show what a result means: vibration modes (results of the modes 3, 4, 7, 9, 10), buckling modes (8, 10), over-
@@ -59,8 +59,14 @@ def command(
         raise UsageError("--over-section shows a stress: give --stress mises, normal or shear")
     source = choices.opened(file)
     step = stored_step(at, source.steps, source.name)
-    if stress or diagram:
-        _stresses(environment, source, choices, step, stress, diagram, over_section)
+    if stress and diagram:
+        raise UsageError("--stress and --diagram exclude each other")
+    if quantity := stress or diagram:
+        outputs = _outputs(source, choices, quantity)
+        check_stills(outputs)
+        draw = partial(stress_still, surface=over_section) if stress else diagram_still
+        figure = draw(source, step, choices.extras(), quantity, step_text(source, step))
+        put_figure(environment, figure, outputs, choices.dpi, choices.show)
         return
     kind = _kind(source, mode)
     if kind == "constraints":
@@ -150,17 +156,3 @@ def _mode(
 
             slider_window(pictures, PHASES, bounds, camera, mode.label, choices.fps)
     environment.wrote(*outputs)
-
-
-def _stresses(
-    environment: Environment, source: PictureSource, choices: Choices, step: int, stress: str | None,
-    diagram: str | None, over_section: bool,
-) -> None:  # fmt: skip
-    if stress and diagram:
-        raise UsageError("--stress and --diagram exclude each other")
-    quantity = stress or diagram or ""
-    note = step_text(source, step)
-    outputs = _outputs(source, choices, quantity)
-    check_stills(outputs)
-    draw = partial(stress_still, surface=over_section) if stress else diagram_still
-    put_figure(environment, draw(source, step, choices.extras(), quantity, note), outputs, choices.dpi, choices.show)
