@@ -38,9 +38,10 @@ def export_fmu(model: Path, target: Path, rtol: float = 1e-6, atol: float = 1e-8
     if target.suffix.lower() != ".fmu":
         raise UsageError(f"cannot write {target}: the name of a functional mock-up unit ends in .fmu", "fmu.name")
     plant = Spasim(model)
+    inputs, outputs = variables(plant.inputs), variables(plant.outputs_)
     words = {
         "name": identifier(model.stem), "title": model.stem, "model": model.name, "rtol": rtol, "atol": atol,
-        "inputs": variables(plant.inputs), "outputs": variables(plant.outputs_),
+        "inputs": inputs, "outputs": outputs,
         "input_texts": plant.inputs, "output_texts": plant.outputs_,
     }  # fmt: skip
     with tempfile.TemporaryDirectory() as folder:
@@ -59,7 +60,7 @@ def export_fmu(model: Path, target: Path, rtol: float = 1e-6, atol: float = 1e-8
         except Exception as cause:  # whatever stops pythonfmu is one error here
             text = f"pythonfmu could not pack {target.name}: {type(cause).__name__}: {cause}"
             raise AnalysisError(text, "fmu.build") from cause
-        _completed(made, dict(zip(variables(plant.inputs) + variables(plant.outputs_), units(plant), strict=True)))
+        _completed(made, dict(zip(inputs + outputs, units(plant), strict=True)))
         with replacing(target) as side:
             shutil.copyfile(made, side)
     return plant

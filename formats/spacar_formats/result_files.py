@@ -138,15 +138,11 @@ def sbd_header(run: Run, stored: Container[str] = ()) -> dict[str, Any]:
     n = run.mechanism.numbering
     keywords = [n.keyword.get(i, "") for i in range(1, len(n.le) + 1)]
     tables = {identifier(name): value for name, value in model_tables(run.mechanism).items()}
-    return provenance(run) | {"ETYPE": keywords} | _accuracy(run) | tables
-
-
-def _accuracy(run: Run) -> dict[str, Any]:
-    """Of a run with an accuracy: ACCURACY = estimated error, error asked for (0: none), cost; ACCWAY: how, in words."""
-    found = run.header.get("accuracy")
-    if found is None:
-        return {}
-    return {"ACCURACY": np.array([found.estimate, found.target or 0.0, found.cost]), "ACCWAY": [found.way]}
+    header = provenance(run) | {"ETYPE": keywords}
+    if (found := run.header.get("accuracy")) is not None:  # estimated error, error asked for (0: none), cost; in words
+        header["ACCURACY"] = np.array([found.estimate, found.target or 0.0, found.cost])
+        header["ACCWAY"] = [found.way]
+    return header | tables
 
 
 def sbm_header(run: Run, stored: Container[str] = ()) -> dict[str, Any]:

@@ -34,7 +34,7 @@ from spacar.simulation.plant import Spasim
 from spacar.simulation.response import Response
 from spacar.stream import Run
 from spacar_formats.exports import export_to, to_csv, to_mat, to_npz
-from spacar_formats.result_files import KINDS, write_steps
+from spacar_formats.result_files import sbd_header, sbd_values, write_steps
 from spacar_formats.safety import Claim
 from spacar_formats.sbf import SbfFile
 from spacar_formats.sbf.record_layout import require
@@ -179,20 +179,16 @@ def write_motions(response: Response, stem: Path) -> list[Path]:
     """
     plants = [b for b in response.diagram.blocks.values() if isinstance(b, Spasim)]
     table = table_of(response)
-    names = [stem.name] if len(plants) == 1 else [f"{stem.name}_{plant.name}" for plant in plants]
-    return [
-        _write_motion(response, table, plant, stem.with_name(f"{name}.sbd"))
-        for plant, name in zip(plants, names, strict=True)
-    ]
-
-
-def _write_motion(response: Response, table: SignalTable, plant: Spasim, path: Path) -> Path:
-    header, values = KINDS["sbd"]
-    x, u = response.x[:, response.states[plant.name]], response.u[:, response.inputs[plant.name]]
-    states = zip(response.t.tolist(), x, u, table.values, strict=True)
-    steps = (values(plant.frame(t, state, inputs)) | {"SIGNAL": row} for t, state, inputs, row in states)
-    with Claim(path) as claim:
-        return write_steps(claim, {**header(Run(find_mode(1), plant.mechanism), ()), **table.header()}, steps)
+    written = []
+    for plant in plants:
+        x, u = response.x[:, response.states[plant.name]], response.u[:, response.inputs[plant.name]]
+        frames = map(plant.frame, response.t.tolist(), x, u)
+        steps = (sbd_values(frame) | {"SIGNAL": row} for frame, row in zip(frames, table.values, strict=True))
+        name = stem.name if len(plants) == 1 else f"{stem.name}_{plant.name}"
+        with Claim(stem.with_name(f"{name}.sbd")) as claim:
+            header = sbd_header(Run(find_mode(1), plant.mechanism)) | table.header()
+            written.append(write_steps(claim, header, steps))
+    return written
 
 
 def export_signals(arrays: Mapping[str, np.ndarray], target: Path) -> None:

@@ -80,8 +80,11 @@ class SbfWriter:
                 value = np.asarray(values[name], dtype=np.float64)
             except KeyError:
                 raise ValueError(f"no value for the step variable {name}") from None
-            if value.shape != shape:
-                value = _fit(name, value, shape)
+            if value.shape != shape:  # a vector written as a matrix, or a number as a vector of one
+                vector = len(shape) == 1 and sum(length != 1 for length in value.shape) <= 1
+                if not vector or value.size != shape[0]:
+                    raise ValueError(f"{name} has the shape {value.shape}, its definition says {shape}")
+                value = value.reshape(shape)
             view[...] = value
         block, k = self._block, self.steps + 1
         TRAILER.pack_into(block, len(block) - 8, k & 0xFFFFFFFF, 0)
@@ -119,11 +122,3 @@ class SbfWriter:
         except OSError as err:
             text = f"cannot write {self.path} (step {self.steps + 1}): {err.strerror}; earlier steps are kept"
             raise AnalysisError(text, "files.write") from None
-
-
-def _fit(name: str, value: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
-    """A vector written as a matrix (or a number as a vector of one) in the shape of its place; else ValueError."""
-    vector = sum(length != 1 for length in value.shape) <= 1
-    if len(shape) == 1 and vector and value.size == shape[0]:
-        return value.reshape(shape)
-    raise ValueError(f"{name} has the shape {value.shape}, its definition says {shape}")
