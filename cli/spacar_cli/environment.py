@@ -107,6 +107,11 @@ class Environment:
         for line in lines:
             print(escaped(line), file=self.stdout, flush=True)
 
+    def say_json(self, record: object) -> None:
+        import json
+
+        self.say(json.dumps(record))
+
     def wrote(self, *lines: object) -> None:
         """Files that were written, or a summary: lines of standard output, unless quiet."""
         if not self.quiet:

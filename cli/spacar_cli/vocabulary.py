@@ -9,7 +9,7 @@ Types of numbers on the command line: finite, in a range, with a sentence for wh
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import reduce
 from pathlib import Path
 from typing import Any, NamedTuple, get_type_hints
@@ -218,10 +218,10 @@ ROWS: dict[str, tuple[Any, ...]] = {
     "judges": ("--reference", "Two methods whose agreement makes the reference", "CODES"),
     "budget": ("--budget", "Seconds for everything", "SECONDS", POSITIVE),
 }
-VOCABULARY: Mapping[str, OptionRow] = {name: OptionRow(*row) for name, row in ROWS.items()}
+VOCABULARY = {name: OptionRow(*row) for name, row in ROWS.items()}
 
 FIGURES = "-o FILE, by its ending (.png, .svg, .pdf)"
-FORMER: Mapping[str, Mapping[str, str]] = {
+FORMER = {
     "MODE": {"-o": "--output-dir", "--plot": "--show"},
     "-MODE": {"-o": "--output-dir"},
     "draw": {"--steps": "--at", "--step": "--at", "-s": "--at", "-n": "--numbers"},

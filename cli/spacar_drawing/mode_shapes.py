@@ -153,7 +153,7 @@ def open_matrices(source: PictureSource) -> Any:
     kept = name.name.replace(".sbd", ".sbm")
     file = open_result(name.with_name(kept), "sbm")
     ours, theirs = (np.ravel(h.get("SHA256", [""]))[0] for h in (source.header, file.header))
-    if ours != theirs or int(np.ravel(file.header["MODE"])[0]) != source.scene.mode:
+    if ours != theirs or file.count("MODE") != source.scene.mode:
         raise UsageError(f"{file.path} and {source.name} are of different runs; run again", "draw.stale")
     return file
 
@@ -217,7 +217,7 @@ def _pair(a: complex, b: complex, largest: float) -> bool:
 def buckling_modes(source: PictureSource, matrices: Any, step: int) -> list[ModeShape]:
     """All buckling modes of a step with a finite load multiplier."""
     multipliers = np.ravel(matrices.get("lmult", step)).astype(float)
-    vectors = np.atleast_2d(np.asarray(matrices.get("bmode", step), float)).reshape(-1, len(multipliers))
+    vectors = np.asarray(matrices.get("bmode", step), float).reshape(-1, len(multipliers))
     if matrices.has("bmodex"):  # of a large model without dx
         shapes = np.asarray(matrices.get("bmodex", step), float).reshape(-1, len(multipliers))
     else:

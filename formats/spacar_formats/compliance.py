@@ -69,7 +69,8 @@ def node_compliance(
         if find_mode(sbd.count("MODE")).takes_setpoints:  # the prescribed ones have the matrices
             columns = np.arange(nxp[2] + nep[2])
         planar = lnp[partner - 1, 3] == 0
-        rows = np.r_[lnp[node - 1, : 2 if planar else 3], lnp[partner - 1, : 1 if planar else 4]] - 1
+        turning = lnp[partner - 1, : 1 if planar else 4] - 1
+        rows = np.r_[lnp[node - 1, : 2 if planar else 3] - 1, turning]
         x = sbd.array("x", step).ravel()
         t = sbd.time(step)
         warnings = [*notes(sbd), *notes(sbm)]
@@ -85,7 +86,7 @@ def node_compliance(
             if not (np.isfinite(K).all() and np.isfinite(transfer).all() and np.isfinite(x).all()):
                 raise UsageError(f"{sbd.path} or {sbm.path} has numbers that are not finite", "compliance.finite")
             compliance = compliance_of(np.asarray(K), transfer[:, columns][rows])
-    fixed, body = (planar_maps if planar else spatial_maps)(x[lnp[partner - 1, : 1 if planar else 4] - 1])
+    fixed, body = (planar_maps if planar else spatial_maps)(x[turning])
     return NodeCompliance(t, node, partner, fixed @ compliance @ fixed.T, body @ compliance @ body.T), warnings
 
 

@@ -62,7 +62,7 @@ class _Tables:
 
     def count(self, ident: str) -> int | None:
         value = self.whole(ident)
-        return None if value is None or value.size != 1 else int(value.ravel()[0])
+        return None if value is None or value.size != 1 else int(value.item())
 
     def kinds(self) -> None:
         for ident, record in _among(TEXTS, self.header):

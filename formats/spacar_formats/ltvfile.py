@@ -32,13 +32,13 @@ def read_ltv(name: str | os.PathLike[str]) -> tuple[TimeVarying, list[str]]:
             raise UsageError(f"{file.path.name} holds no step: there is nothing to compute with", "files.no-steps")
         data = TimeVarying(
             name=file.path.name,
-            t=np.ravel(file.get("T")).astype(float),
+            t=file.array("T").ravel(),
             n_nominal=file.count("NNOM") if file.has("NNOM") else 0,
             n_rigid=file.count("NRBM") if file.has("NRBM") else 0,
             second_rows=np.ravel(file.header.get("NYSI", ())).astype(np.int64) - 1,
             inputs=file.texts("UNAMES"),
             outputs=file.texts("YNAMES"),
-            x0=np.ravel(file.header["X0"]).astype(float) if file.has("X0") else None,
+            x0=file.array("X0").ravel() if file.has("X0") else None,
         )
         full: dict[str, Any] = {}
         if is_sparse(file):

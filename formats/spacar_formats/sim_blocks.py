@@ -53,7 +53,7 @@ def _values(key: str, text: str, default: str | None = None, unit: str = "") -> 
     return SimKey(key, "numbers", text + EACH, default, unit)
 
 
-BLOCKS: tuple[BlockType, ...] = (
+BLOCKS = (
     BlockType(
         "spasim", "the non-linear mechanism", "inputs INPUTS, INPUTF; outputs OUT... of its file",
         (SimKey("model", "file", "input file (.dat)", None),), make.spasim,

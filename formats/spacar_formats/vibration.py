@@ -8,6 +8,7 @@ or the lowest ones from the sparse equations of a large model (`.ltv`).
 """
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -124,13 +125,11 @@ def names_beside(path: Path) -> list[str]:
     with open_result(beside, "sbd", verify=False) as file:
         if any(not file.has(ident) for ident in ("NXP", "NEP", "LNP", "LE", "ETYPE")):
             return []
-        nxp, nep = (np.ravel(file.get(k)).astype(int) for k in ("nxp", "nep"))
-        lnp, le, keywords = file.get("lnp"), file.get("le"), file.get("etype")
-        assert isinstance(lnp, np.ndarray)
-        assert isinstance(le, np.ndarray)
+        nxp, nep = (file.array(k).ravel().astype(int) for k in ("nxp", "nep"))
+        lnp, le, keywords = file.array("lnp"), file.array("le"), file.texts("etype")
         x_start, e_start = int(nxp[:2].sum()), int(nep[0])
         x = [_coordinate(lnp, i) for i in range(x_start + 1, x_start + nxp[2:].sum() + 1)]
-        e = [_deformation(le, list(keywords), i) for i in range(e_start + 1, e_start + nep[2:].sum() + 1)]
+        e = [_deformation(le, keywords, i) for i in range(e_start + 1, e_start + nep[2:].sum() + 1)]
         mode = file.count("MODE")
     if mode == 3:  # all degrees of freedom are prescribed and states
         return x + e
@@ -148,7 +147,7 @@ def _coordinate(lnp: np.ndarray, i: int) -> str:
     return f"node {node + 1} {name}"
 
 
-def _deformation(le: np.ndarray, keywords: list[str], i: int) -> str:
+def _deformation(le: np.ndarray, keywords: Sequence[str], i: int) -> str:
     found = np.argwhere(le == i)
     if not len(found):
         return f"deformation {i}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -56,7 +55,7 @@ def command(environment: Environment, file: Path, mode: int | None, expand: bool
         environment.say(f"% plain statements of {source.name}, numbers in m, kg, s, N, rad{converted}")
         environment.say(deck.to_text().rstrip("\n"))
     elif as_json:
-        environment.say(json.dumps({"input": str(source), "messages": [asdict(m) for m in messages]}))
+        environment.say_json({"input": str(source), "messages": [asdict(m) for m in messages]})
     else:
         counts = (f"{severities.count(s)} {s}{'s' * (severities.count(s) != 1)}" for s in ("error", "warning"))
         environment.wrote(f"{source}: {', '.join(counts)}")

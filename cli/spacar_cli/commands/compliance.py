@@ -1,7 +1,5 @@
 """`spacar compliance FILE NODE [ORIENTATION]`: the compliance matrix of a node."""
 
-import json
-
 import click
 
 from spacar.deck.length_unit import shown_in
@@ -31,11 +29,10 @@ def command(environment: Environment, file: str, node: int, orientation: int | N
     tell_notes(environment, warnings)
     rows, columns = found.labels
     if as_json:
-        report = {
+        environment.say_json({
             "t": found.t, "position": found.position, "orientation": found.orientation, "rows": rows,
             "columns": columns, "global": found.fixed.tolist(), "body": found.body.tolist(),
-        }  # fmt: skip
-        environment.say(json.dumps(report))
+        })  # fmt: skip
         return
     metre = open_source(file, stale_ok=True).scene.metre
     power = np.array([name.startswith("u") for name in rows], float)  # C_ij has the unit of i times that of j by N m

@@ -1,6 +1,5 @@
 """`spacar eigen FILE`: frequency table, root locus, Campbell diagram."""
 
-import json
 import math
 from pathlib import Path
 
@@ -53,7 +52,7 @@ def command(
     rows = [row for k in chosen for row in _rows(k, found[k - 1], names, lowest)]
     if as_json:
         keys = ("step", "mode", "real", "imag", "modulus", "frequency", "damping", "dof", "stored")
-        environment.say(json.dumps([dict(zip(keys, row, strict=True)) for row in rows]))
+        environment.say_json([dict(zip(keys, row, strict=True)) for row in rows])
     elif csv_file is not None:
         put_rows(environment, csv_file, HEADS, rows)
     else:

@@ -85,7 +85,7 @@ def command(
     if csv_file is not None:
         put_columns(environment, csv_file, study.table(body))
     if as_json:
-        environment.say(_json(study, body))
+        environment.say_json(finite(_record(study, body)))
     elif csv_file is None or str(csv_file) != "-":
         environment.wrote(*_lines(study, body))
 
@@ -97,18 +97,15 @@ def _pivot(text: str) -> list[float]:
         raise UsageError(f"--pivot {text}: expected numbers x,y or x,y,z", "flexure.pivot") from None
 
 
-def _json(study: Flexure, body: bool) -> str:
-    """Facts and columns; what is not a finite number is null."""
-    import json
-
-    record = {
+def _record(study: Flexure, body: bool) -> dict[str, Any]:
+    """Facts and columns."""
+    return {
         "source": study.source, "drive": study.move.text, "node": study.node.position,
         "orientation": study.node.orientation, "undeflected": study.zero, "turning": study.errors.turning,
         "pivot": study.errors.pivot.tolist(), "units": {c.name: c.unit for c in study.columns(body)},
         "columns": {name: values.tolist() for name, values in study.table(body).items()},
         "warnings": study.warnings,
     }  # fmt: skip
-    return json.dumps(finite(record))
 
 
 def _lines(study: Flexure, body: bool) -> list[str]:

@@ -181,7 +181,7 @@ def run_mode(
     diagnosis = None if run is None else run.header.get("diagnosis")
     ill_defined = diagnosis is not None and bool(diagnosis.over or diagnosis.under)
     if as_json:
-        environment.say(_as_json(mode, source, outcome, status, log, results, run, done))
+        environment.say_json(_record(mode, source, outcome, status, log, results, run, done))
     elif run is not None and (environment.verbose or environment.output_is_terminal or ill_defined):
         if environment.verbose or not mode.forces:
             environment.wrote(*told)
@@ -246,12 +246,10 @@ def _status(environment: Environment, outcome: Outcome, results: list[ResultSink
     return tell_error(environment, error)
 
 
-def _as_json(
+def _record(
     mode: Mode, source: Path, outcome: Outcome, status: ExitStatus, log: LogSink, results: list[ResultSink],
     run: Run | None, done: releasing.Done | None,
-) -> str:  # fmt: skip
-    import json
-
+) -> dict[str, Any]:  # fmt: skip
     report: dict[str, Any] = {
         "mode": mode.number, "analysis": mode.title, "input": str(source), "status": int(status),
         "steps": outcome.steps, "t": outcome.last, "seconds": outcome.seconds, "log": str(log.path),
@@ -277,4 +275,4 @@ def _as_json(
         interrupted = isinstance(outcome.error, KeyboardInterrupt)
         report["error"] = str(outcome.error) or type(outcome.error).__name__
         report["code"] = "interrupted" if interrupted else getattr(outcome.error, "code", "internal")
-    return json.dumps(report)
+    return report

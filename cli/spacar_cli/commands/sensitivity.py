@@ -58,7 +58,7 @@ def command(
     if csv_file is not None:
         put_rows(environment, csv_file, COLUMNS, found.rows())
     if as_json:
-        environment.say(_json(found))
+        environment.say_json(_record(found))
     elif csv_file is None:
         environment.say(*_lines(found))
 
@@ -77,18 +77,15 @@ def _given(parameters: tuple[str, ...]) -> tuple[list[str], list[float | None]]:
     return names, values
 
 
-def _json(found: Sensitivity) -> str:
-    import json
-
+def _record(found: Sensitivity) -> dict[str, Any]:
     def named(names: tuple[str, ...], values: list[float], units: tuple[str, ...]) -> list[dict[str, str | float]]:
         return [{"name": n, "value": v, "unit": u} for n, v, u in zip(names, values, units, strict=True)]
 
-    record = {
+    return {
         "parameters": named(found.parameters, found.parameter_values.tolist(), found.parameter_units),
         "quantities": named(found.quantities, found.values.tolist(), found.quantity_units),
         "derivatives": finite(found.derivatives.tolist()), "notes": list(found.notes),
     }  # fmt: skip
-    return json.dumps(record)
 
 
 def _lines(found: Sensitivity) -> list[str]:

@@ -32,7 +32,7 @@ def checksbf(environment: Environment, file: str, as_json: bool) -> None:
     except SbfError as error:  # the file is what was asked about, so this is a result and no wrong use
         raise AnalysisError(str(error), error.code) from None
     if as_json:
-        environment.say(json.dumps(checksbf.as_json(check)))
+        environment.say_json(checksbf.as_json(check))
     else:
         environment.say(*checksbf.listing(check))
     if not check.sound:
@@ -60,7 +60,10 @@ def getfrsbf(environment: Environment, file: str, ident: str, steps: str | None,
         value = result.get(ident, None if steps is None else getfrsbf.step_numbers(steps, result.steps))
         name = "TDEF" if ident.strip().upper() == "TDEF" else result.variable(ident).id
         tell_notes(environment, notes(result))
-    environment.say(*([json.dumps(getfrsbf.as_json(name, value))] if as_json else getfrsbf.as_lines(value)))
+    if as_json:
+        environment.say_json(getfrsbf.as_json(name, value))
+    else:
+        environment.say(*getfrsbf.as_lines(value))
 
 
 def _refuse(word: str) -> None:
@@ -145,7 +148,7 @@ def getss(
         getss.export_getss(system, output)
         environment.wrote(output)
     elif as_json:
-        environment.say(json.dumps(getss.as_json(system)))
+        environment.say_json(getss.as_json(system))
     else:
         for name, matrix in system.arrays().items():
             environment.say(f"{name} ({matrix.shape[0]} x {matrix.shape[1]}):", *as_lines(matrix))

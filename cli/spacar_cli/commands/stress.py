@@ -76,9 +76,7 @@ def command(
             return
     largest = _largest(found)
     if as_json:
-        import json
-
-        environment.say(json.dumps(finite([asdict(one) for one in largest])))
+        environment.say_json(finite([asdict(one) for one in largest]))
         return
     if not any(one.quantity == "mises" for one in largest):
         tell(environment, "information", "no element has a cross-section: no stresses (BEAMSEC, BEAMVIS, CROSSTYPE)")

@@ -1,6 +1,5 @@
 """`spacar sweep FILE --set TARGET=VALUES --result QUANTITY`: parameter studies."""
 
-import json
 import time
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
@@ -86,7 +85,7 @@ def command(
         tell(environment, "warning", reason)
     if as_json:
         summary = {"cases": len(cases), "run": new, "failed": failed, "seconds": seconds, "output": str(path)}
-        environment.say(json.dumps(summary))
+        environment.say_json(summary)
     else:
         environment.wrote(f"{len(cases)} cases: {new} run in {seconds:.2f} s, {failed} of them failed; rows in {path}")
     return ExitStatus.FAILED if failed else ExitStatus.DONE

@@ -134,7 +134,7 @@ def _told(
             title = f"{name}, mode {trade.mode}"
             save(work_precision_figure(entries, ref.error, target, trade.stationary, title), path, dpi=120.0)
     if as_json:
-        environment.say(json.dumps(document | dict(more)))
+        environment.say_json(document | dict(more))
     elif not environment.quiet:
         say_table(environment, HEADER, [_cells(e) for e in entries], None if best is None else entries.index(best))
         environment.say(f"reference: {ref.text}; its estimated error is {ref.error:.2e}")

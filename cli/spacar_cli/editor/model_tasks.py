@@ -167,7 +167,7 @@ def progress(file: str) -> Answer:
     if not part.is_file():
         return {"steps": 0, "t": None}
     read = open_result(part, verify=False)
-    return {"steps": read.steps, "t": float(np.ravel(read.get("t", read.steps))[0]) if read.steps else None}
+    return {"steps": read.steps, "t": read.time(read.steps) if read.steps else None}
 
 
 TASKS: dict[str, Callable[..., Answer]] = {

@@ -8,7 +8,7 @@ import os
 import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 import spacar
 from spacar.deck import echo
@@ -46,7 +46,7 @@ class LogSink:
         try:
             if path.exists():
                 os.replace(path, backup_path(path))
-            self._file: TextIO = open(path, "w", buffering=1, encoding="utf-8", errors="backslashreplace")  # noqa: SIM115 (open during the run)
+            self._file = open(path, "w", buffering=1, encoding="utf-8", errors="backslashreplace")  # noqa: SIM115 (open during the run)
         except OSError as error:
             raise UsageError(f"cannot write {path}: {error.strerror}", "files.open") from None
         self._write(_title(mode, source, options or {}))

@@ -146,11 +146,12 @@ class StepList:
         """The text for one step, with a heading in front where one is due."""
         self._step += 1
         counters = tuple(frame.statistics)
-        if counters == self._counters:
-            return self._form % (self._step, frame.t, *frame.statistics.values())
-        self._counters = counters
-        heads = [COUNTERS.get(name, name.replace("_", " ")) for name in counters]
-        widths = [max(len(head), 10) for head in heads]
-        head = f"{'step':>8}  {'time [s]':>17}" + "".join(f"  {h:>{w}}" for h, w in zip(heads, widths, strict=True))
-        self._form = "%8d  %17.10g" + "".join(f"  %{w}.7g" for w in widths)
-        return head + "\n" + self._form % (self._step, frame.t, *frame.statistics.values())
+        head = ""
+        if counters != self._counters:
+            self._counters = counters
+            heads = [COUNTERS.get(name, name.replace("_", " ")) for name in counters]
+            widths = [max(len(head), 10) for head in heads]
+            columns = "".join(f"  {h:>{w}}" for h, w in zip(heads, widths, strict=True))
+            head = f"{'step':>8}  {'time [s]':>17}{columns}\n"
+            self._form = "%8d  %17.10g" + "".join(f"  %{w}.7g" for w in widths)
+        return head + self._form % (self._step, frame.t, *frame.statistics.values())

@@ -22,7 +22,6 @@ from spacar_formats.sbf.record_layout import (
     PREAMBLE,
     TEXT,
     TRAILER,
-    Directory,
     Record,
     SbfError,
     data_offset_of,
@@ -68,7 +67,7 @@ class SbfFile:
                 first = file.read(PREAMBLE.size)
                 size = os.fstat(file.fileno()).st_size
                 head = first + file.read(data_offset_of(first, size, name) - PREAMBLE.size)
-                self.directory: Directory = parse(head, name)
+                self.directory = parse(head, name)
                 data, stride = self.directory.data_offset, self.directory.stride
                 self.surplus = size - data - self.directory.committed * stride
                 # A count beyond the end of the file: the file was cut off, or the machine stopped before all bytes
@@ -80,8 +79,8 @@ class SbfFile:
         except ValueError as err:  # the file shrank between the two looks at its size
             raise SbfError(f"{name} is damaged: {err}") from None
         self.head = head  # the bytes in front of the step blocks
-        self.header_records: dict[str, Record] = {r.id: r for r in self.directory.header}
-        self.step_records: dict[str, Record] = {r.id: r for r in self.directory.steps}
+        self.header_records = {r.id: r for r in self.directory.header}
+        self.step_records = {r.id: r for r in self.directory.steps}
         self._good = np.zeros(self.steps, dtype=bool)
         self._blocks = np.ndarray((self.steps, stride), np.uint8, self._map, data, (stride, 1))
 
