@@ -133,5 +133,4 @@ def compare(made: DeckModel, result: Result, run: SimulatedMotion) -> Compared:
             tangent = made.turned(made.span(part), x[:, lnp[turned - 1] - 1])
             along = np.sum(now * tangent, axis=1)
             deflection = max(deflection, float(np.linalg.norm(now - along[:, None] * tangent, axis=1).max()))
-    size = max(result.mechanism.length, 1e-300)
-    return Compared(position, angle, deflection, size, times)
+    return Compared(position, angle, deflection, max(result.mechanism.length, 1e-300), times)

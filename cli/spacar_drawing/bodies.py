@@ -28,8 +28,7 @@ def shape_functions(xi: Array) -> tuple[Array, Array]:
     """N and L, each (4, n), at xi (n,) from 0 to 1."""
     s2, s3, b = xi**2, xi**3, 0.5 * (xi - xi**2)
     N = np.stack((1 - 3 * s2 + 2 * s3, xi - 2 * s2 + s3, 3 * s2 - 2 * s3, s3 - s2))
-    L = np.stack((1 - xi, b, xi, -b))
-    return N, L
+    return N, np.stack((1 - xi, b, xi, -b))
 
 
 def elastic_line(ends: Array, tangents: Array, l0: Array | float, across: Array, Phi: Array, n: int) -> Array:

@@ -132,8 +132,7 @@ def sweep(outline: Array, centre: Array, y: Array, z: Array) -> Array:
     """Quadrilaterals (... (m - 1) k, 4, 3) of an outline (k, 2) moved along centre (..., m, 3) with axes y, z."""
     rings = placed(outline, centre, y, z)
     near, far = rings[..., :-1, :, :], rings[..., 1:, :, :]
-    corners = (near, np.roll(near, -1, axis=-2), np.roll(far, -1, axis=-2), far)
-    return np.stack(corners, axis=-2).reshape(-1, 4, 3)
+    return np.stack((near, np.roll(near, -1, axis=-2), np.roll(far, -1, axis=-2), far), axis=-2).reshape(-1, 4, 3)
 
 
 def convex_pieces(outline: Array) -> Index:

@@ -204,8 +204,7 @@ def screw(scene: Scene, pose: Pose, look: Look, e: Element) -> list[Shape]:
     axis = frame[0]
     reach = (q - p) @ axis
     a, b = p + min(reach, 0.0) * axis - s * axis, p + max(reach, 0.0) * axis + 3 * s * axis
-    colour = look.colour(e.number, paint.SCREW)
-    shapes = cylinder(a, b, 0.32 * s, colour, light=look.settings.light)
+    shapes = cylinder(a, b, 0.32 * s, look.colour(e.number, paint.SCREW), light=look.settings.light)
     turns = max(int(np.linalg.norm(b - a) / (0.55 * s)), 4)
     n = 12 * turns + 1
     thread = circle(np.linspace(a, b, n), frame[1], frame[2], 0.40 * s, n, (0.0, 2 * np.pi * turns))

@@ -80,8 +80,7 @@ def bode_figure(
     columns = together(((shared or pair[1], units[pair]), pair) for pair in pairs)
     outputs = list(dict.fromkeys(i for i, _ in pairs))
     if shared:  # the panels of a unit above each other
-        height = len(columns) * 4.6 + 0.17 * len(pairs) + 0.6
-        figure = blank(7.2, height, layout="constrained")
+        figure = blank(7.2, len(columns) * 4.6 + 0.17 * len(pairs) + 0.6, layout="constrained")
         panels = figure.subplots(2 * len(columns), 1, sharex=True).reshape(-1, 2).T
     else:
         rows = -(-len(outputs) // NAMES_A_ROW)

@@ -95,8 +95,7 @@ def history_figure(curves: Sequence[Curve], against: Curve, title: str = "", sta
 
 def _columns(group: Sequence[Curve]) -> int:
     """Names of curves in a row of the legend: as many as fit into the width, their lines included."""
-    longest = max(len(c.text) for c in group)
-    return max(min(len(group), LEGEND // (longest + LINE)), 1)
+    return max(min(len(group), LEGEND // (max(len(c.text) for c in group) + LINE)), 1)
 
 
 WIDTH = 3.6  # inches of the scopes beside a mechanism

@@ -87,8 +87,7 @@ def motion_model(source: PictureSource, x: Array, motion: Array, label: str) -> 
             return xs if k is None else xs[k - 1]
         return np.arange(float(PHASES)) if name == "t" else None
 
-    moving = replace(source, steps=PHASES, read=read)
-    return view_model(moving) | {"times": [label] * PHASES}
+    return view_model(replace(source, steps=PHASES, read=read)) | {"times": [label] * PHASES}
 
 
 def motion_of_freedom(mechanism: Mechanism, name: str) -> Array:

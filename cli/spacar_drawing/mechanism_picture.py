@@ -49,8 +49,7 @@ class Extras:
 
 
 def camera_of(scene: Scene, view: str) -> Camera:
-    camera = Camera.plane() if scene.planar else Camera.towards(*view_angles(view))
-    return replace(camera, metre=scene.metre)
+    return replace(Camera.plane() if scene.planar else Camera.towards(*view_angles(view)), metre=scene.metre)
 
 
 def mechanism_shapes(scene: Scene, x: Array, look: Look, extras: Extras) -> list[Shape]:

@@ -78,8 +78,7 @@ def mode_pictures(
     behind = outline_shapes(scene, x, look) if rest else []
 
     def picture(k: int) -> tuple[Sequence[Shape], str]:
-        shapes = mechanism_shapes(scene, whole[k % PHASES], look, extras)
-        return [*behind, *shapes], title_of(scene, extras, mode.label)
+        return [*behind, *mechanism_shapes(scene, whole[k % PHASES], look, extras)], title_of(scene, extras, mode.label)
 
     return picture, bounds
 

@@ -150,8 +150,7 @@ def dynamic_columns(header: Any) -> NDArray[np.int64]:
 def open_matrices(source: PictureSource) -> Any:
     """The `.sbm` file beside a `.sbd` result. UsageError when there is none, or when it belongs to another input."""
     name = Path(source.name)
-    kept = name.name.replace(".sbd", ".sbm")
-    file = open_result(name.with_name(kept), "sbm")
+    file = open_result(name.with_name(name.name.replace(".sbd", ".sbm")), "sbm")
     ours, theirs = (np.ravel(h.get("SHA256", [""]))[0] for h in (source.header, file.header))
     if ours != theirs or file.count("MODE") != source.scene.mode:
         raise UsageError(f"{file.path} and {source.name} are of different runs; run again", "draw.stale")

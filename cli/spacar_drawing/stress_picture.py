@@ -222,8 +222,7 @@ def _finer(contour: Array) -> Array:
 
 def _across(contour: Array) -> Array:
     """(17, 2) points over the width along y', which is the height of a planar beam in its picture."""
-    width = np.linspace(contour[:, 0].min(), contour[:, 0].max(), 17)
-    return np.stack((width, np.zeros(17)), axis=1)
+    return np.stack((np.linspace(contour[:, 0].min(), contour[:, 0].max(), 17), np.zeros(17)), axis=1)
 
 
 @plain
@@ -256,8 +255,7 @@ def diagram_still(source: PictureSource, step: int, extras: Extras, quantity: st
             kept.append(label)
     shapes += kept
     shapes += mechanism_shapes(scene, x, look, extras)
-    drawn = [s for s in shapes if not isinstance(s, Label)]
-    bounds = wider(series_bounds(scene, x[None], look, extras), drawn)
+    bounds = wider(series_bounds(scene, x[None], look, extras), [s for s in shapes if not isinstance(s, Label)])
     title = f"{QUANTITIES[quantity][0]} ({shown_in(QUANTITIES[quantity][1], scene.metre)[1]})"
     return painted(scene, extras, bounds, shapes, note, title)
 

@@ -123,8 +123,7 @@ def trade_plot(answer: TradeAnswer, path: str | Path | None = None) -> Figure:
 def sensitivity_plot(found: Sensitivity, path: str | Path | None = None) -> Figure:
     """Relative changes as bars: a panel for each quantity, a bar for each parameter."""
     count = len(found.parameters)
-    height = 0.6 + len(found.quantities) * (0.5 + 0.28 * count)
-    figure = blank(7.2, height, layout="constrained")
+    figure = blank(7.2, 0.6 + len(found.quantities) * (0.5 + 0.28 * count), layout="constrained")
     panels = figure.subplots(len(found.quantities), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name, change in zip(panels, found.quantities, found.relative, strict=True):
         axes.barh(range(count), change, color=[COLOURS[0] if not v < 0 else COLOURS[1] for v in change], height=0.6)

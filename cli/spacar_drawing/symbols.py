@@ -104,7 +104,8 @@ class Symbols:
                 most = [
                     [np.max(np.linalg.norm(v, axis=1), initial=0.0) for v in (f.force, f.moment)] for f in found
                 ]
-                largest[kind] = (max(force for force, _ in most), max(moment for _, moment in most))
+                force, moment = np.max(most, axis=0).tolist()
+                largest[kind] = force, moment
         return cls(source, tuple(dict.fromkeys(kinds)), largest)
 
     def shapes(self, k: int, x: Array, look: Look) -> list[Shape]:

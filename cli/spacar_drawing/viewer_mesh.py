@@ -86,8 +86,7 @@ class TriangleMesh:
         pictures, m, n, _ = points.shape
         k = len(contour)
         corner, sides = _sides(m, n, k)
-        pieces = convex_pieces(contour)
-        fan = np.array([(q[0], q[i], q[i + 1]) for q in pieces for i in range(1, len(q) - 1)])
+        fan = np.array([(q[0], q[i], q[i + 1]) for q in convex_pieces(contour) for i in range(1, len(q) - 1)])
         closed = np.ones((m, 2), bool) if ends is None else ends
         caps = [corner[closed[:, i], at][:, fan].reshape(-1, 3) for i, at in enumerate((0, -1))]
         place = np.zeros((m * n * k, 3))

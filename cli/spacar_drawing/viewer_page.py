@@ -159,8 +159,7 @@ def view_model(
     chosen = evenly(1, source.steps, max(2, min(frames, int(BUDGET / max(per_picture, 1)))))
     xs = np.stack([source.x(k) for k in chosen])
     mesh = first if chosen == [1] else mesh_of(scene, xs, look, more)
-    rows = scene.position_nodes - 1
-    places = positions(scene, xs)[:, rows]
+    places = positions(scene, xs)[:, scene.position_nodes - 1]
     low, high = series_bounds(scene, xs, look, Extras(), 12)
     centre = 0.5 * (low + high)
     azimuth, elevation = (-90.0, 90.0) if scene.planar else view_angles(view)

@@ -64,8 +64,7 @@ def node_compliance(
         for number, what in ((node, "position"), (partner, "orientation")):
             if not 1 <= number <= len(lnp) or not lnp[number - 1, 0] or _kind(lnp, number) != what:
                 raise UsageError(f"node {number} is no {what} node of {sbd.path}", "compliance.node")
-        x_columns = nxp[2] + np.arange(nxp[3])
-        columns = np.r_[x_columns, nxp[2] + nxp[3] + nep[2] + np.arange(nep[3])]
+        columns = np.r_[nxp[2] + np.arange(nxp[3]), nxp[2] + nxp[3] + nep[2] + np.arange(nep[3])]
         if find_mode(sbd.count("MODE")).takes_setpoints:  # the prescribed ones have the matrices
             columns = np.arange(nxp[2] + nep[2])
         planar = lnp[partner - 1, 3] == 0

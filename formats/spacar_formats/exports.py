@@ -123,13 +123,11 @@ def export_file(
     if output is not None and formats:
         raise UsageError("give either the formats or the name of the new file, not both", "files.export")
     with open_result(name, kind) as file:
-        endings = formats or ("npz",)
-        targets = [file.path.with_name(f"{file.path.name}.{end}") for end in endings]
+        targets = [file.path.with_name(f"{file.path.name}.{end}") for end in formats or ("npz",)]
         if output is not None:
             targets = [Path(output)]
         ids = tuple(file.variable(ident).id for ident in idents) or file.ids
-        written = [path for target in targets for path in _export(file, target, ids)]
-        return written, notes(file)
+        return [path for target in targets for path in _export(file, target, ids)], notes(file)
 
 
 def _export(file: SbfFile, target: Path, ids: tuple[str, ...]) -> list[Path]:

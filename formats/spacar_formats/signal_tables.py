@@ -186,8 +186,7 @@ def write_motions(response: Response, stem: Path) -> list[Path]:
         steps = (sbd_values(frame) | {"SIGNAL": row} for frame, row in zip(frames, table.values, strict=True))
         name = stem.name if len(plants) == 1 else f"{stem.name}_{plant.name}"
         with Claim(stem.with_name(f"{name}.sbd")) as claim:
-            header = sbd_header(Run(find_mode(1), plant.mechanism)) | table.header()
-            written.append(write_steps(claim, header, steps))
+            written.append(write_steps(claim, sbd_header(Run(find_mode(1), plant.mechanism)) | table.header(), steps))
     return written
 
 

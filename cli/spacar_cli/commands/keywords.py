@@ -21,7 +21,6 @@ def command(environment: Environment, name: str | None, formats: str | None) -> 
     if formats is not None:
         if name is not None:
             raise UsageError("--to writes the whole table: without NAME", "usage")
-        record = keywords_json() if formats == "json" else textmate_grammar()
-        environment.say(json.dumps(record, indent=1))
+        environment.say(json.dumps(keywords_json() if formats == "json" else textmate_grammar(), indent=1))
         return
     environment.say(*(overview() if name is None else explanation(name)))

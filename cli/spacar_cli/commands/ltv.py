@@ -55,5 +55,4 @@ def command(
     signals = write_table(targets[0].with_suffix(""), response.t, table, path)
     files = " ".join(map(str, (*targets, signals)))
     environment.wrote(f"{path.name}: {len(response.t)} times, {n} states: {files}")
-    panels = panels_by_quantity(table, "dy")
-    show_scopes(environment, table, response.t, panels, path.stem, show, pictures)
+    show_scopes(environment, table, response.t, panels_by_quantity(table, "dy"), path.stem, show, pictures)

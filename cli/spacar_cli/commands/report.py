@@ -29,6 +29,5 @@ def command(
 
     source = open_source(file, stale_ok)
     path = output or source.beside(".html")
-    page = report_page(source, plot, log_lines, view, viewer, symbol_kinds(symbols))
-    write_text(path, page)
+    write_text(path, report_page(source, plot, log_lines, view, viewer, symbol_kinds(symbols)))
     environment.wrote(path)

@@ -87,8 +87,7 @@ def picture(text: str, file: str) -> Answer:
 
 def freedom(text: str, file: str) -> Answer:
     """Degrees of freedom, over- and under-constraints of the start position (mode 0), and the lines of releases."""
-    deck = without_functions(deck_of_text(text, file, 0))
-    result = run(0, deck)
+    result = run(0, without_functions(deck_of_text(text, file, 0)))
     n, found = result.mechanism.numbering, result.header["diagnosis"]
     inserted = [
         {"line": f"RLSE {p.element} {p.mode}", "text": f"{p.name}: {p.text}", "keeps": p.effect in KEEPS}
