@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -76,7 +76,7 @@ def put_figure(
         still_window(figure)
 
 
-def signal_options(default: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def signal_options(default: str) -> words.Decorator:
     """Add --output and --show."""
     text = f": signals as .npz, .mat or .csv, default {default}; scopes as .png, .svg or .pdf. May be repeated."
     return words.options((words.option("output", text, multiple=True), words.option("show", ": the scopes")))

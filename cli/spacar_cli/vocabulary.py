@@ -249,13 +249,16 @@ FORMER = {
 }  # fmt: skip
 
 
+Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
+
+
 def parameter(name: str, more: str = "", **changes: Any) -> click.Option:
     """The option of this name for one command: `more` goes on behind what it means, `changes` to what click is told."""
     spellings, told = _told(name, more, changes)
     return click.Option(spellings, **told)
 
 
-def option(name: str, more: str = "", **changes: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def option(name: str, more: str = "", **changes: Any) -> Decorator:
     """`parameter` as a decorator of a command."""
     spellings, told = _told(name, more, changes)
     return click.option(*spellings, **told)
@@ -272,7 +275,7 @@ def _told(name: str, more: str, changes: dict[str, Any]) -> tuple[list[str], dic
     return [*word.spelled.split(), name], told | changes
 
 
-def options(rows: Sequence[Callable[..., Any]]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def options(rows: Sequence[Decorator]) -> Decorator:
     """Options that several commands share, as one decorator."""
     return lambda function: reduce(lambda so_far, row: row(so_far), reversed(rows), function)
 

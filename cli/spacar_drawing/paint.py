@@ -43,7 +43,13 @@ def place_labels(axes: Axes, camera: Camera, labels: Sequence[Label], shapes: Se
     to_pixels = axes.transData.transform
     kinds = [thin([label for label in labels if label.boxed == boxed]) for boxed in (False, True)]
     shown = [label for kind, _ in kinds for label in kind]
-    artists = _note(axes, [k for _, k in kinds])
+    few = [f"every {k}th number of {what}" for (_, k), what in zip(kinds, ("nodes", "elements"), strict=True) if k > 1]
+    note = " and ".join(few).replace("every 2th", "every 2nd")
+    artists: list[Any] = []
+    if few:  # what is left out, in the corner of the picture
+        artists.append(axes.text(
+            0.995, 0.01, note, transform=axes.transAxes, fontsize=7, ha="right", color="#7d868e", zorder=31,
+        ))  # fmt: skip
     covered = _samples(camera, shapes)
     sizes = [(0.62 * len(v.text) + (0.7 if v.boxed else 0.2)) * POINTS * scale for v in shown]
     h = 1.45 * POINTS * scale
@@ -73,15 +79,6 @@ def place_labels(axes: Axes, camera: Camera, labels: Sequence[Label], shapes: Se
             text.set_path_effects([withStroke(linewidth=2.5, foreground="white", alpha=0.85)])
         artists.append(text)
     return artists
-
-
-def _note(axes: Axes, every: Sequence[int]) -> list[Any]:
-    """What is left out, in the corner of the picture."""
-    words = [f"every {k}th number of {what}" for k, what in zip(every, ("nodes", "elements"), strict=True) if k > 1]
-    if not words:
-        return []
-    text = " and ".join(words).replace("every 2th", "every 2nd")
-    return [axes.text(0.995, 0.01, text, transform=axes.transAxes, fontsize=7, ha="right", color="#7d868e", zorder=31)]
 
 
 def _samples(camera: Camera, shapes: Sequence[Shape]) -> Array:

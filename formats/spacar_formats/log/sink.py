@@ -49,12 +49,22 @@ class LogSink:
             self._file = open(path, "w", buffering=1, encoding="utf-8", errors="backslashreplace")  # noqa: SIM115 (open during the run)
         except OSError as error:
             raise UsageError(f"cannot write {path}: {error.strerror}", "files.open") from None
-        self._write(_title(mode, source, options or {}))
+        lines = [f"spacar {spacar.__version__}   {time.strftime('%Y-%m-%d %H:%M:%S %z')}", NOTICE, ""]
+        lines += [f"Mode {mode.number}: {mode.title}", f"Input file: {source}"]
+        if options:
+            lines += ["", "Options of the command line that replace settings of the input file", ""]
+            lines += table(["option", "value"], options.items())
+        self._write(lines)
 
     def start(self, run: Run) -> None:
         """Print the echo of the input, the messages about it, and the numbering."""
         self._run = run
-        self._write(_kinematics(run))
+        deck, n = run.mechanism.deck, run.mechanism.numbering
+        lines = [f"SHA-256 of the input file: {deck.sha256}", *heading("Kinematics"), *echo(deck, 1), ""]
+        if deck.messages:
+            lines += ["Messages about the input", "", *(f"{m} [{m.code}]" for m in deck.messages), ""]
+        lines += [*beam_sections(deck), *model_sections.elements(n), *model_sections.measures(run.mechanism)]
+        self._write([*lines, *model_sections.nodes(n), *model_sections.degrees_of_freedom(n)])
 
     def frame(self, frame: Frame) -> None:
         """Print a line for the step, or all that is known of a stationary solution."""
@@ -126,26 +136,6 @@ class LogSink:
             self._file.write(text + "\n")
         except OSError as error:
             raise AnalysisError(f"cannot write {self.path}: {error.strerror}", "files.write") from None
-
-
-def _title(mode: Mode, source: Path, options: Mapping[str, Any]) -> list[str]:
-    lines = [f"spacar {spacar.__version__}   {time.strftime('%Y-%m-%d %H:%M:%S %z')}", NOTICE, ""]
-    lines += [f"Mode {mode.number}: {mode.title}", f"Input file: {source}"]
-    if options:
-        rows = [[name, value] for name, value in options.items()]
-        lines += ["", "Options of the command line that replace settings of the input file", ""]
-        lines += table(["option", "value"], rows)
-    return lines
-
-
-def _kinematics(run: Run) -> list[str]:
-    deck, n = run.mechanism.deck, run.mechanism.numbering
-    lines = [f"SHA-256 of the input file: {deck.sha256}", *heading("Kinematics"), *echo(deck, 1), ""]
-    if deck.messages:
-        lines += ["Messages about the input", "", *(f"{m} [{m.code}]" for m in deck.messages), ""]
-    lines += beam_sections(deck)
-    lines += [*model_sections.elements(n), *model_sections.measures(run.mechanism)]
-    return [*lines, *model_sections.nodes(n), *model_sections.degrees_of_freedom(n)]
 
 
 def _condition(run: Run) -> list[str]:
