@@ -22,6 +22,7 @@ from spacar_drawing.drawn_shapes import Colour, Faces, Line, Shape, bordered, di
 from spacar_drawing.look import Look
 from spacar_drawing.scene import Element, Pose, Scene
 from spacar_drawing.sections import breadth, hole, outline
+from spacar_drawing.settings import SectionShape
 
 
 def shape_functions(xi: Array) -> tuple[Array, Array]:
@@ -126,6 +127,7 @@ class Alike:
     colour: Colour
     width: float
     radius: float
+    section: SectionShape | None
 
 
 def alike_bodies(scene: Scene, look: Look, elements: Sequence[Element]) -> list[Alike]:
@@ -148,9 +150,9 @@ def alike_bodies(scene: Scene, look: Look, elements: Sequence[Element]) -> list[
             yield (e.shape, width, radius, look.colour(e.number, usual), dress, bool(e.warping)), e
 
     found = []
-    for (shape, width, radius, colour, *_), alike in together(items()).items():
+    for (shape, width, radius, colour, (section, _), _), alike in together(items()).items():
         short = 2 if scene.planar or shape == "truss" else 25  # short pieces sort better by depth
-        found.append(Alike(alike, look.points if shape == "beam" else short, colour, width, radius))
+        found.append(Alike(alike, look.points if shape == "beam" else short, colour, width, radius, section))
     return found
 
 
@@ -158,9 +160,7 @@ def bodies(scene: Scene, pose: Pose, look: Look, elements: Sequence[Element]) ->
     """Beams and rigid bodies along their elastic lines, trusses by their cross-section or as lines."""
     shapes: list[Shape] = []
     for g in alike_bodies(scene, look, elements):
-        first = g.elements[0]
-        section = look.settings.section(first.number, first.shape)
-        if first.shape == "truss" and outline(section) is None:
+        if g.elements[0].shape == "truss" and outline(g.section) is None:
             nodes = scene.node_table[rows_of(g.elements)][:, [0, 2]]
             shapes.append(Line(pose.place[nodes - 1], g.colour, g.width, 2))
         else:

@@ -225,7 +225,7 @@ class Series:
     bounds: tuple[Array, Array]
     still: Sequence[Shape]
     pictures: Pictures
-    note: str = ""
+    note: str
 
     def thinned(self, count: int) -> tuple[Pictures, int]:
         """At most `count` of them, evenly spread, and how many there are."""

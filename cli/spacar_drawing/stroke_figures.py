@@ -40,7 +40,7 @@ class StrokeTable:
     title: str
     heads: list[str]
     rows: list[list[str]]
-    note: str = ""
+    note: str
 
 
 def stroke_tables(study: Flexure, body: bool) -> list[StrokeTable]:

@@ -138,10 +138,8 @@ def mesh_of(scene: Scene, xs: Array, look: Look, more: Sequence[Draw] = ()) -> T
     groups = alike_bodies(scene, look, lines)
     few = sum(len(g.elements) for g in groups) < MANY
     for group in groups:
-        first = group.elements[0]
-        section = look.settings.section(first.number, first.shape)
-        contour = outline(section)
-        round_ = contour is None or (section is not None and section.shape.startswith("CIRC"))
+        contour = outline(group.section)
+        round_ = contour is None or (group.section is not None and group.section.shape.startswith("CIRC"))
         if contour is None:
             contour = disc_outline(group.radius * mesh.size, SIDES if few else SIDES // 2)
         parts = [beam_lines(scene, pose, group.elements, group.n) for pose in poses]

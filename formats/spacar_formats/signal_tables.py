@@ -73,7 +73,7 @@ class Panel:
     title: str
     columns: tuple[int, ...]
     labels: tuple[str, ...]
-    unit: str = ""
+    unit: str
 
 
 @dataclass(frozen=True)

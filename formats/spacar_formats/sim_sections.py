@@ -27,7 +27,7 @@ class SimKey:
     name: str
     kind: str
     text: str
-    default: str | None = ""
+    default: str | None
     unit: str = ""
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -82,11 +82,11 @@ def freedom(deck: Deck) -> list[str]:
 class CheckedDeck:
     """deck: None when it cannot be read; mechanism, without user functions: None with an `error`."""
 
-    deck: Deck | None = None
-    mechanism: Mechanism | None = None
-    messages: list[Message] = field(default_factory=list)
-    drawing: list[Message] = field(default_factory=list)  # about the settings of pictures
-    error: InputError | None = None
+    deck: Deck | None
+    mechanism: Mechanism | None
+    messages: list[Message]
+    drawing: list[Message]  # about the settings of pictures
+    error: InputError | None
 
 
 def checked_deck(read: Callable[[], Deck], source: Path, mode: int | None, text: str | None) -> CheckedDeck:
