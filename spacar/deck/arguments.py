@@ -1,7 +1,7 @@
 """Raw statements to typed statements: the variant that applies, the number of arguments, their types, references.
 
 Every node, element, coordinate and mode number that the table declares as such is looked up here. Plain lines about
-which nothing needs a message are read by `plain_forms`; every other statement is read here word by word.
+which nothing needs a message are read by `raw_statements.take_plain`; every other statement is read here word by word.
 """
 
 from spacar.deck.findings import Findings, alternatives, ordinal

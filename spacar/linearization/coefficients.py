@@ -15,6 +15,7 @@ the user states of forces (column k), which is no load. S, Sd, stress_x, stress_
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -48,11 +49,12 @@ def _by_rows(sweep: ElementSweep, fill: Callable[[Batch, Array], None]) -> Matri
 def rate_gradients(sweep: ElementSweep, v: Array, a: Array) -> tuple[Matrix, Matrix, Matrix]:
     """H1(v), H1(v) + H2(v), H1(a) + T(v), (ne, nx) each: rate_x, second_v, second_x."""
 
-    def of(method: str, u: Array) -> Matrix:
-        return _by_rows(sweep, lambda b, out: getattr(b.family, method)(sweep.configuration[b.index], u[b.x], out))
+    def of(method: Callable[[Batch], Callable[[Any, Array, Array], None]], u: Array) -> Matrix:
+        return _by_rows(sweep, lambda b, out: method(b)(sweep.configuration[b.index], u[b.x], out))
 
-    rate_x = of("gradient_rate", v)
-    return rate_x, rate_x + of("gradient_transport", v), of("gradient_rate", a) + of("rate_gradient", v)
+    rate_x, by_a = (of(lambda b: b.family.gradient_rate, u) for u in (v, a))
+    transport, by_x = of(lambda b: b.family.gradient_transport, v), of(lambda b: b.family.rate_gradient, v)
+    return rate_x, rate_x + transport, by_a + by_x
 
 
 def scatter(nx: int, blocks: Blocks) -> Matrix:
@@ -164,8 +166,9 @@ def coefficients(
         user_v = -(by.of("f", "xd") + by.of("f", "ed") @ V)
     inertia_x, inertia_v, geometric = scatter(n.nx, by_x), scatter(n.nx, by_v), geometric_stiffness(sweep, stress)
     return Coefficients(
-        V, M, rate_x, second_v, second_x, inertia_x, inertia_v, geometric, load_x, user_x, user_v, S, Sd, Me, stress_x,
-        stress_v, sigma, moving, by,
+        V=V, M=M, rate_x=rate_x, second_v=second_v, second_x=second_x, inertia_x=inertia_x, inertia_v=inertia_v,
+        geometric=geometric, load_x=load_x, user_x=user_x, user_v=user_v, S=S, Sd=Sd, deformation_inertia=Me,
+        stress_x=stress_x, stress_v=stress_v, sigma=sigma, moving=moving, user=by,
     )  # fmt: skip
 
 

@@ -110,7 +110,10 @@ def linearize(
     k0 = _between((We, c.S, Ge), (We, c.stress_x, G), (W, c.user_x, G))
     g0 = _between((W, c.geometric + c.load_x, G))
     ak0, bk0 = _kinematic(dynamics, W, We, Z, Ze)
-    return Linearization(m0, c0, d0, k0, n0, g0, ak0, bk0, W, We, G, Ge, Z, Ze, Y, Ye, Yv, Yev, c)
+    return Linearization(
+        m0=m0, c0=c0, d0=d0, k0=k0, n0=n0, g0=g0, ak0=ak0, bk0=bk0,
+        W=W, We=We, G=G, Ge=Ge, Z=Z, Ze=Ze, Y=Y, Ye=Ye, Yv=Yv, Yev=Yev, c=c,
+    )  # fmt: skip
 
 
 def _between(*terms: tuple[Array, Matrix, Array]) -> Array:
