@@ -56,8 +56,8 @@ class DeckModel(DeckText, ABC):
         """Write a rigid truss."""
 
     @abstractmethod
-    def sections(self, part: Part, axes: Array, rotary: Sequence[float]) -> list[Any]:
-        """The rotary inertia of the sections of a beam with these axes, per length."""
+    def sections(self, part: Part, rotary: Sequence[float]) -> list[Any]:
+        """The rotary inertia of the sections of a beam, per length."""
 
     @abstractmethod
     def rod_inertia(self, part: Part, mass: str, length: str, rotary: Sequence[float]) -> list[Any]:
@@ -272,7 +272,7 @@ class DeckModel(DeckText, ABC):
         else:
             self.points[q] = end
         if any(rotary):  # lumped to the orientation nodes
-            each = [f"{v}*L{n}/2" if v not in (0, "0") else v for v in self.sections(part, axes, rotary)]
+            each = [f"{v}*L{n}/2" if v not in (0, "0") else v for v in self.sections(part, rotary)]
             for k, node in enumerate((turn_p, turn_q)):
                 self.inertia(f"disc{n}_{k}", node, each)
 

@@ -125,11 +125,11 @@ class PlanarModel(DeckModel):
             self.point(there, self.points[here], [f"{v}*l{n}" if v != "0" else v for v in offset], angle.frame)
         self.elastic(part)
 
-    def sections(self, part: Part, axes: Array, rotary: Sequence[float]) -> list[Any]:
+    def sections(self, part: Part, rotary: Sequence[float]) -> list[Any]:
         return [0, 0, self.parameter(f"J{part.number}", rotary[0])]
 
     def rod_inertia(self, part: Part, mass: str, length: str, rotary: Sequence[float]) -> list[Any]:
-        return [0, 0, f"{mass}*{length}**3/12 + {self.sections(part, np.eye(2), rotary)[2]}*{length}"]
+        return [0, 0, f"{mass}*{length}**3/12 + {self.sections(part, rotary)[2]}*{length}"]
 
     def axes_of(self, part: Part, backwards: bool) -> Array:
         along = self.span(part) * (-1.0 if backwards else 1.0)
@@ -261,8 +261,8 @@ class SpatialModel(DeckModel):
     def axes_of(self, part: Part, backwards: bool) -> Array:
         return self._frame_rows(part).T * ([-1.0, -1.0, 1.0] if backwards else 1.0)
 
-    def sections(self, part: Part, axes: Array, rotary: Sequence[float]) -> list[Any]:
-        tensor = _tensor(axes, rotary)
+    def sections(self, part: Part, rotary: Sequence[float]) -> list[Any]:
+        tensor = _tensor(self.axes_of(part, False), rotary)  # of p and q as they are, whichever is the root
         return [self.parameter(f"j{pair}{part.number}", tensor[i, j]) for i, j, pair in TENSOR]
 
     def rod_inertia(self, part: Part, mass: str, length: str, rotary: Sequence[float]) -> list[Any]:
