@@ -44,7 +44,6 @@ def assemble(
         banded = BandedSystem(n, rows, columns)
         if kind == "banded" or banded.height < widest_band(n, nf is not None):
             return banded
-        del banded  # its places take memory
     if kind == "sparse" or nf is None:
         return SparseSystem(n, rows, columns)
     from spacar.linear_systems.condensed import CondensedSystem

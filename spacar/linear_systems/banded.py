@@ -1,5 +1,6 @@
 """Band storage, LAPACK gbtrf/gbtrs: linear cost for chains."""
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -19,12 +20,27 @@ class BandedSystem(LinearSystem):
         self.n, self.rows, self.columns, self.entries = n, rows, columns, np.zeros(0)
         self._A: Any = None  # of the last entries, when it is asked for
         self.row_rank, self.column_rank = order(n, rows, columns)
-        i, j = self.row_rank[rows], self.column_rank[columns]
-        self.lower, self.upper = lower, upper = bandwidths(i, j)
-        self.height = 2 * lower + upper + 1
-        self.flat = j * self.height + (lower + upper + i - j)  # Fortran order of the (height, n) band array
-        self.row_order, self.column_order = np.argsort(self.row_rank), np.argsort(self.column_rank)
-        self._parity = 0.0  # of both orders; 0: not needed yet
+        self.lower, self.upper = bandwidths(self.row_rank[rows], self.column_rank[columns])
+        self.height = 2 * self.lower + self.upper + 1
+
+    # What only a system that is factored needs: `assemble` looks at the height of others.
+    @cached_property
+    def flat(self) -> Index:
+        """Places of the entries in the Fortran order of the (height, n) band array."""
+        j = self.column_rank[self.columns]
+        return j * self.height + (self.lower + self.upper + self.row_rank[self.rows] - j)
+
+    @cached_property
+    def row_order(self) -> Index:
+        return np.argsort(self.row_rank)
+
+    @cached_property
+    def column_order(self) -> Index:
+        return np.argsort(self.column_rank)
+
+    @cached_property
+    def _parity(self) -> float:
+        return parity(self.row_rank) * parity(self.column_rank)
 
     def factor(self, entries: Array) -> None:
         self.entries, self._A = entries, None
@@ -56,7 +72,6 @@ class BandedSystem(LinearSystem):
         return x[self.row_rank]
 
     def determinant_sign(self) -> float:
-        self._parity = self._parity or parity(self.row_rank) * parity(self.column_rank)
         swaps = int(np.sum(self.pivots != np.arange(self.n)))
         negative = int(np.sum(self.lu[self.lower + self.upper] < 0.0))
         return -self._parity if (swaps + negative) % 2 else self._parity
