@@ -68,7 +68,7 @@ class TradeSearch:
 
     def left(self, part: float = 1.0) -> float:
         """Seconds of a part of the budget that are left."""
-        return max(part * self.budget - (time.process_time() - self.begun), 0.1)
+        return _left(part * self.budget, self.begun)
 
     def run(self, setup: Setup, limit: float, times: int | None = None) -> Row:
         """One setting; a run of `limit` seconds, or of all that are left, is stopped."""
@@ -129,6 +129,11 @@ class TradeSearch:
         ]
 
 
+def _left(seconds: float, begun: float) -> float:
+    """Of so many seconds of this process since `begun`, at least 0.1."""
+    return max(seconds - (time.process_time() - begun), 0.1)
+
+
 def search(trade: Trade, target: float, budget: float, tick: Tick = lambda _what, _left: None) -> TradeSearch:
     """Reference, then the settings from cheap to dear, within `budget` seconds. Raises UsageError, and AnalysisError
     when the reference cannot be computed in its part of the budget, or to an error of UNKNOWN."""
@@ -137,7 +142,7 @@ def search(trade: Trade, target: float, budget: float, tick: Tick = lambda _what
     beams, undivided = divisible(run)
     if beams and not trade.stationary and (why := massless(trade)):
         beams, undivided = (), undivided | dict.fromkeys(beams, why)
-    left = max(FOR_REFERENCE * budget - (time.process_time() - begun), 0.1)
+    left = _left(FOR_REFERENCE * budget, begun)
     tick("the reference", left)
     ref, meshes = reference(trade, run, beams, target, left)
     error = ref.error
