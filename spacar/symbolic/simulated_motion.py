@@ -135,7 +135,8 @@ def simulate(
     With constraints the states of `start` are kept and the others, beginning at `guess`, are assembled so that loops
     close and velocities fit; during the run the state is projected (`closure.py`). `at`: output times instead.
     atol: one number, numbers by state name, or None for rtol times the scale of each state (the larger of start
-    value and static deflection; of speeds that of their coordinate per second; 1 when all are zero).
+    value and static deflection; of speeds, if there are as many as coordinates, of start value and the scale of the
+    coordinate in the same place per second; 1 where it is zero).
     `feeds`: functions of (t, y) for inputs without law. `function` replaces the generated Python (compiled code).
     `progress` is called with the time; `limit` evaluations end a run that stalls. Raises UsageError for unknown
     names or tolerances above 1e-2, AnalysisError when the integrator stops.
