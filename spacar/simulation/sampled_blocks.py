@@ -70,7 +70,10 @@ def sampled_rate_limiter(
     name: str, period: float, rising: Numbers, falling: Numbers | None = None, initial: Numbers = 0.0, size: int = 1,
     offset: float = 0.0,
 ) -> Sampled:  # fmt: skip
-    """The output changes by at most rising T upwards and falling T downwards at a sampling time."""
+    """The output changes by at most rising T upwards and falling T downwards at a sampling time; rates per second.
+
+    Raises UsageError for rates that are not positive, or another number of rates or initial values.
+    """
     down, up = limits(name, -np.asarray(rising if falling is None else falling, float), rising, size)
     if not (np.all(down < 0.0) and np.all(up > 0.0)):
         raise UsageError(f"{name}: the rates must be positive", "simulation.limits")
