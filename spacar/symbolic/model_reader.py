@@ -172,24 +172,25 @@ class _TomlReader(ModelFile):
         """Make frames, points and beams as soon as what they refer to exists."""
         makers = {"frame": self._frame, "attitude": self._attitude, "point": self._point, "beam": self._beam}
         waiting = [(table, self.place, row) for table in makers for row in self.each(tables, table)]
-        for _, self.place, row in waiting:
+        for _, place, row in waiting:
+            self.place = place
             self.claim(row["name"])
         names = {f"{row['name']}.tip" if table == "beam" else row["name"] for table, _, row in waiting}
         while waiting:
-            ready = [item for item in waiting if not self._missing(*item)]
+            ready = [(table, place, row) for table, place, row in waiting if not self._missing(table, row)]
             for table, place, row in ready:
                 self.place = place
                 self.guarded(makers[table], row)
             waiting = [item for item in waiting if item not in ready]
             if not ready and waiting:
-                unknown = [(item, [r for r in self._missing(*item) if r not in names]) for item in waiting]
-                item, missing = next((u for u in unknown if u[1]), (waiting[0], []))
-                self.place = item[1]
-                if missing:
-                    self.fail(f"refers to {missing}, which is not defined")
-                self.fail(f"refers to {self._missing(*item)}, which depends on it in a cycle")
+                for table, place, row in waiting:
+                    self.place = place
+                    if unknown := [name for name in self._missing(table, row) if name not in names]:
+                        self.fail(f"refers to {unknown}, which is not defined")
+                table, self.place, row = waiting[0]
+                self.fail(f"refers to {self._missing(table, row)}, which depends on it in a cycle")
 
-    def _missing(self, table: str, place: str, row: TomlTable) -> list[str]:
+    def _missing(self, table: str, row: TomlTable) -> list[str]:
         homes = [(row[key], self.points if key in ("base", "root") else self.frames)
                  for key in REFERENCES[table] if key in row]  # fmt: skip
         return [name for name, home in homes if name not in home]
