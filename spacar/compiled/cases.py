@@ -19,7 +19,7 @@ from spacar.compiled.library import lanes_of_processor
 from spacar.compiled.numbers import Numbers
 from spacar.compiled.output_block import BatchOutputBlock, not_followed
 from spacar.dynamics.limits import Wheels
-from spacar.dynamics.loaded_mechanism import LoadedMechanism, Moving, unexplained
+from spacar.dynamics.loaded_mechanism import Entries, LoadedMechanism, Moving, unexplained
 from spacar.dynamics.mass_check import is_checked, is_doubtful
 from spacar.kinematics.kinematics import CONVERGED, FARTHEST_GUESS
 from spacar.kinematics.regularity import HALF_TURN, HalfTurns
@@ -152,11 +152,11 @@ class InLanes(StepMonitor):
             self.state.resume(self._seen[0])
 
     # -- outputs --------------------------------------------------------------------------------------------------
-    def wheels_lifted(self, times: Array, rows: Array) -> list[dict[int, str]]:
-        """Warnings of every lane, by wheel, after all outputs (rows as for `output_block`)."""
+    def wheels_lifted(self, times: Array, rows: Array, stiffness: Entries) -> list[dict[int, str]]:
+        """Warnings of every lane, by wheel, after all outputs; rows as for `output_block`, `stiffness` of the lanes."""
         lanes = self.by_case[2]
         said: list[dict[int, str]] = [{} for _ in range(lanes)]
-        wheels = Wheels(self.model, lanes)
+        wheels = Wheels(self.model, lanes, stiffness)
         if len(wheels.rows):
             nx, ne = self.numbering.nx, self.numbering.ne
             forces, stresses = rows[:, 5 * nx : 6 * nx], rows[:, 6 * nx + 3 * ne : 6 * nx + 4 * ne]

@@ -19,7 +19,7 @@ from spacar.kinematics.regularity import PositionMatrix
 
 if TYPE_CHECKING:
     from spacar.dynamics.evaluator import Evaluator
-    from spacar.dynamics.loaded_mechanism import LoadedMechanism
+    from spacar.dynamics.loaded_mechanism import Entries, LoadedMechanism
     from spacar.kinematics.element_sweep import ElementSweep
 
 # A pull above this part of the largest normal force seen: a chosen bound, above the rounding of a difference of forces
@@ -76,11 +76,13 @@ class Wheels:
     """The wheels of a model, or of several cases of it, with a normal force, and which of them were pressed on the
     ground.
 
-    rows   of their normal forces in the stresses: forces of the road, compression negative
+    rows        of their normal forces in the stresses: forces of the road, compression negative
+    stiffness   of every case, values (n, cases); None: that of the model
     """
 
-    def __init__(self, model: LoadedMechanism, cases: int = 1) -> None:
+    def __init__(self, model: LoadedMechanism, cases: int = 1, stiffness: Entries | None = None) -> None:
         self.model, self.gravity, n = model, model.loads.gravity, model.mechanism.numbering
+        self.stiffness = stiffness
         rolling = [(rows.numbers.tolist(), rows.kind) for rows in n.types if rows.kind.normal_mode]
         self.found = sorted([(w, kind.keyword, kind.normal_mode) for numbers, kind in rolling for w in numbers])
         self.rows = np.array([n.e_index(w, mode) for w, _, mode in self.found], np.int64)
@@ -94,10 +96,10 @@ class Wheels:
         """What the sign of a normal force is known to, (cases,) [N]: it is a sum of forces and stresses, and these come
         from deformations, which are known to ROUNDING of their sizes."""
         m = self.model.mechanism
-        rows, columns, S = self.model.law.stiffness
-        elastic = np.abs(S) * m.deformation_scale[rows] * m.deformation_scale[columns] / m.length
+        rows, columns, S = self.stiffness or self.model.law.stiffness
+        elastic = np.abs(S).T * (m.deformation_scale[rows] * m.deformation_scale[columns] / m.length)
         forces = np.concatenate((force[m.numbering.positions.ravel()], stress[m.is_length]))
-        return np.asarray(ROUNDING * (np.abs(forces).max(axis=0) + elastic.max(initial=0.0)))
+        return np.asarray(ROUNDING * (np.abs(forces).max(axis=0) + elastic.max(axis=-1, initial=0.0)))
 
     def lifted(self, t: float, force: Array, stress: Array) -> Iterator[tuple[int, int, str]]:
         """Case, element and what to say of wheels that are pulled; total external forces (nx, cases) and stresses (ne,

@@ -303,7 +303,8 @@ class Follower:
             made = 1 if out.passed is None else len(out.passed.work)
             counted[step : step + made] = out.work if out.passed is None else out.passed.work
             step += made
-        lifted = block.wheels_lifted(of.times, rows)
+        i, j, S = of.cases.numbers.stiffness
+        lifted = block.wheels_lifted(of.times, rows, (i, j, S[:, lanes]))
         of_cases = [
             (*said.get(case, ()), *lifted[lane].values(), *block.lost(lane).values()) for lane, case in enumerate(own)
         ]

@@ -13,6 +13,7 @@ from spacar.compiled.numbers import of_one
 from spacar.compiled.numbers_of_cases import same
 from spacar.deck import ELEMENT_TYPES, Deck, read_deck
 from spacar.dynamics.loaded_mechanism import LoadedMechanism
+from spacar.errors import AnalysisError
 from spacar.mechanism import build
 from spacar.studies import batched_cases
 from spacar.studies.affine_cases import FEWEST, affine_cases
@@ -75,22 +76,33 @@ def test_a_wheel_that_leaves_the_ground(gravity):
         assert any("leaves the ground" in line for line in said[0])
 
 
-def test_tyres_without_deformation_stay_on_the_ground():
-    """Their normal forces are zero at the start, with the sign of rounding."""
+def tyre(stiffness, *starts):
     rows = [
         ("X", 1, 0.1, 0.2, 0.5), ("X", 3, 0.1, 0.2, 0.0), ("DYNX", 2, 2, 3, 4), ("KINX", 1, 1), ("DYNX", 1, 2),
         ("TWHEEL", 1, 1, 2, 3, 0.5, 0.1, 0.3, 1.0, 0.0), ("RLSE", 1, 6), ("DYNE", 1, 1),
     ]  # fmt: skip
-    dynamics = [("XM", 1, 5.0), ("XM", 2, 0.4, 0.0, 0.0, 0.3, 0.0, 0.3), ("ESTIFF", 1, 66.0)]
-    dynamics += [("GRAVITY", 0.02, 0.03, -1.0)]
+    dynamics = [("XM", 1, 5.0), ("XM", 2, 0.4, 0.0, 0.0, 0.3, 0.0, 0.3), ("ESTIFF", 1, stiffness)]
+    return Deck.build(rows, [*dynamics, ("GRAVITY", 0.02, 0.03, -1.0), *starts])
+
+
+def test_tyres_without_deformation_stay_on_the_ground():
+    """Their normal forces are zero at the start, with the sign of rounding."""
     decks = []
     for turned in np.random.default_rng(1).normal(0.0, 0.06, (20, 3)).tolist():
-        starts = [("STARTDX", 2, c, value, 0.1) for c, value in enumerate(turned, 2)]
-        decks.append(Deck.build(rows, [*dynamics, *starts]))
+        decks.append(tyre(66.0, *[("STARTDX", 2, c, value, 0.1) for c, value in enumerate(turned, 2)]))
     results = ensemble(decks, duration=1e-3, n_steps=1)
     normal = [result.element(1, 1, "sig")[0] for result in results]
     assert max(normal) > 0.0  # a pull
     assert np.abs(normal).max() < 1e-12 * 5.0  # of the weight
+
+
+def test_a_soft_tyre_beside_a_stiff_one_has_its_own_rounding():
+    """A pull of a millionth of the weight on 66 N/m; rounding of 1e10 N/m is more, which hid it."""
+    decks = [tyre(S, ("STARTDE", 1, 1, e, 0.0)) for S, e in ((1e10, -1e-9), (66.0, 1e-7))]
+    options = {"integrator": 155, "duration": 1e-4, "n_steps": 1}
+    with pytest.raises(AnalysisError, match="leaves the ground"):
+        spacar.run(1, decks[1], **options)
+    assert ensemble(decks, **options) == [None, None]  # they are to be run alone
 
 
 # Every element type, moments, MEE and prescribed motions in lanes: cases with other lengths and masses are their
