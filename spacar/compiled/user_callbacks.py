@@ -59,6 +59,7 @@ class ForeignBatch:
         self.family.mass(self.configuration, self.M)
         self.h[:] = self.family.inertia_force(self.configuration, self.v, None)
 
+
 OF_BATCHES = {STRAIN: ForeignBatch.strain, CONVECTIVE: ForeignBatch.convective, INERTIA: ForeignBatch.inertia}
 
 

@@ -27,11 +27,12 @@ from typing import Any
 
 import numpy as np
 
+from spacar.arrays import EPS
 from spacar.errors import AnalysisError, UsageError
 
 from .failures import STIFF_ADVICE, not_evaluated
 from .methods import AUTOMATIC, METHODS, method
-from .one_step import EPS, one_step
+from .one_step import one_step
 from .problem import Counts, Evaluation, Output, Problem, Rate, Step, Tolerance
 from .times import EvenTimes
 
@@ -144,9 +145,7 @@ def _segments(first: float, last: float, breaks: Sequence[float]) -> list[Segmen
     ]
 
 
-def _outputs(
-    steps: Iterator[Step], y0: np.ndarray, evaluation: Evaluation, max_steps: int
-) -> Iterator[Output]:
+def _outputs(steps: Iterator[Step], y0: np.ndarray, evaluation: Evaluation, max_steps: int) -> Iterator[Output]:
     """Dense output from a stream of steps; y0 (n,): state at the first time."""
     statistics, times = evaluation.statistics, evaluation.times
     yield Output(float(times[0]), y0.copy(), Counts())

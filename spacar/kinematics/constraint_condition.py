@@ -43,9 +43,9 @@ def of_scaled(D: Array) -> float:
 
 
 def _estimate(k: Kinematics) -> float:
-    _, _, take, i, j, _ = k.of_velocity
-    n, system, r, c = len(k.E), k.velocity_system, k.mechanism.deformation_scale[k.E], k.mechanism.scale[k.U]
-    D = k.sweep.v_entries[take] * c[j] / r[i]
+    part, system, n = k.of_velocity, k.velocity_system, len(k.E)
+    i, j, r, c = part.i, part.j, k.mechanism.deformation_scale[k.E], k.mechanism.scale[k.U]
+    D = k.sweep.v_entries[part.take] * c[j] / r[i]
     size = _largest(lambda x: np.bincount(i, D * x[j], n), lambda y: np.bincount(j, D * y[i], n), n)
     inverse = _largest(lambda y: system.solve(y * r) / c, lambda x: system.solve_transposed(x / c) * r, n)
     return size * inverse

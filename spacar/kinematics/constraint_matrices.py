@@ -40,7 +40,7 @@ ROUNDING = 64.0 * EPS  # of the scaled residual, per unit of the numbers that en
 
 
 class MatrixPart(NamedTuple):
-    """Rows and columns of V, where its entries are in the sweep, their places (i, j), and their linear system."""
+    """Rows and columns of V, where its entries are in the sweep and, (i, j), in the part; their linear system."""
 
     rows: Index
     columns: Index

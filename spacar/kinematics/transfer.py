@@ -89,7 +89,7 @@ def _completed(k: Kinematics, G: Array, curved: Array) -> tuple[Array, Array]:
     flat = curved.reshape(n, G.shape[1] ** len(size))
     dx = np.zeros((m, flat.shape[1]))
     if np.isnan(G).any():
-        flat, dx = flat + np.nan, dx + np.nan
+        flat, dx = np.full_like(flat, np.nan), np.full_like(dx, np.nan)
     else:
         dx[k.c] = k.position_system.solve(-flat[k.h])
         flat = flat + k.sweep_rates(dx)

@@ -5,7 +5,6 @@ coordinates can hold: a coordinate at a distance d is stored to eps d/2, so a di
 eps d; the bounds below are that times the condition of the position.
 """
 
-
 import numpy as np
 import pytest
 
