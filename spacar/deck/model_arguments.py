@@ -29,7 +29,8 @@ NAMES = {
     "increment of the stress of mode": "increment", "density rho": "rho", "absolute error": "absolute",
     "relative error": "relative", "extra mass": "mass", "length of the time interval": "duration",
     "number of time steps": "steps", "type of integrator": "method", "step size or initial step size": "step",
-    "maximum number of iterations": "iterations", "number of load steps": "load_steps", "error tolerance": "tolerance",
+    "maximum number of iterations": "iterations", "number of load steps": "load_steps",
+    "error tolerance: largest force out of balance": "tolerance",
     "number of steps between output steps": "store_every", "type of analysis 0-3": "analysis",
     "number of load steps for the initial solution": "initial_steps",
     "follow the equilibrium path beyond limit points: 0 no, 1 yes": "follow_path", "level of the log": "log",
@@ -47,7 +48,7 @@ NAMES = {
     "total displacement (angle or elongation)": "displacement",
     "front type: 0 constant acceleration, 1 sine, 2 squared sine": "front", "name of the function": "function",
     "name of a section": "section", "name of a material": "material", "number of beams in its place": "parts",
-    "unit: m or mm": "unit", "coupling value": "value", "value on the diagonal": "value",
+    "unit: m or mm": "unit",
 }  # fmt: skip
 _NUMBERED = re.compile(r"\d+( \(see below\))?\Z")
 MANY = 4  # numbered parameters that are one repeated argument

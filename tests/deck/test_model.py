@@ -12,7 +12,7 @@ from spacar.deck.findings import Findings
 from spacar.deck.keyword_methods import ModelStatements
 from spacar.deck.keyword_table import ELEMENT_TYPES, KEYWORDS
 from spacar.deck.lexer import integer_of, number_of, scan
-from spacar.deck.model_arguments import element_arguments, method_name, statement_arguments
+from spacar.deck.model_arguments import NAMES, element_arguments, method_name, statement_arguments, without_component
 from spacar.deck.model_methods import stub
 from spacar.deck.splitter import split
 from spacar.errors import InputError
@@ -137,6 +137,13 @@ def test_a_model_is_written_and_read(tmp_path):
     assert len(repr(cantilever()).splitlines()) <= 10
 
 
+def test_short_names_are_those_of_the_table():
+    """A meaning that is written anew does not lose the name that users' files have of its argument."""
+    meanings = {without_component(p.meaning) for row in KEYWORDS.values() for v in row.variants for p in v.parameters}
+    stems = {meaning.rpartition(" ")[0] for meaning in meanings if meaning[-1].isdigit()}
+    assert NAMES.keys() <= meanings | stems
+
+
 def test_names_and_positions_give_the_same_row():
     def rows(fill) -> list[str]:
         m = spacar.Model()
@@ -159,6 +166,7 @@ def test_names_and_positions_give_the_same_row():
         (lambda m: m.xf(2, lambda0=1.0, lambda2=2.0), "XF 2 1.0 0.0 2.0 0.0"),
         (lambda m: m.xm(2, Jzz=2.0), "XM 2 0.0 0.0 0.0 0.0 0.0 2.0"),
         (lambda m: m.iterstep(load_steps=9), "ITERSTEP 10 9"),
+        (lambda m: m.iterstep(tolerance=1e-9), "ITERSTEP 10 4 1e-09"),
         (lambda m: m.inputx_motion(1, 1, 0.0, acceleration=2.0), "INPUTX 1 1 0.0 0.0 2.0"),
     ]
     for fill, row in pairs:
