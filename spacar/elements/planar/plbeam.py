@@ -189,7 +189,7 @@ class PlanarBeam(Family):
         return alpha
 
     def _b_rows(self, c: PlanarBeamConfiguration, v: Array) -> tuple[Array, Array, Array, Array, Array]:
-        """alpha, H1_beta, D b and H1_b as rows (end, 6, n); Q_b' (end, n)."""
+        """Rows alpha (end, 6, n), H1_beta (6, n), D b and H1_b (end, 6, n); Q_b' (end, n)."""
         l_rate, beta_rate, _, alpha_v, _ = self._rates(c, v)
         alpha = self._alpha(c)
         H1_beta = c.beta_gradient_rate(l_rate, beta_rate)
