@@ -75,10 +75,10 @@ class InputError(SpacarError):
     """The input file is wrong; `messages` holds every error (and warning) that was found."""
 
     exit_status = 2
+    code = "input"
 
     def __init__(self, messages: list[Message]) -> None:
-        errors = [m for m in messages if m.severity == "error"]
-        super().__init__("\n".join(str(m) for m in errors), "input")
+        super().__init__("\n".join(str(m) for m in messages if m.severity == "error"))
         self.messages = messages
 
 
