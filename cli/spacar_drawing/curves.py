@@ -106,7 +106,8 @@ def _coordinate(i: int) -> ast.expr:
 
 
 def expression_of_signals(source: PictureSource, table: SignalTable, text: str) -> Array | None:
-    """(steps,) values of an expression with NAME[k] in it; None when it has no such signal. Raises UsageError."""
+    """Values, (steps,) or one number (), of an expression with NAME[k] in it; None when it has no such signal. Raises
+    UsageError."""
     tree = _tree(text)
     used = () if tree is None else (n.value for n in ast.walk(tree) if isinstance(n, ast.Subscript))
     if tree is None or not any(isinstance(name, ast.Name) and name.id in table.blocks for name in used):
@@ -125,7 +126,8 @@ def _tree(text: str) -> ast.expr | None:
 
 
 def _with_columns(source: PictureSource, text: str, tree: ast.expr | None, columns: Array) -> Array:
-    """(steps,) values of an expression that names columns (steps, n) as coordinates 1 of further nodes."""
+    """Values, (steps,) or one number (), of an expression that names columns (steps, n) as coordinates 1 of further
+    nodes."""
     expression = expressions.parse(text if tree is None else ast.unparse(tree))
     return expressions.evaluate(expression, _Variables(source, columns))[0]
 
