@@ -111,10 +111,10 @@ def _wrong(rule: Rule, values: Sequence[str], shape: str, known: Known) -> str:
 
 
 def _wrong_section(values: Sequence[str], known: Known) -> str:
-    named = bool(values) and number_of(values[0]) is None
-    if named and values[0].upper() not in DIMENSIONS:
+    worded = bool(values) and number_of(values[0]) is None
+    if worded and values[0].upper() not in DIMENSIONS:
         return f"'{values[0]}' is no shape of a cross-section; expected {', '.join(DIMENSIONS)}"
-    shape, rest = (values[0].upper(), values[1:]) if named else ("RECT", values)
+    shape, rest = (values[0].upper(), values[1:]) if worded else ("RECT", values)
     bad = next((v for v in rest if number_of(v) is None), None)
     if bad is not None:
         return f"'{bad}' is not a number; expected element numbers and dimensions"
