@@ -15,6 +15,7 @@ from threading import Thread
 import pytest
 from spacar_cli.editor.page_server import SCRIPTS, PageCalls, PageServer
 
+from tests.command_line import call
 from tests.examples import DATA
 
 CRANK = DATA / "crank.dat"
@@ -160,6 +161,11 @@ def test_a_watching_page_changes_nothing(crank):
         for name, given in calls:
             assert json.loads(asked(made, "POST", f"call/{name}", given)[2])["code"] == "edit.watch"
     assert crank.read_bytes() == CRANK.read_bytes()
+
+
+@pytest.mark.parametrize("name", ["", ".", "/"])
+def test_a_folder_is_no_file_to_edit(name):
+    assert "it is a folder" in call.refused("edit", name, "--no-browser")
 
 
 def test_the_command_prints_the_address_and_the_page_ends_it(tmp_path):
