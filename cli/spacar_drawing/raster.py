@@ -29,7 +29,14 @@ def can_raster(canvas: Any) -> bool:
 
 
 class Raster(Artist):
-    """The shapes of one picture as one artist of the axes."""
+    """The shapes of one picture as one artist of the axes.
+
+    turn (2, 2), shift (2,)  from the plane of the picture to pixels;  point  pixels in a point: of the draw under way
+    """
+
+    turn: Array
+    shift: Array
+    point: float
 
     def __init__(self, axes: Axes, camera: Camera) -> None:
         super().__init__()
