@@ -69,7 +69,7 @@ def lumped(deck: Deck, numbering: Numbering, batches: list[Batch]) -> list[tuple
         nodes = np.array([node for node, _ in rotors])
         h = np.array([rotor[3] * rotor[:3] for _, rotor in rotors])
         for node, rotor in rotors:
-            if len(rotor) > 4 and int(rotor[4]) == 1:
+            if len(rotor) > 4 and rotor[4].real == 1.0:
                 tensors.append(([node], prescribed_rotor_tensor(rotor[None, :3], rotor[3:4])))
         result.append((GyrostatNode(nodes, h), numbering.x_places.T.take(nodes, 1)))
     if tensors:

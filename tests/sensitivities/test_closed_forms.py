@@ -284,6 +284,21 @@ def test_rotating_spring() -> None:
     np.testing.assert_allclose(found.derivatives[3], found.derivatives[1], rtol=1e-12)
 
 
+@pytest.mark.parametrize("rotor", [(), (0,), (1,)])
+def test_rotor_of_each_type(rotor: tuple[int, ...]) -> None:
+    """Two springs k1, k2, inertia I and momentum h = J Omega: I^2 w^4 - (I (k1 + k2) + h^2) w^2 + k1 k2 = 0."""
+    rows = [("HINGE", 1, 1, 2, 1, 0, 0), ("HINGE", 2, 2, 3, 0, 1, 0), ("FIX", 1), ("DYNE", 1, 1), ("DYNE", 2, 1)]
+    dynamics = [("XM", 3, 0.05, 0, 0, 0.05, 0, 0.01), ("XGYRO", 3, 0, 0, 200.0, 0.02, *rotor), ("ESTIFF", 1, 6.0),
+                ("ESTIFF", 2, 7.0)]  # fmt: skip
+    names = ["XGYRO.3[4]", "XGYRO.3[5]"]
+    deck = Deck.build(rows, dynamics, mode=7)
+    found = spacar.sensitivity(deck, names, ["frequency[1]", "frequency[2]"])
+    w = 2 * np.pi * found.values
+    per_unit = 4.0**2 * w / (2 * 0.05**2 * w**2 - (0.05 * 13.0 + 4.0**2)) / (2 * np.pi)  # h df/dh
+    np.testing.assert_allclose(w**2, np.sort(np.roots([0.05**2, -(0.05 * 13.0 + 4.0**2), 42.0])), rtol=1e-11)
+    np.testing.assert_allclose(found.derivatives, np.outer(per_unit, [1 / 200.0, 1 / 0.02]), rtol=1e-10)
+
+
 @pytest.mark.parametrize(
     ("text", "want"),
     [
