@@ -122,8 +122,8 @@ def test_belt_and_pinbody() -> None:
                 ("EM", 1, 0.1, 1.0, 1.0), ("XM", 3, 1.0), ("XM", 4, 0.1), ("XM", 7, 0.3), ("XF", 7, 1.0, -0.5),
                 ("INPUTX", 2, 1, 0.3)]  # fmt: skip
     deck = Deck.build(rows, dynamics, mode=10)
-    names = ["PLBELT.1[6]", "ESTIFF.1", "ESTIFF.3", "ESTIFF.5", "X.3[2]", "X.7[3]", "X.5[2]", "INPUTX.2.1", "XF.7[2]",
-             "EM.1"]  # fmt: skip
+    names = ["PLBELT.1[6]", "PLBELT.1[7]", "ESTIFF.1", "ESTIFF.3", "ESTIFF.5", "X.3[2]", "X.7[3]", "X.5[2]",
+             "INPUTX.2.1", "XF.7[2]", "EM.1"]  # fmt: skip
     quantities = ["x[3,1]", "x[4,1]", "x[7,2]", "sig[1,1]", "sig[4,1]", "fxtot[2,1]", "frequency[1]", "lmult[1]"]
     agree(deck, names, quantities)
 

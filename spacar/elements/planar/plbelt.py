@@ -78,8 +78,9 @@ class PlanarBelt(Family):
         constant[2, 2], constant[5, 5] = 2.0 * unit * r * r
         constant[2, 5] = constant[5, 2] = unit * r[0] * r[1]
         self.wound = np.zeros((6, self.n), unit.dtype)
-        self.wound[2::3] = m * np.abs(r) ** 3 * wound
-        self.wound[0::3] = self.wound[1::3] = m * np.abs(r) * wound
+        size = r * np.sign(r.real)  # |r|; np.abs would drop the direction of a complex step
+        self.wound[2::3] = m * size**3 * wound
+        self.wound[0::3] = self.wound[1::3] = m * size * wound
         constant[np.arange(6), np.arange(6)] += self.wound
         self._constant = constant
         # position block (2), component (1), pulley (2)
