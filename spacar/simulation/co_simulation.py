@@ -61,4 +61,5 @@ class CoSimulation:
                 t, x = float(taken.t), np.array(taken.y)
                 if t >= stop:
                     break
+        self.plant.frame(end, x, problem.u)  # raises beyond the limits of its elements
         self.t, self.x = end, x

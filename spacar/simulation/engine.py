@@ -137,10 +137,14 @@ class _Simulation:
         done = 0
         stopped = False
 
+        plants = [b for b in self.s.blocks if isinstance(b, Spasim)]
+
         def record(t: float, x: Array) -> None:
             nonlocal done
             us[done] = self.evaluator.evaluate(t, x)
             ys[done], xs[done] = self.evaluator.y, x
+            for b in plants:
+                b.frame(t, x[self.s.states[b.name]], us[done, self.s.inputs[b.name]])  # is it within its limits?
             done += 1
 
         before: Array | None = None
@@ -192,9 +196,10 @@ class _Simulation:
         statistics = dict(zip(("steps", "rhs", "restarts", "samples"), work, strict=True))
         if any(group.torn for group in self.s.later):
             statistics["loops"] = self.evaluator.loops
+        warned = [f"{b.name}: {line.removeprefix('warning: ')}" for b in plants for line in b.motion.report.lines]
         return Response(
             self.times[:done], ys[:done], xs[:done], self.diagram, self.s.outputs, self.s.states, self.s.inputs,
-            us[:done], tuple(log), (*self.s.notes, *self.doubts, *stepping.notes), statistics, stepping.hint(),
+            us[:done], tuple(log), (*self.s.notes, *self.doubts, *stepping.notes, *warned), statistics, stepping.hint(),
         )  # fmt: skip
 
     def remember(self, t: float, t_new: float, interpolate: Callable[[float], Array]) -> None:

@@ -21,7 +21,9 @@ import numpy as np
 from spacar.arrays import Array, Index
 from spacar.calls import Source, deck_of
 from spacar.dynamics.array_evaluator import Dynamics, component_name
-from spacar.errors import UsageError
+from spacar.dynamics.evaluator import Evaluator
+from spacar.dynamics.limits import Limits
+from spacar.errors import Report, UsageError
 from spacar.frame import Frame
 from spacar.linearization.signals import DRIVING_SIGN, signals
 from spacar.mechanism import build
@@ -57,6 +59,16 @@ class ArrayPlant:
         self.sigma, self.force = np.zeros(n.ne), np.zeros(n.nx)
         self._zero = np.zeros(n.ne), np.zeros(n.nx)
         self._values = np.zeros(3 * (n.nx + n.ne))
+        self._begin()
+
+    def _begin(self) -> None:
+        self.report = Report()  # what was said of frames since the start
+        self._limits: Limits | None = None
+
+    def _within(self, evaluator: Evaluator, frame: Frame) -> Frame:
+        self._limits = self._limits or Limits(evaluator, self.report)
+        self._limits.check_elements(evaluator, frame)
+        return frame
 
     @cached_property
     def dynamics(self) -> Dynamics:
@@ -72,6 +84,7 @@ class ArrayPlant:
 
     def start(self) -> tuple[Array, str | None]:
         """The start state, and the doubt of an `Evaluator` there."""
+        self._begin()
         return self.dynamics.start(), self.dynamics.doubt
 
     def push(self, u: Array) -> None:
@@ -102,8 +115,8 @@ class ArrayPlant:
         return self._values[rows]
 
     def frame(self, t: float, y: Array) -> Frame:
-        """The whole state, as mode 1 gives it."""
-        return self.dynamics.frame(t, y)
+        """The whole state, as mode 1 gives it, within the limits that it knows; their warnings are in the report."""
+        return self._within(self.dynamics, self.dynamics.frame(t, y))
 
 
 @dataclass
@@ -130,6 +143,7 @@ class CompiledPlant(ArrayPlant):
 
     def start(self) -> tuple[Array, str | None]:
         self._known = False
+        self._begin()
         return self.evaluator.start(), self.evaluator.doubt
 
     def push(self, u: Array) -> None:
@@ -172,7 +186,7 @@ class CompiledPlant(ArrayPlant):
     def frame(self, t: float, y: Array) -> Frame:
         self._known = False
         if self.evaluator.reach(t, y, True):
-            return self.evaluator.frame(t, y)
+            return self._within(self.evaluator, self.evaluator.frame(t, y))
         self.dynamics.stand(self.evaluator.placement())
         found = super().frame(t, y)
         self.evaluator.stand(self.dynamics.placement())
@@ -300,7 +314,10 @@ class Spasim(Block):
         return np.concatenate((x[-n:], self.motion.read(self._changing)))
 
     def frame(self, t: float, x: Array, u: Array) -> Frame:
-        """The whole state of the mechanism for these inputs, as mode 1 gives it."""
+        """The whole state of the mechanism for these inputs, as mode 1 gives it.
+
+        Raises AnalysisError for an element outside the range of its theory and for a wheel that lifts off.
+        """
         self._check(x, u)
         self._at = self._solved = None
         self.motion.push(u)

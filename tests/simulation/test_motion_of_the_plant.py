@@ -3,12 +3,15 @@
 import shutil
 
 import numpy as np
+import pytest
 from spacar_cli.main import main
 from spacar_formats.getfrsbf import getfrsbf
 from spacar_formats.signal_tables import write_motions
 
 import spacar
-from spacar.simulation import Diagram, Spasim, simulate
+from spacar.errors import AnalysisError
+from spacar.simulation import Constant, Diagram, Spasim, simulate
+from spacar.simulation.co_simulation import CoSimulation
 from tests.examples import DATA
 
 SIM = """
@@ -53,3 +56,72 @@ def test_every_mechanism_has_its_file(tmp_path):
     diagram = Diagram().add(Spasim(DATA / "robotsim.dat", "left"), Spasim(DATA / "robotsim.dat", "right"))
     response = simulate(diagram, [0.0, 0.001])
     assert [p.name for p in write_motions(response, tmp_path / "two")] == ["two_left.sbd", "two_right.sbd"]
+
+
+BENT = """
+PLBEAM 1 1 2 3 4
+X 3 1. 0.
+FIX 1
+FIX 2
+DYNE 1 2 3
+END HALT
+XM 3 1.
+XM 4 0.01
+ESTIFF 1 1e4 1.
+EDAMP 1 0. 0.5
+END HALT
+INPUTF 1 3 2
+OUTX 1 3 2
+END END
+"""
+ROLLING = """
+WHEEL 1 1 2 3 0 1 0
+X 1 0. 0. 0.3
+X 3 0. 0. 0.
+FIX 2
+FIX 1 2
+DYNX 1 1
+RLSE 1 5 6
+END HALT
+XM 1 2.
+GRAVITY 0. 0. -9.81
+END HALT
+INPUTF 1 1 3
+OUTX 1 1 1
+END END
+"""
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize(("text", "force", "words"), [
+    (BENT, -20.0, "element 1 .PLBEAM. at t = 1: end p is rotated by 148.0 degrees"),
+    (ROLLING, 25.0, "element 1 .WHEEL. at t = 0: the wheel leaves the ground, its normal force would be a pull of 5"),
+])  # fmt: skip
+def test_limits_of_elements_are_those_of_mode_1(text, force, words, compiled):
+    plant = Spasim(spacar.parse_deck(text, "limits"), "plant")
+    plant.choose(compiled)
+    diagram = Diagram().add(plant, Constant("force", force)).connect("force", "plant")
+    with pytest.raises(AnalysisError, match=words):
+        simulate(diagram, np.arange(11.0))
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_limits_end_a_step_of_co_simulation(compiled):
+    plant = Spasim(spacar.parse_deck(ROLLING, "limits"), "plant")
+    plant.choose(compiled)
+    master = CoSimulation(plant)
+    master.advance(0.1)
+    master.u[0] = 25.0
+    with pytest.raises(AnalysisError, match=r"element 1 .WHEEL. at t = 0.2: the wheel leaves the ground"):
+        master.advance(0.1)
+    assert master.t == 0.1
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_what_limits_warn_of_is_noted(compiled):
+    plant = Spasim(spacar.parse_deck(ROLLING.replace("GRAVITY 0. 0. -9.81", ""), "weightless"), "plant")
+    plant.choose(compiled)
+    diagram = Diagram().add(plant, Constant("force", 1.0)).connect("force", "plant")
+    for _ in range(2):
+        notes = simulate(diagram, [0.0, 0.5, 1.0]).notes
+        assert [note[:54] for note in notes] == ["plant: element 1 (WHEEL) at t = 0: the wheel leaves th"]
