@@ -143,6 +143,7 @@ class CompiledDynamics:
         """
         given, x0 = self.model.mechanism.start, self.model.mechanism.x0
         y = given.state(given.e_kinematic) if given.is_complete else self.general.start_values()
+        self.stand(Placement(x0, np.zeros_like(x0), np.zeros(self.numbering.ne)))
         if self.solver.slots.foreign:
             self.general.sweep.strain(x0)
             self.state.e[:, 0] = self.general.sweep.e

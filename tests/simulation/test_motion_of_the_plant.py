@@ -106,6 +106,19 @@ def test_limits_of_elements_are_those_of_mode_1(text, force, words, compiled):
 
 
 @pytest.mark.parametrize("compiled", [True, False])
+def test_a_mechanism_starts_again_where_it_started(compiled):
+    """Wherever it has been: here the end of the beam has gone over to the other side of its root."""
+    plant = Spasim(spacar.parse_deck(BENT, "start"), "plant")
+    plant.choose(compiled)
+    force = np.array([-20.0])
+    rates = plant.derivative(0.0, plant.start(), force).copy()
+    diagram = Diagram().add(plant, Constant("force", force)).connect("force", "plant")
+    with pytest.raises(AnalysisError):
+        simulate(diagram, np.arange(11.0))
+    assert np.array_equal(plant.derivative(0.0, plant.start(), force), rates)
+
+
+@pytest.mark.parametrize("compiled", [True, False])
 def test_limits_end_a_step_of_co_simulation(compiled):
     plant = Spasim(spacar.parse_deck(ROLLING, "limits"), "plant")
     plant.choose(compiled)
