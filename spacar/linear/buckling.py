@@ -19,7 +19,7 @@ from spacar.arrays import EPS, Array, Index
 from spacar.dynamics.array_evaluator import Dynamics
 from spacar.errors import AnalysisError, Report
 from spacar.linear import backward_error
-from spacar.linear.eigen import by_factor, is_symmetric
+from spacar.linear.eigen import SYMMETRIC, by_factor, is_symmetric
 from spacar.linear_systems import LinearSystem, SingularMatrixError
 from spacar.linearization.matrices import Linearization, selected
 from spacar.stationary.solution import StationarySolver
@@ -83,7 +83,7 @@ def buckling_modes(K0: Array, G0: Array, report: Report) -> BucklingModes:
     product = scale[:, None] * scale
     K, load = K0 * product, load * product
     lower = np.zeros((0, 0))
-    if is_symmetric(K) and is_symmetric(load):
+    if is_symmetric(K) and np.abs(load - load.T).max() <= SYMMETRIC * np.abs(load).max():
         with suppress(np.linalg.LinAlgError):
             lower = np.linalg.cholesky(K)
     if len(lower) and lower.diagonal().min() ** 2 > least:

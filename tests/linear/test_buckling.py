@@ -265,6 +265,17 @@ def test_pencils_without_all_multipliers():
             assert abs(modes.modes[:, 2] @ Q[:, 1]) == pytest.approx(1.0, rel=1e-14)
 
 
+def test_rounding_is_no_follower_load():
+    """Rows of the geometric stiffness on which the load does not act hold rounding, which is not symmetric: an inclined
+    column on a hinge had "2 complex load multipliers (follower loads)"."""
+    G = np.diag([-1.0, 0.5, 1e-17, -2e-17])
+    G[2, 3], G[3, 2] = 2e-16, -1e-16
+    report = Report()
+    modes = buckling_modes(np.diag([1.0, 2.0, 3.0, 4.0]), G, report)
+    assert modes.multipliers == pytest.approx([1.0, -4.0, np.inf, np.inf])
+    assert not report.lines
+
+
 @pytest.mark.parametrize("compiled", [pytest.param(True, marks=ENGINE), False])
 def test_no_stress_no_multiplier(compiled):
     """Springs that are pulled: of their geometric stiffness, N/l across, rounding is left along the axis: with it one
