@@ -129,6 +129,7 @@ def _general(K: Array, G: Array, report: Report) -> tuple[Array, Array]:
         )
     with np.errstate(divide="ignore"):
         mu = np.where(np.abs(beta) > rounding * size, alpha / np.where(beta == 0, 1.0, beta) * (of_G / of_K), np.inf)
+    mu = np.where(np.abs(alpha) > rounding * size, mu, 0.0)
     complex_values = np.abs(mu.imag) > np.sqrt(rounding) * np.abs(mu)  # a double value is known to half of the digits
     if complex_values.any():
         report.add(

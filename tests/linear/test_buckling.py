@@ -248,13 +248,17 @@ def test_indefinite_stiffness():
 def test_pencils_without_all_multipliers():
     """A pair with complex multipliers is shown as infinite; K0 = diag(1, 0, 2), G0 = diag(1/2, 0, -1) in turned
     coordinates: -2, 2 and a motion without multiplier; K0 v = 0 with geometric stiffness along v: 0, and those of the
-    rest as they are. Each with a line in the report."""
+    rest as they are; beside complex ones motions on which the load has no effect (a leaf under a moment about a fixed
+    axis had a margin of 6e15). Each with a line in the report."""
     Q = np.linalg.qr(np.random.default_rng(1).standard_normal((3, 3)))[0]
+    follower = np.zeros((6, 6))
+    follower[0, 1], follower[1, 0] = 1.0, -1.0
     pencils = (
         (np.diag([1.0, 2.0]), np.array([[0.0, 1.0], [-1.0, 0.0]]), [np.inf, np.inf], "complex"),
         (Q @ np.diag([1.0, 0.0, 2.0]) @ Q.T, Q @ np.diag([0.5, 0.0, -1.0]) @ Q.T, [2.0, -2.0, np.inf],
          "common null vector"),
         (np.diag([0.0, 2.0, 3.0]), np.diag([1.0, -1.0, 0.0]), [0.0, 2.0, np.inf], "singular"),
+        (np.eye(6), np.kron(Q, np.eye(2)) @ follower @ np.kron(Q, np.eye(2)).T, [np.inf] * 6, "complex"),
     )  # fmt: skip
     for K, G, multipliers, word in pencils:
         report = Report()
