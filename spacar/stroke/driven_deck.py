@@ -26,7 +26,7 @@ from spacar.stroke.stroke_move import StrokeMove, move_of, parse_move
 
 Row = tuple[Value, ...]
 Place = tuple[str, int, int]  # "x" or "e", node or element, coordinate or mode
-STORED = ("OUTLEVEL", "MODES")  # what is stored of the states: left out, as nothing is stored here
+STORED = ("OUTLEVEL", "MODES")  # what is stored of the states: left out, as nothing is stored here, but MODES 0
 LEFT_OUT = (*STORED, "DELXF", "DELGRAV", "DELESIG", "DELOMF", "DELINPX", "DELINPE")
 STARTS = ("INPUTE", "STARTDE", "INPUTX", "STARTDX")
 STEERED = ("STARTDE", "STARTDX", "MEE")  # statements that need the class of a degree of freedom
@@ -71,6 +71,8 @@ def driven(deck: Deck, mechanism: Mechanism, move: StrokeMove, end: float, loads
     for s in deck.statements:
         if s.block == 1 and s.keyword not in STORED:
             kinematics += _without(s, mechanism, about)
+        elif s.keyword == "MODES" and not s.integer(0):
+            dynamics.append(("MODES", 0))  # all modes and multipliers, of dense matrices
         elif s.block == 2 and s.keyword not in LEFT_OUT and not (s.keyword in STARTS and _place_of(s) in about):
             dynamics.append((s.keyword, *s.values))
     kinematics.append((names[wanted], move.number, move.place))
