@@ -191,8 +191,8 @@ def vibration_modes(source: PictureSource, matrices: Any, step: int) -> list[Mod
     for i in shown_order(values):
         vector = vectors[:n, i].astype(complex)
         size = np.linalg.norm(vector)
-        if size < 1e-9 * max(float(np.linalg.norm(vectors[:, i])), 1e-300):
-            continue  # only a velocity: the other vector of a double zero eigenvalue
+        if size < 1e-9 * max(float(np.linalg.norm(vectors[:, i])), 1e-300) or not np.isfinite(shapes[:, i]).all():
+            continue  # only a velocity: the other vector of a double zero eigenvalue; or a motion that is not known
         pivot = vector[np.argmax(np.abs(vector))]
         factor = np.abs(pivot) / pivot / size
         vector, shape = vector * factor, shapes[:, i] * factor
@@ -225,7 +225,7 @@ def buckling_modes(source: PictureSource, matrices: Any, step: int) -> list[Mode
     for i, multiplier in enumerate(multipliers):
         vector = vectors[:, i]
         size = np.linalg.norm(vector)
-        if np.isfinite(multiplier) and np.isfinite(size) and size > 0:
+        if np.isfinite(multiplier) and np.isfinite(size) and size > 0 and np.isfinite(shapes[:, i]).all():
             unit = (vector / size).astype(complex)
             modes.append(ModeShape(i + 1, "buckling", complex(multiplier), unit, (shapes[:, i] / size).astype(complex)))
     return modes

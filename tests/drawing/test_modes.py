@@ -110,6 +110,17 @@ def test_buckling_of_the_guided_column():
     assert modes[0].label.endswith("load multiplier 9.94385")
 
 
+@pytest.mark.parametrize(("mode", "find"), [(7, vibration_modes), (8, buckling_modes)])
+def test_a_dead_point_has_no_modes_to_draw(mode, find, monkeypatch):
+    """There the transfer functions of a result are nan: pictures of it and a report ended with an internal error."""
+    result = spacar.run(mode, DATA / "plbeam5buck.dat")
+    source = source_of_result(result)
+    assert find(source, Matrices(result), 1)
+    inner = type(source).get
+    monkeypatch.setattr(type(source), "get", lambda *args: np.nan * inner(*args))
+    assert not find(source, Matrices(result), 1)
+
+
 def test_displacement_and_automatic_factor():
     source, modes = modes_of("plbeam5free", 7, "vibration")
     x, mode = source.x(1), modes[0]

@@ -77,7 +77,7 @@ def command(
         return
     modes = modes_of(source, kind, step)
     if not modes:
-        text = f"{source.name} has no {kind} modes: no dynamic degrees of freedom, or no stress"
+        text = f"{source.name} has no {kind} modes: no dynamic degrees of freedom, no stress, or a dead point"
         raise UsageError(text, "draw.modes")
     if as_list:
         environment.say(*(m.label for m in modes))
