@@ -21,19 +21,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import sqrt
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from spacar_formats.locate import open_result
 from spacar_formats.vibration import modes_of_sparse_system, modes_of_stored_matrices, shown_order
 
 from spacar.arrays import EPS, Array
 from spacar.deck import ELEMENT_TYPES
-from spacar.errors import Report, UsageError
+from spacar.errors import Report
 from spacar.kinematics.null_space import norm_estimate, null_space
-from spacar_drawing.picture_source import PictureSource
+from spacar_drawing.picture_source import PictureSource, matrices_beside
 from spacar_drawing.scene import Scene
 
 if TYPE_CHECKING:
@@ -147,19 +145,9 @@ def dynamic_columns(header: Any) -> NDArray[np.int64]:
     return np.r_[xi : xi + xd, xi + xd + ei : ndof, ndof : ndof + nk]
 
 
-def open_matrices(source: PictureSource) -> Any:
-    """The `.sbm` file beside a `.sbd` result. UsageError when there is none, or when it belongs to another input."""
-    name = Path(source.name)
-    file = open_result(name.with_name(name.name.replace(".sbd", ".sbm")), "sbm")
-    ours, theirs = (np.ravel(h.get("SHA256", [""]))[0] for h in (source.header, file.header))
-    if ours != theirs or file.count("MODE") != source.scene.mode:
-        raise UsageError(f"{file.path} and {source.name} are of different runs; run again", "draw.stale")
-    return file
-
-
 def modes_of(source: PictureSource, kind: str, step: int) -> list[ModeShape]:
     """The "vibration" or "buckling" modes of a step. Raises UsageError."""
-    with open_matrices(source) as matrices:
+    with matrices_beside(source.name, source.header) as matrices:
         return (vibration_modes if kind == "vibration" else buckling_modes)(source, matrices, step)
 
 

@@ -16,6 +16,7 @@ from spacar_formats.signal_tables import SignalTable, read_table
 
 from spacar.arrays import Array
 from spacar.errors import UsageError
+from spacar.expressions.grammar import MATRICES, VECTORS
 from spacar.modes import find_mode
 from spacar.result import Result
 from spacar.stream import Run
@@ -124,27 +125,46 @@ def open_source(name: str | Path, stale_ok: bool = False, drawn: bool = True) ->
     source = file.header.get("SOURCE")
     origin = source[0].replace("\0", "") if isinstance(source, list) and source else f"{stem}.dat"
     beside = None if symbolic else file.path.parent / Path(origin).name
-    shapes = {i.lower(): (r.rows, r.cols) for i, r in file.step_records.items()}
+    header = dict(file.header.items())
 
     def read(variable: str, k: int | None) -> Array | None:
         ident = ALIASES.get(variable.lower(), variable.lower())
-        if ident not in shapes:
-            return None
-        rows, cols = shapes[ident]
-        value = np.asarray(file.get(ident, k))
-        if k is not None:
-            return value.reshape(rows, cols) if cols > 1 else value.ravel()
-        # several steps come one a row, column-major; one step in its own shape
-        flat = value.reshape(1, -1, order="F") if file.steps == 1 else value
-        return flat if cols == 1 else flat.reshape(-1, cols, rows).swapaxes(1, 2)
+        if ident in (*VECTORS, *MATRICES):
+            with matrices_beside(str(file.path), header) as matrices:
+                return _of_steps(matrices, ident, k)
+        return _of_steps(file, ident, k)
 
-    header = dict(file.header.items())
     settings = PictureSettings() if beside is None else read_settings(beside)
     return PictureSource(
         nothing(stem) if missing else Scene.of_header(header, stem, settings.metre), settings, file.steps,
         str(file.path), beside if beside is not None and beside.is_file() else None, read, header, file.complete,
         named_columns(file), read_table(file),
     )  # fmt: skip
+
+
+def _of_steps(file: SbfFile, ident: str, k: int | None) -> Array | None:
+    """A variable of step k, or of all with the step first; None where the file does not have it."""
+    records = {i.lower(): r for i, r in file.step_records.items()}
+    if ident not in records:
+        return None
+    rows, cols = records[ident].rows, records[ident].cols
+    value = np.asarray(file.get(ident, k))
+    if k is not None:
+        return value.reshape(rows, cols) if cols > 1 else value.ravel()
+    # several steps come one a row, column-major; one step in its own shape
+    flat = value.reshape(1, -1, order="F") if file.steps == 1 else value
+    return flat if cols == 1 else flat.reshape(-1, cols, rows).swapaxes(1, 2)
+
+
+def matrices_beside(name: str, header: Mapping[str, Any]) -> SbfFile:
+    """The `.sbm` file beside a `.sbd` result with this name and header. UsageError when there is none, or when it
+    belongs to another input."""
+    path = Path(name)
+    file = open_result(path.with_name(path.name.replace(".sbd", ".sbm")), "sbm")
+    ours, theirs = (np.ravel(h.get("SHA256", [""]))[0] for h in (header, file.header))
+    if ours != theirs or file.count("MODE") != int(np.ravel(header["MODE"])[0]):
+        raise UsageError(f"{file.path} and {name} are of different runs; run again", "draw.stale")
+    return file
 
 
 def source_of_result(result: Result) -> PictureSource:
@@ -157,7 +177,8 @@ def source_of_result(result: Result) -> PictureSource:
     def read(variable: str, k: int | None) -> Array | None:
         ident = variable.lower()
         attribute = "fxtot" if ident in ALIASES.values() else ident
-        values = [getattr(f, attribute, None) for f in (frames if k is None else frames[k - 1 : k])]
+        chosen = frames if k is None else frames[k - 1 : k]
+        values = [getattr(f, attribute, (getattr(f, "matrices", None) or {}).get(ident)) for f in chosen]
         if not values or any(v is None for v in values):
             return None
         return np.array(values if k is None else values[0], float)

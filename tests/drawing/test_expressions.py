@@ -8,9 +8,12 @@ import pytest
 from spacar_cli.row_output import csv_text
 from spacar_drawing.curves import evaluate
 from spacar_drawing.history import axis_text, history_figure, panels
+from spacar_drawing.picture_source import open_source, source_of_result
 
+import spacar
 from spacar.errors import UsageError
 from spacar.expressions import unit, unit_text
+from tests.examples import DATA
 
 from .models import result_source
 
@@ -104,6 +107,20 @@ def test_wrong_expressions(crank, text, part):
     with pytest.raises(UsageError) as found:
         evaluate(crank, text)
     assert part in str(found.value)
+
+
+def test_modes_and_matrices_of_a_result(tmp_path):
+    """They stand in the `.sbm` file beside, and in the matrices of a result in memory; expressions.md promises them."""
+    result = spacar.run(10, DATA / "plbeam5buck.dat")
+    result.save(tmp_path / "column")
+    frame = result.frames[-1].matrices
+    first = result.frequencies[-1, 0], frame["lmult"].flat[0], frame["k0"][1, 0], frame["eigval"][2, 1]
+    texts = "frequency[1]@end", "lmult[1]@end", "k0[2,1]@end", "imag(eigval[3])@end"
+    for source in (source_of_result(result), open_source(tmp_path / "column")):
+        np.testing.assert_allclose([evaluate(source, text).values[0] for text in texts], first, rtol=1e-14)
+    (tmp_path / "column.sbm").unlink()
+    with pytest.raises(UsageError, match=r"column\.sbm not found; modes 3"):
+        evaluate(source, texts[0])
 
 
 def test_panels_and_labels(crank):
