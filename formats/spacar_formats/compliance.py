@@ -60,10 +60,9 @@ def node_compliance(
     with open_result(name, "sbd") as sbd, open_result(Path(sbd.path).with_suffix(".sbm"), "sbm") as sbm:
         lnp, ln = sbd.array("lnp").astype(int), sbd.array("ln").astype(int)
         nxp, nep = (sbd.array(k).ravel().astype(int) for k in ("nxp", "nep"))
+        _require(lnp, node, "position", sbd.path)
         partner = _orientation(lnp, ln, node) if orientation is None else orientation
-        for number, what in ((node, "position"), (partner, "orientation")):
-            if not 1 <= number <= len(lnp) or not lnp[number - 1, 0] or _kind(lnp, number) != what:
-                raise UsageError(f"node {number} is no {what} node of {sbd.path}", "compliance.node")
+        _require(lnp, partner, "orientation", sbd.path)
         columns = np.r_[nxp[2] + np.arange(nxp[3]), nxp[2] + nxp[3] + nep[2] + np.arange(nep[3])]
         if find_mode(sbd.count("MODE")).takes_setpoints:  # the prescribed ones have the matrices
             columns = np.arange(nxp[2] + nep[2])
@@ -87,6 +86,11 @@ def node_compliance(
             compliance = compliance_of(np.asarray(K), transfer[:, columns][rows])
     fixed, body = (planar_maps if planar else spatial_maps)(x[turning])
     return NodeCompliance(t, node, partner, fixed @ compliance @ fixed.T, body @ compliance @ body.T), warnings
+
+
+def _require(lnp: np.ndarray, number: int, what: str, path: Path) -> None:
+    if not 1 <= number <= len(lnp) or not lnp[number - 1, 0] or _kind(lnp, number) != what:
+        raise UsageError(f"node {number} is no {what} node of {path}", "compliance.node")
 
 
 def _kind(lnp: np.ndarray, node: int) -> str:

@@ -117,6 +117,7 @@ def test_wrong_wishes(results):
     assert "no output 7; there are 1 (OUTF node 5 x)" in results("bode", "lever", "--of", "7").err
     assert "step 4 does not exist" in results("eigen", "massspring", "--at", "4").err
     assert "no position node" in results("compliance", "plbeam5", "2", "4").err
+    assert "node 99 is no position node" in results("compliance", "plbeam5", "99").err
     assert "no eigenvalues" in results("eigen", "nothing").err or "not found" in results("eigen", "nothing").err
     assert results("bode", "lever", "--low", "5", "--high", "1").status == 2
 
