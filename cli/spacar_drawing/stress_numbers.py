@@ -26,6 +26,7 @@ from spacar_drawing.scene import Scene
 from spacar_drawing.sections import moments
 from spacar_drawing.settings import SectionShape, parse_settings
 from spacar_drawing.stresses import (
+    GIVEN_BY,
     QUANTITIES,
     RESULTANTS,
     STRESSES,
@@ -91,7 +92,7 @@ class StressResults:
         """Where the modulus of a quantity is largest. Raises UsageError when it is known nowhere."""
         value = np.abs(self[name])
         if not np.isfinite(value).any():
-            text = f"{QUANTITIES[name][0]}: no element has a cross-section: give BEAMSEC, BEAMVIS or CROSSTYPE"
+            text = f"{QUANTITIES[name][0]}: no element has a cross-section: give {GIVEN_BY}"
             raise UsageError(text, "stress.section")
         k, m, n = np.unravel_index(int(np.nanargmax(value)), value.shape)
         y, z = self.places[name][k, m, n] if name in self.places else (np.nan, np.nan)
@@ -203,7 +204,7 @@ class StressDerivatives:
         if name in RESULTANTS:
             values = r.of(name)
         elif section is None or moments(section) is None:
-            text = f"{name}[{element.number}]: the element has no cross-section; give BEAMSEC, BEAMVIS or CROSSTYPE"
+            text = f"{name}[{element.number}]: the element has no cross-section; give {GIVEN_BY}"
             raise UsageError(text, "sensitivity.quantity")
         else:
             values, point = worst(name, *stress_field(section, r))

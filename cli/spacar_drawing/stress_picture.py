@@ -26,7 +26,16 @@ from spacar_drawing.scene import Element, Pose
 from spacar_drawing.sections import inside, moments, outline
 from spacar_drawing.settings import SectionShape
 from spacar_drawing.stage import INK, blank, dress, head, widened
-from spacar_drawing.stresses import QUANTITIES, STRESSES, Resultants, along, of_quantity, resultants, stress_field
+from spacar_drawing.stresses import (
+    GIVEN_BY,
+    QUANTITIES,
+    STRESSES,
+    Resultants,
+    along,
+    of_quantity,
+    resultants,
+    stress_field,
+)
 
 if TYPE_CHECKING:
     from matplotlib.colors import Colormap
@@ -70,7 +79,7 @@ def section_stress(source: PictureSource, step: int, element: int, xi: float) ->
         raise UsageError(f"place {xi:g} is not on the element: from 0 at p to 1 at q", "stress.place")
     section = source.settings.section(element, e.shape)
     if section is None or moments(section) is None:
-        text = f"element {element} has no cross-section: give BEAMSEC, BEAMVIS or CROSSTYPE"
+        text = f"element {element} has no cross-section: give {GIVEN_BY}"
         raise UsageError(text, "stress.section")
     every = resultants(source.scene, e, *_state(source, step), PLACES)
     i = round(xi * (PLACES - 1))
@@ -203,7 +212,7 @@ def _surfaces(
 
 def _nowhere(quantity: str) -> NoReturn:
     """Raises UsageError: no element has the quantity."""
-    need = "no element has a cross-section: give BEAMVIS, CROSSTYPE or --section"
+    need = f"no element has a cross-section: give {GIVEN_BY}, or --section"
     text = need if quantity in STRESSES else "no beams or trusses"
     raise UsageError(f"{QUANTITIES[quantity][0]}: {text}", "draw.stress")
 

@@ -43,6 +43,7 @@ from spacar_drawing.scene import Element, Scene
 from spacar_drawing.sections import moments, rectangle_twist_stress, warping_function, warping_shear
 from spacar_drawing.settings import SectionShape
 
+GIVEN_BY = "BEAMSEC with a shape (CUSTOM has none), BEAMVIS or CROSSTYPE"  # the cross-section of an element
 GRID = 15  # points across a section in each direction
 RESULTANTS = {
     "N": ("normal force", "N"),

@@ -160,7 +160,7 @@ def test_what_is_refused():
         r.stress()["speed"]
     bare = spacar.run(7, spacar.parse_deck("BEAM 1 1 2 3 4\nX 3 1.\nFIX 1\nFIX 2\nDYNE 1\nEND HALT\n"
                                            "ESTIFF 1 1. 1. 1. 1.\nEM 1 1. 1. 1. 1.\nEND END\n"))  # fmt: skip
-    with pytest.raises(UsageError, match="no element has a cross-section"):
+    with pytest.raises(UsageError, match="no element has a cross-section: give BEAMSEC with a shape"):
         bare.stress().largest()
 
 

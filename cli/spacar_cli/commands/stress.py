@@ -46,6 +46,7 @@ def command(
     """
     from spacar_drawing.picture_source import open_source
     from spacar_drawing.stress_numbers import stress_results
+    from spacar_drawing.stresses import GIVEN_BY
 
     source = open_source(file, stale_ok=stale_ok)
     steps = None if at is None else [source.steps + 1 + at if at < 0 else at]
@@ -79,7 +80,7 @@ def command(
         environment.say_json(finite([asdict(one) for one in largest]))
         return
     if not any(one.quantity == "mises" for one in largest):
-        tell(environment, "information", "no element has a cross-section: no stresses (BEAMSEC, BEAMVIS, CROSSTYPE)")
+        tell(environment, "information", f"no element has a cross-section: no stresses ({GIVEN_BY})")
     environment.say(*_lines(found, source.scene.metre))
 
 
