@@ -256,8 +256,12 @@ def _compared(mode: Mode) -> bool:
 def study_of(
     source: Source, mode: int | None, settings: tuple[Setting, ...], results: Iterable[str], options: dict[str, Any]
 ) -> Study:
-    """Raises UsageError when two columns have the same name, or a target does not exist."""
-    number = find_mode(mode_of(source, options) if mode is None else mode).number
+    """Raises UsageError when two columns have the same name, a target does not exist, or the mode needs a result."""
+    analysis = find_mode(mode_of(source, options) if mode is None else mode)
+    number = analysis.number
+    if analysis.takes_setpoints:
+        text = f"a sweep does not run mode {number}, which linearizes along another result; run both modes"
+        raise UsageError(f"{text} for every case (spacar.run, nominal=...)", "usage.sweep")
     study = Study(number, deck_of(source, number), settings, tuple(map(quantity, results)), options)
     doubled = [c for c in study.columns if study.columns.count(c) > 1]
     if doubled:

@@ -38,6 +38,15 @@ def test_rows_are_those_of_single_runs(call, deck):
         assert row["status"] == "done"
 
 
+def test_a_mode_that_needs_another_result_is_refused(call, deck):
+    """Every case failed, with the advice to give an option that a sweep does not have."""
+    path = deck("robotinvlin", 3).path
+    done = call("sweep", path, "--mode", "3", "--set", "XM.8=20,30", "-r", "m0[1,1]@end", "-o", "t.csv")
+    assert done.status == 2
+    assert "a sweep does not run mode 3" in done.err
+    assert not Path("t.csv").exists()
+
+
 def test_finished_cases_are_skipped_and_another_model_is_another_case(call):
     call(*CRANK)
     before = Path("crank.sweep.csv").read_bytes()
