@@ -127,14 +127,16 @@ def delay(s: Section) -> Block:
 
 
 def table(s: Section) -> Block:
-    """Times and values from a csv file with a heading line: the first column is the time."""
+    """Times and values from a csv file: the first column is the time. A first line of numbers is no heading."""
     path = s.path("file")
     try:
-        rows = np.genfromtxt(path, delimiter=",", skip_header=1, ndmin=2)
+        with path.open(encoding="utf-8") as lines:
+            heading = np.isnan(np.genfromtxt([lines.readline()], delimiter=",", ndmin=1)).any()
+        rows = np.genfromtxt(path, delimiter=",", skip_header=int(heading), ndmin=2)
     except (OSError, ValueError) as cause:
         raise s.error(f"file = {s.text('file')} cannot be read: {str(cause).splitlines()[0]}", "file") from None
     if rows.shape[1] < 2 or not np.isfinite(rows).all():
-        raise s.wrong("file", "is no table: expected a heading line, then lines of a time and numbers, with commas")
+        raise s.wrong("file", "is no table: expected lines of a time and numbers, with commas, below a heading or none")
     return signal_sources.TimeSeries(s.name, rows[:, 0], rows[:, 1:], s.text("interpolation"), s.flag("hold"))
 
 

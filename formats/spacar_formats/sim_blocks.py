@@ -100,7 +100,7 @@ BLOCKS = (
         built(signal_sources.Pulses, "every", "duty", "high", "low", "time", each=("high", "low")),
     ),
     BlockType(
-        "table", "signals over time from a csv file", "first column time, the others signals; one heading line",
+        "table", "signals over time from a csv file", "first column time, the others signals; with or without heading",
         (SimKey("file", "file", "csv file", None), *STORED), make.table,
     ),
     BlockType(

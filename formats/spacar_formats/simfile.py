@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from spacar.arrays import EPS
 from spacar.errors import SpacarError, UsageError
 from spacar.simulation.blocks import Block
 from spacar.simulation.diagram import Diagram
@@ -23,7 +24,7 @@ from spacar_formats.sim_sections import Section, SimKey, read_sections
 MOST_TIMES = 100_000_000
 SETTINGS = (
     SimKey("time", "number", "length of the simulation, which starts at 0", None, "s"),
-    SimKey("step", "number", "between two times of the results", None, "s"),
+    SimKey("step", "number", "between two times of the results; the last one may be shorter", None, "s"),
     SimKey("method", "text", "code with variable steps: 135, 155, 853, 553, 595; -1: 155 or 595, as steps ask", "-1"),
     SimKey("rtol", "number", "relative tolerance of a step", "1e-6"),
     SimKey("atol", "number", "absolute tolerance of a step", "1e-8"),
@@ -77,7 +78,8 @@ def _settings(s: Section) -> tuple[np.ndarray, dict[str, Any]]:
     if duration / step > MOST_TIMES:
         text = f"at most {MOST_TIMES:.0e} times, as they stay in memory"
         raise s.error(f"time = {duration:g} with step = {step:g}: {text}", "step")
-    times = np.append(np.arange(round(duration / step)) * step, duration)
+    whole = np.ceil(duration / step * (1.0 - 4.0 * EPS))  # the quotient of two decimal numbers is rounded
+    times = np.append(np.arange(whole) * step, duration)
     options: dict[str, Any] = {key: s.number(key) for key in ("rtol", "atol", "max_step") if s.given(key)}
     if s.given("method"):
         options["method"] = s.text("method")

@@ -113,6 +113,29 @@ law -> robot
     assert "the output of law at t = 0 has the shape (1,); expected (3,)" in call.refused("sim", "bad", status=1)
 
 
+@pytest.mark.parametrize("heading", ["", "t (s),M (N m)\n"])
+def test_a_table_keeps_its_first_line_of_numbers(folder, heading):
+    """It was left out as a heading. Times are whole steps, and the end."""
+    (folder / "ramp.csv").write_text(heading + "0,1\n2,5\n")
+    (folder / "ramp.sim").write_text("""
+[simulation]
+time = 1
+step = 0.4
+[ramp]
+block = table
+file = ramp.csv
+[half]
+block = gain
+gain = 0.5
+[wires]
+ramp -> half
+""")
+    call.done("sim", "ramp.sim", "-o", "ramp.npz")
+    found = np.load(folder / "ramp.npz")
+    assert found["t"] == pytest.approx([0.0, 0.4, 0.8, 1.0], abs=1e-15)
+    assert found["half"].ravel() == pytest.approx(0.5 + found["t"], abs=1e-15)
+
+
 def test_gain_reduction_and_response(folder):
     call.done("spacntrl", "robotinvlin", "--omega", 28, "--damping", 0.85)
     before, after = read_ltv(folder / "robotinvlin")[0], read_ltv(folder / "robotinvlinkp")[0]
