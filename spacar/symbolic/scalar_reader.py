@@ -10,8 +10,10 @@ import ast
 import difflib
 import math
 import operator
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from keyword import iskeyword
 from typing import Any
 
 import sympy as sp
@@ -55,6 +57,9 @@ def read_expression(
         tree = ast.parse(text.strip(), mode="eval")
     except (SyntaxError, ValueError) as error:
         reason = error.msg if isinstance(error, SyntaxError) else str(error)
+        taken = [word for word in re.findall(r"\w+", text) if iskeyword(word) and word not in ("if", "else")]
+        if taken:
+            reason += f"; '{taken[0]}' cannot be a name in expressions: choose another one"
         raise UsageError(f"cannot read expression '{text}' ({reason})", "syntax") from None
     except (RecursionError, MemoryError):
         raise UsageError(f"cannot read expression: nested deeper than {MAX_DEPTH}", "syntax") from None

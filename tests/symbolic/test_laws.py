@@ -45,6 +45,7 @@ def test_laws_with_jumps_in_python_and_c():
     for t, y in STATES:
         expected = law(t, *y) / 2.0
         assert f(t, y)[2] == pytest.approx(expected, rel=1e-14)
+        assert f(t, np.array(y))[2] == f(t, y)[2]  # as solvers of SciPy call it
         if compiled:
             assert compiled(t, np.array(y))[2] == pytest.approx(expected, rel=1e-14)
             assert compiled.jac(t, np.array(y)) == pytest.approx(np.asarray(f.jac(t, y)), rel=1e-13)

@@ -80,6 +80,7 @@ ERRORS = {
     "call": ([(TORQUE, "__import__('os').system('x')")], "\"__import__('os').system('x')\" is not allowed in an expression"),
     "attribute": ([(TORQUE, "q4.func")], '"q4.func" is not allowed in an expression'),
     "lambda": ([(TORQUE, "lambda: 1")], '"lambda: 1" is not allowed in an expression'),
+    "word": ([(TORQUE, "-lambda*2")], "'lambda' cannot be a name in expressions: choose another one"),
     "syntax": ([(TORQUE, "(1")], "cannot read expression '(1' ('(' was never closed)"),
     "division": ([(TORQUE, "q4 + 1/0")], "division by zero in '1/0'"),
     "exponent": ([(TORQUE, "q4**1000000000")], "exponent 1000000000 is too large (at most 64)"),

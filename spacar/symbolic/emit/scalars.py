@@ -91,6 +91,10 @@ class _Scalars:
 class PythonText(_Scalars, PythonCodePrinter):
     options: ClassVar[Mapping[str, Any]] = {"fully_qualified_modules": False}
 
+    def _print_sign(self, e: sp.Expr) -> str:
+        x = self.writer(e.args[0])
+        return f"(float({x} > 0) - float({x} < 0))"  # NumPy, whose numbers may come in, does not subtract its booleans
+
 
 class CText(_Scalars, C99CodePrinter):
     small_power = "power_{1}({0})"
