@@ -10,7 +10,7 @@ from spacar.deck.cross_section import Expansion
 from spacar.deck.deck_checks import check
 from spacar.deck.findings import Findings
 from spacar.deck.keyword_table import KEYWORDS, BlockKind, Keyword, blocks_of
-from spacar.deck.lexer import LONGEST_LINE, SourceText, integer_of, scan
+from spacar.deck.lexer import LONGEST_LINE, SourceText, integer_of, scan, without_comments
 from spacar.deck.outline import Outline
 from spacar.deck.raw_statements import PlainLines, Raw, raws_of, take_plain
 from spacar.deck.splitter import split, third_kind
@@ -45,6 +45,9 @@ class Contents(NamedTuple):
 def read_text(text: str, source: str, mode: Purpose = None) -> Contents:
     """The statements of a text, checked; `source` names it in messages. Raises InputError with all errors."""
     findings = Findings(source)
+    if "\0" in text and "\0" in without_comments(text).upper().partition("END")[0]:  # behind it they do no harm
+        reason = "it has NUL bytes, as files in UTF-16 and results have; save a text as UTF-8"
+        raise InputError([Message("error", source, None, "", f"not an input file: {reason}", "encoding")])
     scanned = scan(text)
     _lexical(text, scanned, findings)
     parts = split(scanned, findings)

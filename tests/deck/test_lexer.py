@@ -87,6 +87,18 @@ def test_bytes_that_are_not_utf8(tmp_path) -> None:
         read_deck(file)
 
 
+def test_files_that_are_no_text_are_told_in_one_sentence(tmp_path) -> None:
+    """UTF-16, as PowerShell writes it, and a result; zeros behind the end, as old disks leave them, do no harm."""
+    file = tmp_path / "a.dat"
+    for data in (TEXT.encode("utf-16"), b"\x89SBF\r\n\x1a\n\x01\0\0\0" * 50):
+        file.write_bytes(data)
+        with pytest.raises(InputError, match="UTF-16") as error:
+            read_deck(file)
+        assert len(error.value.messages) == 1
+    file.write_bytes(f"{TEXT}\0\0\0".encode())
+    assert not read_deck(file).messages
+
+
 def test_long_line_is_reported_once() -> None:
     deck = parse_deck(TEXT.replace("% wall", "%" + "w" * 160).replace("FIX 2", "FIX 2 %" + "w" * 160))
     assert [(m.severity, m.line) for m in deck.messages] == [("warning", 3)]
