@@ -63,6 +63,8 @@ def test_wrong_wishes(results):
             section_stress(source, step, element, place)
     for words in (("-e", 1, "-e", 2), ()):
         assert "one element" in call("stress", results / "lateral4", *words, "-o", results / "a.png").err
+    for words in (("--place", 0.5), ("--of", "shear", "-o", results / "a.npz")):
+        assert "is for a picture: give -o FILE.png" in call("stress", results / "lateral4", *words).err
     wrong = call("visual", results / "lateral4", "--over-section")
     assert (wrong.status, "--stress mises, normal or shear" in wrong.err) == (2, True)
     none = call("visual", results / "plbeam5", "--over-section", "--stress", "normal")

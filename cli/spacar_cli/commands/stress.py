@@ -27,16 +27,16 @@ if TYPE_CHECKING:
     "output", ": FILE.npz, all arrays; .png, .svg or .pdf, the section of one element (-e) at --place with its "
     "stresses.", multiple=True,
 )  # fmt: skip
-@words.option("place", ", of the picture", default=0.0)
+@words.option("place", ", of the picture. Default: 0.")
 @words.option(
-    "of", ": a stress of the picture", type=click.Choice(("normal", "shear", "mises")), default="normal",
+    "of", ": a stress of the picture. Default: normal.", type=click.Choice(("normal", "shear", "mises")),
     metavar="STRESS",
 )  # fmt: skip
 @words.option("as_json", ": the largest values")
 @words.option("stale_ok")
 def command(
     environment: Environment, file: str, at: int | None, element: tuple[int, ...], points: int,
-    csv_file: Path | None, output: tuple[Path, ...], place: float, of: str, as_json: bool, stale_ok: bool,
+    csv_file: Path | None, output: tuple[Path, ...], place: float | None, of: str | None, as_json: bool, stale_ok: bool,
 ) -> None:  # fmt: skip
     """Normal force, shear forces, torque, moments, bimoment and stresses along the beams of a result (NAME.sbd).
 
@@ -48,9 +48,11 @@ def command(
     from spacar_drawing.stress_numbers import stress_results
     from spacar_drawing.stresses import GIVEN_BY
 
+    pictures = [path for path in output if path.suffix.lower() != ".npz"]
+    if not pictures and (place is not None or of is not None):
+        raise UsageError(f"{'--of' if place is None else '--place'} is for a picture: give -o FILE.png and one -e")
     source = open_source(file, stale_ok=stale_ok)
     steps = None if at is None else [source.steps + 1 + at if at < 0 else at]
-    pictures = [path for path in output if path.suffix.lower() != ".npz"]
     for path in pictures:  # the stresses over one section, of the last step unless one is given
         from spacar_drawing.files import check_name, save
         from spacar_drawing.stress_picture import section_figure, section_stress
@@ -58,9 +60,9 @@ def command(
         check_name(path, film=False)
         if len(element) != 1:
             raise UsageError(f"-o {path}: a picture is of one element: give one -e, not {len(element)}")
-        drawn = section_stress(source, (steps or [source.steps])[0], element[0], place)
+        drawn = section_stress(source, (steps or [source.steps])[0], element[0], place or 0.0)
         title = f"{source.scene.title}   element {drawn.element} at {drawn.xi:.4g}, step {drawn.step}"
-        save(section_figure(drawn, of, source.scene.metre, title), path)
+        save(section_figure(drawn, of or "normal", source.scene.metre, title), path)
         environment.wrote(path)
     if pictures and len(pictures) == len(output) and csv_file is None and not as_json:
         return
