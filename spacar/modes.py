@@ -6,6 +6,7 @@ says where it is, and `registered` loads it when it is asked for.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from numbers import Real
 from typing import Any
 
 from spacar.errors import UsageError
@@ -74,7 +75,7 @@ MODES = {
 
 def find_mode(number: int) -> Mode:
     """The mode of this number; a minus sign (no drawing) does not matter. Raises UsageError."""
-    if not isinstance(number, int | float) or abs(number) not in MODES:
+    if not isinstance(number, Real) or abs(number) not in MODES:
         known = ", ".join(str(m) for m in MODES)
         old = number in (5, 6, -5, -6)
         hint = "; modes 5 and 6 were experimental in the original and are not provided" if old else ""

@@ -100,6 +100,9 @@ WRONG = {
     "picture": lambda m, r: r.plot("x[3,2]", path="/nonexist/a.png"),
     "step": lambda m, r: r.draw(steps=3),
     "option of a picture": lambda m, r: r.draw(step=1),
+    "trace of no node": lambda m, r: r.draw(traces=[99]),
+    "trace of an orientation": lambda m, r: r.animate(traces=2),
+    "no film": lambda m, r: r.animate("a.png"),
     "no frames": lambda m, r: r.animate(frames=0),
     "number of a variable": lambda m, r: r[7],
     "number for an expression": lambda m, r: r.plot(7),
@@ -131,6 +134,10 @@ WRONG = {
 def test_what_is_wrong_is_said_by_an_error_of_ours(model, what):
     with pytest.raises(SpacarError):
         WRONG[what](model, model.run(7))
+
+
+def test_a_mode_may_be_a_number_of_numpy(model):
+    assert [model.run(mode).mode for mode in np.array([7, -8])] == [7, 8]
 
 
 NOTEBOOK = """import spacar

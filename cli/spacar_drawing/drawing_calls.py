@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from os import PathLike
 from pathlib import Path
@@ -14,6 +14,7 @@ from spacar_formats.safety import write_text
 
 from spacar.calls import Source, deck_of, has_interval, path_of, run, texts
 from spacar.errors import UsageError
+from spacar.expressions.result_places import listed
 from spacar.mechanism.user_files import without_functions
 from spacar.result import Result
 from spacar_drawing.curves import evaluate, in_units
@@ -69,6 +70,16 @@ def _extras(given: dict[str, Any]) -> Extras:
     return Extras(**given)
 
 
+def _traced(source: PictureSource, given: Sequence[int] | int) -> list[int]:
+    """The position nodes whose paths are wanted. Raises UsageError for a node that is none."""
+    known = source.scene.position_nodes.tolist()
+    nodes = list(given) if isinstance(given, Iterable) else [given]
+    for node in nodes:
+        if node not in known:
+            raise UsageError(f"traces: {node!r:.60} is no position node; these are {listed(known)}", "draw.missing")
+    return nodes
+
+
 @plain
 def draw(
     result: Result | Source, path: str | Path | None = None, *, steps: str | int | None = None,
@@ -87,7 +98,8 @@ def draw(
     Raises UsageError for steps or variables that the result has not, and for a file that cannot be written.
     """
     source = source_of(result, at_rest=True)
-    figure = picture(source, _extras(extras), chosen_steps(source, steps, strobe, False), traces, initial)
+    nodes = _traced(source, traces)
+    figure = picture(source, _extras(extras), chosen_steps(source, steps, strobe, False), nodes, initial)
     return kept(figure, path, dpi)
 
 
@@ -104,7 +116,7 @@ def animate(
     source = source_of(result)
     if frames < 1:
         raise UsageError(f"an animation has at least one picture, not frames = {frames}", "usage.option")
-    shown = series(source, _extras(extras), chosen_steps(source, steps, None, True), traces, initial)
+    shown = series(source, _extras(extras), chosen_steps(source, steps, None, True), _traced(source, traces), initial)
     pictures, count = shown.thinned(frames)
     if path is not None:
         film(shown.moving(), pictures, count, path_of(path), fps, dpi)

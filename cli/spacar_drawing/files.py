@@ -177,6 +177,8 @@ def film(
     Raises UsageError for a name that cannot be written, AnalysisError when ffmpeg fails.
     """
     ending = check_name(path)
+    if ending not in FILM:
+        raise UsageError(f"{path}: an animation ends in {' or '.join(FILM)}", "draw.format")
     moving.figure.set_dpi(dpi)
     with replacing(path) as side:
         (_gif if ending == ".gif" else _mp4)(_frames(moving, pictures, count, tick), side, path, fps)
