@@ -44,6 +44,8 @@ def input_file(name: Path) -> Path:
         if candidate.is_file():
             return candidate
     reason = "it is a folder" if with_suffix.is_dir() else "no such file"
+    if name.exists() and not name.is_dir():  # /dev/stdin, /dev/fd/63
+        with_suffix, reason = name, "it is no file but a pipe or a device; - reads standard input"
     raise UsageError(f"{with_suffix}: {reason}", "files.not-readable")
 
 

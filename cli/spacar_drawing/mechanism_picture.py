@@ -49,7 +49,8 @@ class Extras:
 
 
 def camera_of(scene: Scene, view: str) -> Camera:
-    return replace(Camera.plane() if scene.planar else Camera.towards(*view_angles(view)), metre=scene.metre)
+    angles = view_angles(view)  # a planar mechanism too has its view looked at
+    return replace(Camera.plane() if scene.planar else Camera.towards(*angles), metre=scene.metre)
 
 
 def mechanism_shapes(scene: Scene, x: Array, look: Look, extras: Extras) -> list[Shape]:

@@ -39,7 +39,8 @@ def combsbd(
         raise UsageError("combsbd needs two or more files", "files.combine")
     if target.exists() and not force:
         text = f"{target} exists and may hold the only copy of a result; the original overwrites it without a word,"
-        raise UsageError(f"{text} here --overwrite (force=True) replaces it", "files.exists")
+        how = "--overwrite (in MATLAB '-force', in Python force=True)"
+        raise UsageError(f"{text} here {how} replaces it", "files.exists")
     with ExitStack() as stack:
         files = [stack.enter_context(open_result(name, "sbd")) for name in names]
         for other in files[1:]:

@@ -205,6 +205,8 @@ def test_wrong_calls(folder):
         (["1", "nofile"], "nofile.dat: no such file"),
         (["check", "nofile"], "nofile.dat: no such file"),
         (["1", "adir"], "adir.dat: it is a folder"),
+        (["1", os.devnull], "- reads standard input"),
+        (["check", "crank", "--expand", "--json"], "exclude each other"),
         (["1"], "Missing argument 'FILE'"),
         (["1", "crank", "crank2"], "unexpected extra argument"),
         (["1", "crank", "--wrong"], "No such option '--wrong'"),

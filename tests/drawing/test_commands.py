@@ -75,6 +75,8 @@ def test_names_and_options_of_draw(results, words):
         (["draw", "crank", "-o", "no/p.png"], "does not exist"),
         (["draw", "crank", "--section", "RECT 1"], "--section"),
         (["draw", "trike3v", "--view", "front"], "--view front"),
+        (["draw", "crank", "--view", "front"], "--view front"),
+        (["visual", "plbeam5free", "--list", "-o", "p.png"], "--list prints modes"),
         (["visual", "crank"], "use spacar draw"),
         (["visual", "crank", "7"], "for pictures of mode 7 run: spacar 7 crank"),
         (["visual", "plbeam5free", "8"], "spacar 8 plbeam5free"),

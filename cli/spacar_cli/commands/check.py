@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from spacar.errors import InputError, Message
+from spacar.errors import InputError, Message, UsageError
 from spacar.modes import find_mode
 from spacar_cli import vocabulary as words
 from spacar_cli.environment import Environment, ExitStatus, tell_error, tell_messages
@@ -35,6 +35,8 @@ def command(environment: Environment, file: Path, mode: int | None, expand: bool
     from spacar.mechanism.user_files import without_functions
 
     number = None if mode is None else find_mode(mode).number
+    if expand and as_json:
+        raise UsageError("--expand and --json exclude each other")
     piped = str(file) == STANDARD_INPUT
     source = PIPED if piped else input_file(file)
     text = piped_text(environment) if piped else None

@@ -57,6 +57,8 @@ def command(
     choices = Choices(**common_options)
     if over_section and stress not in STRESSES:
         raise UsageError("--over-section shows a stress: give --stress mises, normal or shear")
+    if as_list and (choices.output or choices.show or stress or diagram):
+        raise UsageError("--list prints modes and draws nothing: without --output, --show, --stress, --diagram")
     source = choices.opened(file)
     step = stored_step(at, source.steps, source.name)
     if stress and diagram:
