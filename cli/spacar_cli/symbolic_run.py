@@ -65,7 +65,7 @@ def simulate_model(
     lines += ["", "start (states that are not listed: 0):"]
     lines += [f"  {name} = {value:.17g}" for name, value in start.items()]
     lines += ["", *summary, "", "model file:"]
-    lines += [f"  {line}" for line in model.path.read_text(encoding="utf-8").splitlines()]
+    lines += [f"  {line}" for line in model.path.read_text(encoding="utf-8-sig").splitlines()]
     if show:
         held = eq if eq.strategy == "held" else model.system.derive("held")
         lines += ["", "equations in vector notation:", "", equations_text(model, held, "held", "text")]

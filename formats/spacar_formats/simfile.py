@@ -45,7 +45,7 @@ class SimulationModel:
 def read_model(path: Path) -> SimulationModel:
     """Read, check and connect. Raises UsageError (file, keys, signals), InputError (the mechanism)."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except OSError as cause:
         raise UsageError(f"{path}: {cause.strerror}", "files.not-readable") from None
     except UnicodeDecodeError as cause:

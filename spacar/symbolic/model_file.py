@@ -153,7 +153,7 @@ class ModelFile:
         try:
             data = self.path.read_bytes() if self.data is None else self.data
             self.sha256 = hashlib.sha256(data).hexdigest()
-            tables: TomlTable = toml.loads(data.decode("utf-8").replace("\r\n", "\n"))
+            tables: TomlTable = toml.loads(data.decode("utf-8-sig").replace("\r\n", "\n"))
             text = control_character(tables)
         except ValueError as error:
             self.fail(f"cannot read the file: {error}", "syntax")

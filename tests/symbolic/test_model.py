@@ -70,6 +70,8 @@ def test_order_of_the_tables_is_free(model):
     frames[1] = frames[1][: frames[1].index("[[torque]]")]
     path = model(text=head + frames[1] + frames[0] + tail)
     assert len(read_model(path).system.speeds) == 8
+    path.write_text(f"\ufeff{path.read_text()}")  # the byte order mark of editors on Windows
+    assert len(read_model(path).system.speeds) == 8
 
 
 # -- errors: input, piece of the message ------------------------------------------------------------------------
