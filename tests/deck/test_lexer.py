@@ -87,7 +87,7 @@ def test_bytes_that_are_not_utf8(tmp_path) -> None:
         read_deck(file)
 
 
-def test_files_that_are_no_text_are_told_in_one_sentence(tmp_path) -> None:
+def test_files_that_are_no_text_get_one_sentence(tmp_path) -> None:
     """UTF-16, as PowerShell writes it, and a result; zeros behind the end, as old disks leave them, do no harm."""
     file = tmp_path / "a.dat"
     for data in (TEXT.encode("utf-16"), b"\x89SBF\r\n\x1a\n\x01\0\0\0" * 50):
