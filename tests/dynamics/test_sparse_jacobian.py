@@ -41,7 +41,7 @@ def test_both_forms_solve_the_same(name, monkeypatch):
             np.testing.assert_allclose(found, whole, rtol=0, atol=1e-9 * np.abs(whole).max())
 
 
-@pytest.mark.parametrize("code", [310, 330, 420, 553, 595])
+@pytest.mark.parametrize("code", [310, 330, 420, 595, pytest.param(553, marks=pytest.mark.slow)])
 def test_runs_agree(code, monkeypatch):
     """A frame of 44 beams that is released: its first outputs, to what is left by iterations within ERROR."""
     deck = spacar.parse_deck(frames.deck((3, 2, 1), 1), mode=1)

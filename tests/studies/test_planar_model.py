@@ -109,14 +109,16 @@ END END
 """
 
 
-@pytest.mark.parametrize(("variables", "found"), [(("x[7,1]", "x[4,2]"), True), (("x[7,1]", "e[4,3]"), False)])
-def test_trade_prefers_planar_elements_where_they_have_what_is_asked(variables, found):
+@pytest.mark.parametrize(
+    ("variables", "target", "found"), [(("x[7,1]", "x[4,2]"), 1e-3, True), (("x[7,1]", "e[4,3]"), 5e-2, False)]
+)
+def test_trade_prefers_planar_elements_where_they_have_what_is_asked(variables, target, found):
     """What names a deformation of a spatial beam has no like in the plane."""
-    answer = spacar.trade(spacar.parse_deck(SLIDER_CRANK, mode=1), target=1e-3, variables=list(variables))
+    answer = spacar.trade(spacar.parse_deck(SLIDER_CRANK, mode=1), target=target, variables=list(variables))
     assert ("planar" in answer.deck.source) is found
     if found:
         exact = spacar.run(1, spacar.parse_deck(SLIDER_CRANK, mode=1), rtol=1e-9, atol=1e-10)
         simple = spacar.run(1, answer.deck, **answer.options)
         for node, c in ((7, 1), (4, 2)):
             want = exact.node(node, c)
-            assert np.abs(simple.node(node, c) - want).max() <= 1e-3 * np.ptp(want)
+            assert np.abs(simple.node(node, c) - want).max() <= target * np.ptp(want)
