@@ -151,11 +151,12 @@ def _with_low_modes_of_the_inverse(
 
     Each computation leaves an error of eps times its largest value squared in all squares: relative to lambda eps
     (|lambda|max/|lambda|)^2/2 and eps (|lambda|/|lambda|min)^2/2, which are equal at the geometric mean of both ends.
+    The lowest value comes from the inverse as well: of a spread beyond 1/sqrt(eps) the state matrix has no digit of it.
     Left alone where K is singular to rounding.
     """
     size = np.abs(values)
     high, low = size.max(initial=0.0), size.min(initial=np.inf)
-    if not ROUNDING * high**2 < low**2 < POLISHED * high**2:
+    if not low**2 < POLISHED * high**2 or not (low**2 > ROUNDING * high**2 or keeps_digits(0.5 * (K + K.T))):
         return values, vectors
     n = len(K)
     d = 1.0 / np.sqrt(np.abs(np.diag(K)) + low**2 * np.diag(M))
@@ -169,9 +170,10 @@ def _with_low_modes_of_the_inverse(
     reciprocal, shapes = pairs
     ascending = np.argsort(size, kind="stable")
     first = np.argsort(-np.abs(reciprocal), kind="stable")
-    count = int(np.sum(size < np.sqrt(high * low)))
+    found = np.abs(reciprocal[first])
+    count = int(np.sum(found > np.sqrt(found[0] / high)))
     same = 1.0 - np.sqrt(EPS)
-    while 0 < count < 2 * n and size[ascending[count - 1]] > same * size[ascending[count]]:
+    while 0 < count < 2 * n and found[count] > same * found[count - 1]:
         count -= 1  # a pair stays together
     kept: Complex = np.concatenate((1.0 / reciprocal[first[:count]], values[ascending[count:]]))
     return kept, np.hstack((shapes[:, first[:count]], vectors[:, ascending[count:]]))

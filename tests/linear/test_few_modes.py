@@ -151,6 +151,22 @@ def test_every_mode_of_a_stiffness_over_ten_decades(seed: int, damping: float) -
         assert np.abs(sum(terms)).max() < 1e-8 * sum(np.abs(t).max() for t in terms)
 
 
+def test_low_modes_beside_a_motion_of_hardly_any_mass() -> None:
+    """Also of a warped beam with a moment at its end, whose twist rate has next to no inertia; K is unsymmetric."""
+    M = np.array([[2.0, 0.3, 1e-11], [0.3, 1.0, 2e-11], [1e-11, 2e-11, 1.5e-21]])
+    K = np.array([[90.0, 4.0, 1.0], [-3.0, 40.0, 0.5], [0.8, 0.6, 2.0]])
+    found = modes(M, np.zeros((3, 3)), K)
+    want = exact_values(M, np.zeros((3, 3)), K)
+    assert worst(found.values[-4:], sorted(want, key=abs)[:4]) < 1e-9
+    rows = [("BEAMW", 1, 1, 2, 3, 4, 5, 6, 0.1, 1.0, 0.2), ("X", 4, 0.5, 0.1, 0.2), ("FIX", 1), ("FIX", 2), ("FIX", 3),
+            ("DYNE", 1)]  # fmt: skip
+    law = [("ESTIFF", 1, 90.0, 2.0, 3.0, 4.0, 0.0, 0.0, 0.05), ("EM", 1, 0.7, 0.01, 0.006, 0.007), ("XM", 4, 0.3),
+           ("XF", 4, 0.3, -0.6, 0.4), ("XM", 5, 0.01, 0.0, 0.0, 0.01, 0.0, 0.01)]  # fmt: skip
+    decks = [spacar.Deck.build(rows, [*law, ("XF", 5, moment)], mode=10) for moment in (0.0, 1e-4)]
+    plain, turned = (spacar.run(10, deck).frequencies[0] for deck in decks)
+    np.testing.assert_allclose(turned[:6], plain[:6], rtol=1e-4)
+
+
 def test_a_rigid_motion_is_left_to_the_other_computation() -> None:
     K = np.array([[1.0, -1.0], [-1.0, 1.0 + 1e-13]])
     found = modes(np.eye(2), np.zeros((2, 2)), K)
