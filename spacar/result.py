@@ -150,7 +150,8 @@ class Result:
             return found.copy() if isinstance(self.frames, StoredFrames) else found
         if name in self.tables:  # made when somebody asks for one of them
             return self.tables[name]
-        raise UsageError(f"the variable {name} was not computed in this run of mode {self.mode}", "result.missing")
+        text = f"the variable {name} was not computed in this run of mode {self.mode}; result.keys() lists what was"
+        raise UsageError(text, "result.missing")
 
     def keys(self) -> list[str]:
         """Names of the variables of the steps, then those of `tables`: what `result[name]` gives."""

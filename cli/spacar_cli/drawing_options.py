@@ -14,7 +14,7 @@ from spacar_cli import vocabulary as words
 
 PICTURES = ": a picture, by its ending png, svg or pdf. May be repeated."
 FILMS = ": a picture, by its ending png, svg, pdf, gif (no other program needed), mp4 (needs ffmpeg). May be repeated."
-SHAPES = ': "[RECT|RECTHOL|CIRC|CIRCHOL|LINE] [elements] dimensions", as in the VISUALIZATION section. May be repeated.'
+SHAPES = ': "[RECT|RECTHOL|CIRC|CIRCHOL|I|LINE] [elements] dimensions", as in section VISUALIZATION. May be repeated.'
 common = words.options((
     words.option("output", FILMS, multiple=True), words.option("view", ", as -60,25", default="iso"),
     words.option("sections", SHAPES, multiple=True), words.option("opacity"), words.option("light", default=None),
