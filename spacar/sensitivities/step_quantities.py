@@ -18,6 +18,7 @@ from spacar.expressions.result_places import ELEMENT, NODE, place
 from spacar.frame import Frame
 from spacar.linear.buckling import buckling_modes, directional_compliances
 from spacar.linear.eigen import Modes, is_symmetric, is_zero, matters, vibration_modes
+from spacar.linear.graded import keeps_digits
 from spacar.linear.internal_unknowns import buckling_matrices
 from spacar.linearization.matrices import Linearization
 from spacar.mechanism import Mechanism
@@ -96,12 +97,12 @@ class LinearQuantities:
         """Derivatives of the eigenvalues that are equal to this one, (directions, m), in no particular order."""
         values = self.modes.values
         group = together(values, index)
-        if is_zero(values)[index]:
+        value, (M, C, K) = values[index], self._matrices
+        if is_zero(values)[index] and not keeps_digits(0.5 * (K + K.T)):  # beside a motion of hardly any mass it is not
             self.report.add(f"eigenvalue {index + 1} is zero, its derivatives are not defined (nan)")
             return np.full((len(self.states), 1), complex(np.nan, np.nan))
         if len(group) > 1:
             self.report.add(f"eigenvalue {group[0] + 1} occurs {len(group)} times: its derivatives are one-sided")
-        value, (M, C, K) = values[index], self._matrices
         if is_symmetric(K) and is_symmetric(M) and not matters(C, M, K) and not self.moving:
             square = float((-value * value).real)
             phi = self.modes.vectors[: len(K), group].real

@@ -284,6 +284,17 @@ def test_rotating_spring() -> None:
     np.testing.assert_allclose(found.derivatives[3], found.derivatives[1], rtol=1e-12)
 
 
+def test_low_modes_beside_a_motion_of_hardly_any_mass() -> None:
+    """The twist rate of a BEAMW without warping inertia moves at 1e19 rad/s: low ones are not zero beside it, with and
+    without a moment, whose stiffness is not symmetric."""
+    rows = [("BEAMW", 1, 1, 2, 3, 4, 5, 6, 0.1, 1.0, 0.2), ("X", 4, 0.5, 0.1, 0.2), ("FIX", 1), ("FIX", 2), ("FIX", 3),
+            ("DYNE", 1)]  # fmt: skip
+    for moment in (0.0, 0.05):
+        law = [("ESTIFF", 1, 90.0, 2.0, 3.0, 4.0, 0.0, 0.0, 0.05), ("EM", 1, 0.7, 0.01, 0.006, 0.007), ("XM", 4, 0.3),
+               ("XF", 4, 0.3, -0.6, 0.4), ("XM", 5, 0.01, 0.0, 0.0, 0.01, 0.0, 0.01), ("XF", 5, moment)]  # fmt: skip
+        agree(Deck.build(rows, law, mode=7), ["XM.4"], ["frequency[1]", "frequency[2]"])
+
+
 @pytest.mark.parametrize("rotor", [(), (0,), (1,)])
 def test_rotor_of_each_type(rotor: tuple[int, ...]) -> None:
     """Two springs k1, k2, inertia I and momentum h = J Omega: I^2 w^4 - (I (k1 + k2) + h^2) w^2 + k1 k2 = 0."""
