@@ -80,6 +80,10 @@ class Block:
         """Initial continuous states; forgets everything about an earlier simulation."""
         return self.x0.copy()
 
+    def stops_within(self, span: float) -> float:
+        """About how many samples and edges there are in this time [s]; `breaks` are not counted."""
+        return 0.0 if self.period is None else span / self.period
+
     def breaks_until(self, first: float, last: float) -> list[float]:
         """Breaks between two times that depend on them (of a periodic signal), besides `breaks`."""
         return []

@@ -32,6 +32,7 @@ from spacar.simulation.stepping import Stepping
 from spacar.simulation.transport_delay import TransportDelay
 
 MOST_LOOKS = 160  # for one event; every third halves the interval
+MOST_CUTS = 10_000_000  # edges or samples of one block: a chosen bound of memory, 2 GB
 
 
 def simulate(
@@ -318,6 +319,10 @@ class TimeAxis:
         self.shift = 4.0 * EPS * max(abs(first), abs(last), last - first)
         found: list[tuple[float, Block | None]] = [(first, None), (last, None)]
         for block in blocks:
+            if (stops := block.stops_within(last - first)) > MOST_CUTS:
+                text = f"{block.name}: the integration stops {stops:.3g} times in {last - first:g} s, at every edge or"
+                text += f" sample; at most {MOST_CUTS:.0e} stay in memory: a shorter time or a longer period helps"
+                raise UsageError(text, "simulation.times")
             found += [(t, None) for t in (*block.breaks, *block.breaks_until(first, last)) if first < t < last]
             if block.period is not None:
                 period, offset = block.period, block.offset
@@ -337,11 +342,11 @@ class TimeAxis:
         return abs(t - other) <= 4.0 * self.shift
 
     def window(self, k: int) -> tuple[float, float]:
-        """Where the blocks are evaluated in piece k: a little inside its cuts, but not inside the ends of the time."""
+        """Where the blocks are evaluated in piece k: a little inside its cuts, but at the first and last time."""
         low = self.cuts[k][0] + (self.shift if 0 < k < len(self.cuts) - 1 else 0.0)
         if k + 1 >= len(self.cuts):
             return low, low
-        return low, self.cuts[k + 1][0] - (self.shift if k + 2 < len(self.cuts) else 0.0)
+        return low, self.cuts[k + 1][0] - self.shift
 
     def cut(self, k: int, t: float) -> float:
         """Cut at t, behind cut k. Returns the time of the cut: t, or that of an existing cut at the same time."""

@@ -148,6 +148,9 @@ class Pulses(Source):
         self.every, self.duty, self.time = float(every), float(duty), float(time)
         self.high, self.low = self.values
 
+    def stops_within(self, span: float) -> float:
+        return 2.0 * span / self.every
+
     def breaks_until(self, first: float, last: float) -> list[float]:
         """All edges between two times."""
         k = np.arange(max(np.ceil((first - self.time) / self.every) - 1.0, 0.0), (last - self.time) / self.every + 1.0)

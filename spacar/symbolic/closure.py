@@ -24,6 +24,7 @@ ITERATIONS = 60
 DRIFT = {"DOP853": 0.1, "Radau": 0.1, "LSODA": 10.0}
 """Correction, in tolerances, from which a run restarts at the projected state; dear for multistep methods."""
 ROUNDING = 8 * EPS  # of a coordinate of order one
+SHARE = 1e-3  # chosen: of the largest part that a constraint has in a dependence; smaller ones are not named
 NEARLY = 1e-3  # largest relative change of given start values that is taken as their rounding
 
 
@@ -35,9 +36,11 @@ class Manifold:
         self.program, self.function, self.constraints = program, function, program.constraints
         self.nq, self.notes = len(program.coordinates), list[str]()
         self.names = [s.name for s in program.state]
+        self.at = 0.0, np.zeros(len(self.names))  # time and state that were evaluated last
 
     def numbers(self, t: float, y: np.ndarray) -> tuple[np.ndarray, ...]:
         """D, J, J_g, e, g, W."""
+        self.at = t, y.copy()
         M, J, e, g, W = self.function.manifold(t, y.tolist())
         diagonal = M.diagonal()
         D = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
@@ -66,6 +69,19 @@ class Manifold:
         D, J, _, e, _, _ = self.numbers(t, y)
         y[n:] += D * np.linalg.lstsq(J * D, -e, rcond=None)[0]
         return y
+
+    def dependent(self) -> str:
+        """The names of the constraints that hold the same motion where the program was evaluated last; none where all
+        pivots of J M^-1 J^T, the squares of singular values, are above their rounding (`emit.solvers`)."""
+        D, J, *_ = self.numbers(*self.at)
+        J = J * D
+        size = np.max(np.abs(J), axis=1, keepdims=True)
+        U, s, _ = np.linalg.svd(J / np.where(size > 0, size, 1.0))
+        if len(s) == len(J) and s[-1] ** 2 > len(J) * ROUNDING * s[0] ** 2:
+            return ""
+        parts = np.abs(U[:, -1])
+        names = [name for name, part in zip(self.constraints.names, parts, strict=True) if part > SHARE * max(parts)]
+        return ", ".join(names)
 
     # -- start ---------------------------------------------------------------------------------------------------
 

@@ -177,7 +177,14 @@ def simulate(
         else:
             solution = solve_ivp(watched, (0.0, float(times[-1])), y0, method=method, t_eval=times, **options)
     except ArithmeticError as error:
-        raise AnalysisError(f"simulation stopped: {error}", "pivot") from None
+        why = str(error)
+        if manifold is not None and (dependent := manifold.dependent()):
+            why = (
+                f"the constraints {dependent} depend on each other near t = {manifold.at[0]:.6g} s: leave "
+                "out one that the others imply everywhere (a direction of a loop, a constraint); at a dead point, "
+                "begin or end elsewhere"
+            )
+        raise AnalysisError(f"simulation stopped: {why}", "pivot") from None
     if not solution.success or solution.y.shape[1] != len(times) or not np.all(np.isfinite(solution.y)):
         reached = solution.t[-1] if len(solution.t) else 0.0
         raise AnalysisError(

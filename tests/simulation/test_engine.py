@@ -260,3 +260,20 @@ def test_a_mistake_of_a_block_is_not_tried_again():
         simulate(Diagram().add(block), TIMES)
     assert found.value.code.startswith("simulation.")
     assert sum(t > 0.5 for t in calls) == 1
+
+
+def test_an_edge_at_the_last_time_does_not_enter_the_piece_before_it():
+    """The area of pulses is exact, and the last value is that behind the edge."""
+    d = Diagram().add(sim.Pulses("p", 0.1, 0.5), sim.Integrator("area")).connect("p", "area")
+    r = simulate(d, [0.0, 1.0, 2.0])
+    assert r["area"][:, 0] == pytest.approx([0.0, 0.5, 1.0], abs=1e-13)
+    assert r["p"][-1] == 1.0
+
+
+@pytest.mark.parametrize(
+    "block", [sim.Pulses("fast", 1e-7), sim.zero_order_hold("fast", 5e-8)], ids=["edges", "samples"]
+)
+def test_stops_that_do_not_fit_in_memory_are_refused_before_the_start(block):
+    d = Diagram().add(sim.Constant("one", 1.0), block)
+    with pytest.raises(UsageError, match=r"fast: the integration stops 2e\+07 times in 1 s.*a longer period helps"):
+        simulate(d.connect("one", "fast") if block.n_in else d, [0.0, 1.0])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from spacar.errors import UsageError
+from spacar.errors import AnalysisError, UsageError
 from spacar.symbolic import MultibodySystem
 
 
@@ -233,3 +233,24 @@ def test_spring_between_two_points():
         tension = 5.0 * 0.3 + 0.3 * -2.0
         assert [float(e) for e in f] == pytest.approx([tension, -tension], rel=1e-13)
         assert eq.check().energy_error < 1e-25
+
+
+def test_message_names_the_constraints_of_a_parallelogram_with_a_bar_too_many():
+    """Three equal parallel bars under one plate; that of a fourth, single bar is not named."""
+    S = MultibodySystem()
+    at = {}
+    for name in ("a", "b", "c", "d", "plate"):
+        q, _ = S.coordinate(f"q_{name}", speed=f"w_{name}")
+        at[name] = S.frame(f"F_{name}", S.N, 3, q)
+    L = S.expression("L")
+    tip = S.point("Pa", S.O, L * at["a"][1])
+    S.particle("m", tip, "m")
+    S.constraint(S.speeds[3], name="free")
+    for k, name in enumerate("bc", 1):
+        ground = S.point(f"G{name}", S.O, k * L * S.N[1])
+        end = S.point(f"P{name}", ground, L * at[name][1])
+        S.close(end, S.point(f"Q{name}", tip, k * L * at["plate"][1]), name=name)
+    program = S.derive().program()
+    start = {f"q_{name}": 0.5 for name in "abc"}
+    with pytest.raises(AnalysisError, match=r"constraints b_1, b_2, c_1, c_2 depend .* near t = 0 s: leave out one"):
+        program.simulate({"L": 1.0, "m": 1.0}, start, t_end=1.0, steps=10)
