@@ -4,6 +4,7 @@ The table `spacar_formats.sim_blocks.BLOCKS` names the maker of every block, wit
 maker raises UsageError, with file and line, for a value that its key cannot have.
 """
 
+from codecs import BOM_UTF8
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -127,12 +128,12 @@ def delay(s: Section) -> Block:
 
 
 def table(s: Section) -> Block:
-    """Times and values from a csv file: the first column is the time. A first line of numbers is no heading."""
+    """Times and values from a csv file: the first column is the time. A first line with a time is no heading."""
     path = s.path("file")
     try:
-        with path.open(encoding="utf-8") as lines:
-            heading = np.isnan(np.genfromtxt([lines.readline()], delimiter=",", ndmin=1)).any()
-        rows = np.genfromtxt(path, delimiter=",", skip_header=int(heading), ndmin=2)
+        lines = path.read_bytes().removeprefix(BOM_UTF8).decode("latin-1").split("\n")  # a heading has any bytes
+        heading = np.isnan(np.genfromtxt(lines[:1], delimiter=",", usecols=(0,))).all()
+        rows = np.genfromtxt(lines, delimiter=",", skip_header=int(heading), ndmin=2)
     except (OSError, ValueError) as cause:
         raise s.error(f"file = {s.text('file')} cannot be read: {str(cause).splitlines()[0]}", "file") from None
     if rows.shape[1] < 2 or not np.isfinite(rows).all():

@@ -114,10 +114,10 @@ law -> robot
     assert "the output of law at t = 0 has the shape (1,); expected (3,)" in call.refused("sim", "bad", status=1)
 
 
-@pytest.mark.parametrize("heading", ["", "t (s),M (N m)\n"])
+@pytest.mark.parametrize("heading", ["", "\ufeff", "t (s),M (N, m) µ\n"])
 def test_a_table_keeps_its_first_line_of_numbers(folder, heading):
     """It was left out as a heading. Times are whole steps, and the end."""
-    (folder / "ramp.csv").write_text(heading + "0,1\n2,5\n")
+    (folder / "ramp.csv").write_text(heading + "0,1\n2,5\n", "utf-8")
     (folder / "ramp.sim").write_text("""
 [simulation]
 time = 1
