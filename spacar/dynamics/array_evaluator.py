@@ -54,9 +54,7 @@ class Dynamics(EquationsOfMotion):
         """Start state; brings the mechanism there from the reference configuration, in steps if it is far."""
         y = self.start_values()
         x0 = self.mechanism.x0
-        self.sweep.branch[:] = 0.0
-        self.sweep.strain(x0)
-        self.stand(Placement(x0, np.zeros_like(x0), self.sweep.e))
+        self.stand(Placement(x0, np.zeros_like(x0), np.zeros(self.numbering.ne)))
         self.kinematics.begin()
         self.place(0.0, y)
         self.check_mass()

@@ -83,6 +83,7 @@ def buckling_modes(K0: Array, G0: Array, report: Report) -> BucklingModes:
     product = scale[:, None] * scale
     K, load = K0 * product, load * product
     lower = np.zeros((0, 0))
+    # In the scale of K; rows on which the load does not act hold rounding, so that they are no scale of their own.
     if is_symmetric(K) and np.abs(load - load.T).max() <= SYMMETRIC * np.abs(load).max():
         with suppress(np.linalg.LinAlgError):
             lower = np.linalg.cholesky(K)

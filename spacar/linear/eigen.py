@@ -61,9 +61,15 @@ class Modes(NamedTuple):
         return Modes(self.values[first:], self.vectors[:, first:], self.n_positions)
 
 
-def is_zero(values: Complex) -> NDArray[np.bool_]:
-    """Below sqrt(eps) times the largest modulus: a multiple zero eigenvalue cannot be computed more accurately."""
-    largest = float(np.max(np.abs(values), initial=0.0))
+def is_regular(K: Array) -> bool:
+    """Is the symmetric part of a stiffness definite to ten digits? Then no eigenvalue is zero."""
+    return keeps_digits(0.5 * (K + K.T))
+
+
+def is_zero(values: Complex, K: Array) -> NDArray[np.bool_]:
+    """Below sqrt(eps) times the largest modulus: a multiple zero eigenvalue cannot be computed more accurately.
+    Values of a regular stiffness (n, n) may be as low beside a motion of hardly any mass; none of them is zero."""
+    largest = 0.0 if is_regular(K) else float(np.max(np.abs(values), initial=0.0))
     return np.asarray(np.abs(values) <= np.sqrt(EPS) * largest)
 
 
@@ -156,7 +162,7 @@ def _with_low_modes_of_the_inverse(
     """
     size = np.abs(values)
     high, low = size.max(initial=0.0), size.min(initial=np.inf)
-    if not low**2 < POLISHED * high**2 or not (low**2 > ROUNDING * high**2 or keeps_digits(0.5 * (K + K.T))):
+    if not low**2 < POLISHED * high**2 or not (low**2 > ROUNDING * high**2 or is_regular(K)):
         return values, vectors
     n = len(K)
     d = 1.0 / np.sqrt(np.abs(np.diag(K)) + low**2 * np.diag(M))
