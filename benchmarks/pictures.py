@@ -50,7 +50,7 @@ def bent(n: int, planar: bool, steps: int = 3) -> PictureSource:
             else:
                 x[turn - 1] = [np.cos(phi[k] / 2), 0.0, 0.0, np.sin(phi[k] / 2)]
         xs.append(x)
-    frames = [SimpleNamespace(t=float(k), x=x) for k, x in enumerate(xs)]
+    frames = [SimpleNamespace(value={"t": float(k), "x": x}.get) for k, x in enumerate(xs)]
     result: Any = SimpleNamespace(mode=1, mechanism=mechanism, frames=frames)
     return source_of_result(result)
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from spacar_drawing.mechanism_picture import Extras
 from spacar_drawing.picture_source import PictureSource, open_source
+from spacar_drawing.scene import check_numbers
 from spacar_drawing.settings import ALL, DIMENSIONS, SectionShape, statement_section
 from spacar_drawing.symbols import KINDS
 
@@ -49,7 +50,7 @@ class Choices:
     def opened(self, file: str) -> PictureSource:
         """A result, with the settings of the file and of the command line. Raises UsageError."""
         source = open_source(file, self.stale_ok)
-        check_elements(self.hide, [e.number for e in source.scene.elements], "--hide: element")
+        check_numbers(self.hide, [e.number for e in source.scene.elements], "--hide: element")
         settings = source.settings
         if self.sections:
             settings = replace(settings, beams=settings.beams | sections_of(self.sections))
@@ -88,11 +89,3 @@ def sections_of(texts: Sequence[str]) -> dict[int, SectionShape]:
             found = {}
         found |= dict.fromkeys(read[0], read[1])
     return found
-
-
-def check_elements(numbers: Sequence[int], known: Sequence[int], option: str) -> None:
-    """Raises UsageError for a number that is not in the model."""
-    for n in numbers:
-        if n not in known:
-            these = ", ".join(map(str, known)) if len(known) <= 20 else f"{known[0]} to {known[-1]}"
-            raise UsageError(f"{option} {n} does not exist; the model has {these}")

@@ -14,7 +14,6 @@ from spacar_formats.safety import write_text
 
 from spacar.calls import Source, deck_of, has_interval, path_of, run, texts
 from spacar.errors import UsageError
-from spacar.expressions.result_places import listed
 from spacar.mechanism.user_files import without_functions
 from spacar.result import Result
 from spacar_drawing.curves import evaluate, in_units
@@ -24,6 +23,7 @@ from spacar_drawing.history import history_figure
 from spacar_drawing.mechanism_picture import Extras, chosen_steps, picture, series
 from spacar_drawing.page_parts import png
 from spacar_drawing.picture_source import PictureSource, open_source, source_of_result
+from spacar_drawing.scene import check_numbers
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -72,11 +72,8 @@ def _extras(given: dict[str, Any]) -> Extras:
 
 def _traced(source: PictureSource, given: Sequence[int] | int) -> list[int]:
     """The position nodes whose paths are wanted. Raises UsageError for a node that is none."""
-    known = source.scene.position_nodes.tolist()
     nodes = list(given) if isinstance(given, Iterable) else [given]
-    for node in nodes:
-        if node not in known:
-            raise UsageError(f"traces: {node!r:.60} is no position node; these are {listed(known)}", "draw.missing")
+    check_numbers(nodes, source.scene.position_nodes.tolist(), "traces: position node")
     return nodes
 
 

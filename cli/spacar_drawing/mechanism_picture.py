@@ -49,7 +49,7 @@ class Extras:
 
 
 def camera_of(scene: Scene, view: str) -> Camera:
-    angles = view_angles(view)  # a planar mechanism too has its view looked at
+    angles = view_angles(view)  # checked in the plane too
     return replace(Camera.plane() if scene.planar else Camera.towards(*angles), metre=scene.metre)
 
 

@@ -17,6 +17,7 @@ from spacar_formats.signal_tables import SignalTable, read_table
 from spacar.arrays import Array
 from spacar.errors import UsageError
 from spacar.expressions.grammar import MATRICES, VECTORS
+from spacar.frame import column
 from spacar.modes import find_mode
 from spacar.result import Result
 from spacar.stream import Run
@@ -175,13 +176,11 @@ def source_of_result(result: Result) -> PictureSource:
     settings = replace(parse_settings(deck.visualization), metre=deck.metre)
 
     def read(variable: str, k: int | None) -> Array | None:
-        ident = variable.lower()
-        attribute = "fxtot" if ident in ALIASES.values() else ident
-        chosen = frames if k is None else frames[k - 1 : k]
-        values = [getattr(f, attribute, (getattr(f, "matrices", None) or {}).get(ident)) for f in chosen]
-        if not values or any(v is None for v in values):
+        name = "fxtot" if variable.lower() in ALIASES.values() else variable.lower()
+        if not len(frames):
             return None
-        return np.array(values if k is None else values[0], float)
+        value = column(frames, name) if k is None else frames[k - 1].value(name)
+        return None if value is None else np.array(value, float)
 
     title = Path(deck.source).stem
     scene = Scene.of_header(header, title, settings.metre)

@@ -6,7 +6,7 @@ element number minus 1, as in the files.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -18,6 +18,7 @@ from spacar.arrays import Array, Index
 from spacar.deck import ELEMENT_TYPES
 from spacar.elements.rotations.rotation import rotate
 from spacar.errors import UsageError
+from spacar.expressions.result_places import listed
 from spacar.modes import Mode, find_mode
 from spacar_drawing.drawn_shapes import together, unit
 
@@ -280,3 +281,10 @@ class Pose:
         nodes = scene.node_table[rows, column]
         turn = np.where(nodes[:, None, None] > 0, self.turn[nodes - 1], np.eye(3))
         return start @ np.swapaxes(turn, 1, 2)
+
+
+def check_numbers(numbers: Sequence[int], known: Sequence[int], option: str) -> None:
+    """Raises UsageError for a number of a node or element that is not among the known ones."""
+    for n in numbers:
+        if n not in known:
+            raise UsageError(f"{option} {n} does not exist; the model has {listed(known)}", "draw.missing")

@@ -162,7 +162,7 @@ def view_model(
     places = positions(scene, xs)[:, scene.position_nodes - 1]
     low, high = series_bounds(scene, xs, look, Extras(), 12)
     centre = 0.5 * (low + high)
-    angles = view_angles(view)  # a planar mechanism too has its view looked at
+    angles = view_angles(view)  # checked in the plane too
     azimuth, elevation = (-90.0, 90.0) if scene.planar else angles
     values, columns = _values(source, chosen)
     traces, spans = _paths(source, centre)

@@ -8,10 +8,11 @@ import numpy as np
 from spacar_drawing.files import FILM, FILM_DPI, check_name, evenly, film, save
 from spacar_drawing.history import TimeLine, beside
 from spacar_drawing.mechanism_picture import chosen_steps, picture, series
+from spacar_drawing.scene import check_numbers
 
 from spacar.errors import UsageError
 from spacar_cli import vocabulary as words
-from spacar_cli.drawing_options import Choices, check_elements, common, symbol_kinds
+from spacar_cli.drawing_options import Choices, common, symbol_kinds
 from spacar_cli.environment import Environment
 from spacar_cli.progress import frame_progress
 
@@ -49,7 +50,7 @@ def command(
     for path in outputs:
         check_name(path)
     nodes = [] if no_trace else list(trace or source.settings.traces)
-    check_elements(nodes, scene.position_nodes.tolist(), "--trace: position node")
+    check_numbers(nodes, scene.position_nodes.tolist(), "--trace: position node")
     films = [p for p in outputs if p.suffix.lower() in FILM]
     stills = [p for p in outputs if p not in films]
     table = source.signals if scopes and source.signals is not None and source.signals.panels else None
